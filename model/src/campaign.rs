@@ -1,0 +1,67 @@
+//! model: a campaign, one vehicle with its declared model and its runs. In: checked data. Out: what identifier and loop work on.
+
+use crate::plant::Plant;
+use crate::record::{PointRecord, Record};
+
+/// What a run is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Use {
+    /// Parameters are identified on it.
+    Identify,
+    /// Only predictions are judged on it.
+    HoldOut,
+}
+
+/// One run's data.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Data {
+    /// A tunnel run with attitude.
+    Tunnel(Record),
+    /// A flight of a point mass.
+    Point(PointRecord),
+}
+
+/// One run of a campaign.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// Short name, the file's stem.
+    pub name: String,
+    /// Kind as declared: `perturbed`, `unperturbed`, `drop`, `launch`, or the user's word.
+    pub kind: String,
+    /// Identify or hold out.
+    pub used: Use,
+    /// Known settings of this run, in the order of [`Campaign::inputs`].
+    pub inputs: Vec<f64>,
+    /// What was measured.
+    pub data: Data,
+    /// What reading the file bridged, removed or split, in words.
+    pub notes: Vec<String>,
+}
+
+/// A campaign: declared plant, which parameters it declares, runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Campaign {
+    /// Name from the file.
+    pub name: String,
+    /// The declared model with its starting values; undeclared parameters are zero.
+    pub plant: Plant,
+    /// For each parameter of the structure, whether the declared model has it.
+    pub declared: Vec<bool>,
+    /// Names of run inputs, sorted.
+    pub inputs: Vec<String>,
+    /// All runs, in file order.
+    pub runs: Vec<Run>,
+}
+
+impl Campaign {
+    /// True when its runs are flights of a point mass.
+    #[must_use]
+    pub fn is_point_mass(&self) -> bool {
+        matches!(self.runs.first().map(|r| &r.data), Some(Data::Point(_)))
+    }
+    /// The plant as it acts in run `i`.
+    #[must_use]
+    pub fn plant_for(&self, plant: &Plant, i: usize) -> Plant {
+        plant.for_run(i, &self.runs[i].inputs)
+    }
+}

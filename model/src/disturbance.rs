@@ -1,0 +1,145 @@
+//! model: random inputs with a known spectrum. In: rms, scale, band. Out: where each enters the equations and its density.
+//!
+//! The simulator draws them, the tracer uses their cross-spectra; both read the same few numbers.
+
+use std::f64::consts::PI;
+
+/// Gusts of the tunnel, Dryden form (MIL-F-8785C 1980; Dryden, NACA TR 342, 1930). Zero rms in a declared model.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Turbulence {
+    /// rms along the stream, m/s.
+    pub axial_rms_m_s: f64,
+    /// rms across it, each axis, m/s.
+    pub lateral_rms_m_s: f64,
+    /// Longitudinal integral scale L, m.
+    pub scale_m: f64,
+}
+
+/// Moment from vortices shed by the wake: narrow-band about f = St V/d. Zero rms in a declared model.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WakeShedding {
+    /// rms of C_m and of C_n, independent.
+    pub moment_rms: f64,
+    /// Strouhal number f d/V.
+    pub strouhal: f64,
+    /// Half-power bandwidth over centre frequency.
+    pub bandwidth: f64,
+}
+
+/// Where a random input enters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entry {
+    /// Air velocity along tunnel axis 0 = X, 1 = Y, 2 = Z, m/s.
+    AirVelocity(usize),
+    /// Coefficient by index 0..6 (C_A, C_Y, C_N, C_l, C_m, C_n).
+    Coefficient(usize),
+}
+
+/// Linear shaping filter of second order from white noise: `ẍ = −b ẋ − a x + (c₀ + c₁ s) w`, in the form of its density.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// Dryden longitudinal: S(ω) = σ² (2T/π) / (1 + (Tω)²), T = L/V in s.
+    DrydenLongitudinal {
+        /// Time scale T, s.
+        time_s: f64,
+    },
+    /// Dryden lateral: S(ω) = σ² (T/π) (1 + 3(Tω)²) / (1 + (Tω)²)², T = L/V in s.
+    DrydenLateral {
+        /// Time scale T, s.
+        time_s: f64,
+    },
+    /// Response of a damped oscillator to white noise, centre ω₀ (rad/s), half-power bandwidth b (rad/s).
+    Narrow {
+        /// Centre, rad/s.
+        centre_rad_s: f64,
+        /// Half-power bandwidth, rad/s.
+        bandwidth_rad_s: f64,
+    },
+}
+
+/// One random input, independent of the others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disturbance {
+    /// Where it enters.
+    pub entry: Entry,
+    /// Standard deviation, in the entry's unit.
+    pub rms: f64,
+    /// Spectrum.
+    pub shape: Shape,
+}
+
+impl Disturbance {
+    /// One-sided density per rad/s at ω ≥ 0: its integral over ω from 0 to ∞ is rms².
+    #[must_use]
+    pub fn density(&self, omega_rad_s: f64) -> f64 {
+        let w2 = omega_rad_s * omega_rad_s;
+        let unit = match self.shape {
+            Shape::DrydenLongitudinal { time_s: t } => (2.0 * t / PI) / (1.0 + t * t * w2),
+            Shape::DrydenLateral { time_s: t } => (t / PI) * (1.0 + 3.0 * t * t * w2) / (1.0 + t * t * w2).powi(2),
+            Shape::Narrow { centre_rad_s: c, bandwidth_rad_s: b } => {
+                let c2 = c * c;
+                (2.0 / PI) * b * c2 / ((c2 - w2).powi(2) + b * b * w2)
+            }
+        };
+        self.rms * self.rms * unit
+    }
+    /// State form for simulation: matrices of `ẋ = A x + B w`, `y = C x`, with `w` white of two-sided density 1 (covariance
+    /// δ(t)) and the state started from its stationary covariance; two states (the second unused for the first-order form).
+    #[must_use]
+    pub fn filter(&self) -> ShapingFilter {
+        match self.shape {
+            Shape::DrydenLongitudinal { time_s: t } => {
+                ShapingFilter { a: [[-1.0 / t, 0.0], [0.0, -1.0 / t]], b: [self.rms * (2.0 / t).sqrt(), 0.0], c: [1.0, 0.0] }
+            }
+            Shape::DrydenLateral { time_s: t } => ShapingFilter {
+                a: [[0.0, 1.0], [-1.0 / (t * t), -2.0 / t]],
+                b: [0.0, 1.0],
+                c: [self.rms / (t * t) * t.sqrt(), self.rms * (3.0 * t).sqrt() / t],
+            },
+            Shape::Narrow { centre_rad_s: w0, bandwidth_rad_s: bw } => {
+                ShapingFilter { a: [[0.0, 1.0], [-w0 * w0, -bw]], b: [0.0, self.rms * w0 * (2.0 * bw).sqrt()], c: [1.0, 0.0] }
+            }
+        }
+    }
+}
+
+/// `ẋ = A x + B w`, `y = C x` with unit white noise `w`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapingFilter {
+    /// State matrix.
+    pub a: [[f64; 2]; 2],
+    /// Input column.
+    pub b: [f64; 2],
+    /// Output row.
+    pub c: [f64; 2],
+}
+
+impl Turbulence {
+    /// The three gust components at mean airspeed `speed`; empty when there is no turbulence.
+    #[must_use]
+    pub fn disturbances(&self, speed_m_s: f64) -> Vec<Disturbance> {
+        let time_s = self.scale_m / speed_m_s;
+        let lateral = |axis| Disturbance {
+            entry: Entry::AirVelocity(axis),
+            rms: self.lateral_rms_m_s,
+            shape: Shape::DrydenLateral { time_s },
+        };
+        let axial =
+            Disturbance { entry: Entry::AirVelocity(0), rms: self.axial_rms_m_s, shape: Shape::DrydenLongitudinal { time_s } };
+        [axial, lateral(1), lateral(2)].into_iter().filter(|d| d.rms > 0.0).collect()
+    }
+}
+
+impl WakeShedding {
+    /// The two moments at mean airspeed `speed` for diameter `d`; empty when there is no shedding.
+    #[must_use]
+    pub fn disturbances(&self, speed_m_s: f64, diameter_m: f64) -> Vec<Disturbance> {
+        let centre_rad_s = 2.0 * PI * self.strouhal * speed_m_s / diameter_m;
+        let one = |index| Disturbance {
+            entry: Entry::Coefficient(index),
+            rms: self.moment_rms,
+            shape: Shape::Narrow { centre_rad_s, bandwidth_rad_s: self.bandwidth * centre_rad_s },
+        };
+        [one(4), one(5)].into_iter().filter(|d| d.rms > 0.0).collect()
+    }
+}

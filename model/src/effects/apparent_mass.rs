@@ -1,0 +1,23 @@
+//! model: effect `apparent-mass`.
+
+use super::{Acts, Effect, Parameter};
+
+pub(super) static EFFECT: Effect = Effect {
+    family: "apparent-mass",
+    acts: Acts::Lander,
+    physics: "Air that moves with the model must be accelerated with it: an extra inertia that acts on accelerations but has no weight. The steady (Munk) moment belongs to the static coefficients and is not repeated here.",
+    source: "Lamb, Hydrodynamics, 1932, §§121-124; Brennen, Report CR 82.010, 1982",
+    separate_by: "a perturbed run with larger vertical acceleration (step of tunnel speed) at the same attitude",
+    parameters: |_| {
+        vec![
+            Parameter::strength("axial_kg", "kg", 0.3),
+            Parameter::strength("radial_kg", "kg", 0.3),
+            Parameter::strength("transverse_kg_m2", "kg m2", 0.01),
+        ]
+    },
+    apply: |plant, v| {
+        plant.vehicle.apparent.axial_kg += v[0];
+        plant.vehicle.apparent.radial_kg += v[1];
+        plant.vehicle.apparent.transverse_kg_m2 += v[2];
+    },
+};

@@ -1,0 +1,13 @@
+//! model: effect `buoyancy`.
+
+use super::{Acts, Effect, Parameter};
+
+pub(super) static EFFECT: Effect = Effect {
+    family: "buoyancy",
+    acts: Acts::PointMass,
+    physics: "The displaced air carries a part of the weight.",
+    source: "Archimedes; Batchelor, An Introduction to Fluid Dynamics, 1967, §4.1",
+    separate_by: "a drop in vacuum or of a denser body of the same size",
+    parameters: |_| vec![Parameter::strength("displaced_fraction", "-", 20.0)],
+    apply: |plant, v| plant.point.buoyancy_fraction += v[0],
+};

@@ -1,0 +1,153 @@
+//! model: the effect catalogue. In: nothing. Out: every physical effect a declared model may lack, one file each.
+//!
+//! An effect is a family name, its parameters, a paragraph of physics with a source, and what it changes in the plant. From
+//! that one file follow simulating it, its signature, tracing, estimating, its bound, and its line in the report; nothing else
+//! in the program knows a family by name. Adding an effect is adding a file and its line in [`CATALOGUE`].
+
+use crate::plant::Plant;
+
+mod apparent_mass;
+mod apparent_mass_point;
+mod asymmetry;
+mod axial_shape;
+mod axial_speed;
+mod buoyancy;
+mod center_of_mass;
+mod constant_acceleration;
+mod contact;
+mod cross_flow;
+mod damping_shape;
+mod drag;
+mod flow_profile;
+mod inertia;
+mod loose_mass;
+mod magnus;
+mod pose_delay;
+mod pose_misalignment;
+mod rate_force;
+mod roll_damping_shape;
+mod roll_periodic;
+mod spin_lift;
+mod swirl;
+mod tether_geometry;
+mod tether_length;
+mod tether_line_rate;
+mod turbulence;
+mod wake_shedding;
+mod wind_delay;
+mod wind_scale;
+
+/// Which bodies an effect can act on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Acts {
+    /// A body with attitude, in the tunnel or in free flight.
+    Lander,
+    /// A body without attitude.
+    PointMass,
+}
+
+/// How a parameter is looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Role {
+    /// Zero means the effect is absent; estimated by linearisation around zero and then iterated.
+    Strength,
+    /// Meaningless when all strengths are zero; these values are tried, then refined.
+    Shape(&'static [f64]),
+    /// A time from the run's first sample, s: tried along the whole run.
+    Instant,
+    /// Index of the run in which the effect acts: every run is tried.
+    Run,
+}
+
+/// One parameter of an effect.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name in files and reports.
+    pub name: String,
+    /// SI unit, `-` for none.
+    pub unit: &'static str,
+    /// Smallest plausible value (allowed in scenarios, inclusive).
+    pub low: f64,
+    /// Largest plausible value.
+    pub high: f64,
+    /// Value when the effect is absent (strengths: 0) or a typical one (shapes).
+    pub null: f64,
+    /// How it is looked for.
+    pub role: Role,
+}
+
+impl Parameter {
+    fn strength(name: &str, unit: &'static str, limit: f64) -> Self {
+        Self { name: name.to_owned(), unit, low: -limit, high: limit, null: 0.0, role: Role::Strength }
+    }
+    fn rms(name: &str, unit: &'static str, limit: f64) -> Self {
+        Self { name: name.to_owned(), unit, low: 0.0, high: limit, null: 0.0, role: Role::Strength }
+    }
+    fn shape(name: &str, unit: &'static str, low: f64, high: f64, null: f64, tried: &'static [f64]) -> Self {
+        Self { name: name.to_owned(), unit, low, high, null, role: Role::Shape(tried) }
+    }
+}
+
+/// One physical effect.
+pub struct Effect {
+    /// Family name of the contract.
+    pub family: &'static str,
+    /// Bodies it can act on.
+    pub acts: Acts,
+    /// One paragraph: what happens.
+    pub physics: &'static str,
+    /// Where that is from.
+    pub source: &'static str,
+    /// Its parameters, given the names of the campaign's run inputs.
+    pub parameters: fn(inputs: &[String]) -> Vec<Parameter>,
+    /// Puts it into a plant: values in the order of `parameters`. Adds to what is there.
+    pub apply: fn(&mut Plant, &[f64]),
+    /// Additional run that would separate this effect from one that looks the same, in words.
+    pub separate_by: &'static str,
+}
+
+impl std::fmt::Debug for Effect {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Effect({})", self.family)
+    }
+}
+
+/// All effects, alphabetical by file.
+pub static CATALOGUE: [&Effect; 30] = [
+    &apparent_mass::EFFECT,
+    &apparent_mass_point::EFFECT,
+    &asymmetry::EFFECT,
+    &axial_shape::EFFECT,
+    &axial_speed::EFFECT,
+    &buoyancy::EFFECT,
+    &center_of_mass::EFFECT,
+    &constant_acceleration::EFFECT,
+    &contact::EFFECT,
+    &cross_flow::EFFECT,
+    &damping_shape::EFFECT,
+    &drag::EFFECT,
+    &flow_profile::EFFECT,
+    &inertia::EFFECT,
+    &loose_mass::EFFECT,
+    &magnus::EFFECT,
+    &pose_delay::EFFECT,
+    &pose_misalignment::EFFECT,
+    &rate_force::EFFECT,
+    &roll_damping_shape::EFFECT,
+    &roll_periodic::EFFECT,
+    &spin_lift::EFFECT,
+    &swirl::EFFECT,
+    &tether_geometry::EFFECT,
+    &tether_length::EFFECT,
+    &tether_line_rate::EFFECT,
+    &turbulence::EFFECT,
+    &wake_shedding::EFFECT,
+    &wind_delay::EFFECT,
+    &wind_scale::EFFECT,
+];
+
+/// The effect of that family for that kind of body.
+#[must_use]
+pub fn find(family: &str, acts: Acts) -> Option<&'static Effect> {
+    CATALOGUE.into_iter().find(|e| e.family == family && e.acts == acts)
+}

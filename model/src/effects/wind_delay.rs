@@ -1,0 +1,13 @@
+//! model: effect `wind-delay`.
+
+use super::{Acts, Effect, Parameter};
+
+pub(super) static EFFECT: Effect = Effect {
+    family: "wind-delay",
+    acts: Acts::Lander,
+    physics: "The recorded tunnel speed lags the flow at the model (tubing, distance from the probe).",
+    source: "Klein and Morelli, Aircraft System Identification, 2006, §10.2; thesis §2.1.4",
+    separate_by: "a run with steps of tunnel speed",
+    parameters: |_| vec![Parameter::strength("delay_s", "s", 2.0)],
+    apply: |plant, v| plant.sensors.wind_delay_s += v[0],
+};

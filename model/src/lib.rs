@@ -1,0 +1,35 @@
+//! What simulator and identifier of Windfall must agree on: frames, vehicle, aerodynamic terms, tether, flow, sensors, the
+//! effect catalogue and the run record. No files, time stepping, chance or printing here.
+//!
+//! Units are SI throughout, angles in radians; a name says when it is otherwise.
+
+mod aero;
+mod air;
+mod campaign;
+mod disturbance;
+pub mod effects;
+mod flow;
+pub mod frames;
+mod froude;
+mod plant;
+mod point;
+mod record;
+mod scenario;
+mod sensors;
+mod tether;
+mod vehicle;
+
+pub use aero::{Aero, Coefficient, Contribution, Factor, Structure, Term, Wrench, wrench_at_cm};
+pub use air::{Environment, dynamic_pressure_pa};
+pub use campaign::{Campaign, Data, Run, Use};
+pub use disturbance::{Disturbance, Entry, Shape, ShapingFilter, Turbulence, WakeShedding};
+pub use effects::{Acts, CATALOGUE, Effect, Parameter, Role};
+pub use flow::{FlowState, MeanFlow, VARIABLES, Variable, Wind};
+pub use froude::FroudeScale;
+pub use plant::{AirState, Contact, Motion, Plant};
+pub use point::PointMass;
+pub use record::{PointRecord, Record};
+pub use scenario::{Flight, Method, Numerics, Operator, Release, Scenario, TestSection, TunnelSpeed};
+pub use sensors::Sensors;
+pub use tether::{Line, Tether};
+pub use vehicle::{ApparentMass, Inertia, LooseMass, Vehicle};

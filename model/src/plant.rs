@@ -1,0 +1,186 @@
+//! model: the whole physical model as plain data, and the forces it gives. In: motion and tunnel speed. Out: wrench on the body.
+
+use crate::aero::{Aero, Wrench, wrench_at_cm};
+use crate::air::{Environment, dynamic_pressure_pa};
+use crate::disturbance::{Disturbance, Turbulence, WakeShedding};
+use crate::flow::{FlowState, MeanFlow};
+use crate::frames::{Body, Rotation, Tunnel, Vec3};
+use crate::point::PointMass;
+use crate::sensors::Sensors;
+use crate::tether::Tether;
+use crate::vehicle::Vehicle;
+
+/// Vehicle + aerodynamics + tether + flow + sensors. Every physical effect is a few of its numbers, null when declared absent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plant {
+    /// Mass side.
+    pub vehicle: Vehicle,
+    /// Aerodynamic coefficients.
+    pub aero: Aero,
+    /// Safety tether; none in free flight.
+    pub tether: Option<Tether>,
+    /// Mean flow.
+    pub flow: MeanFlow,
+    /// Random gusts.
+    pub turbulence: Turbulence,
+    /// Random wake moment.
+    pub shedding: WakeShedding,
+    /// Contacts with a pole or line.
+    pub contacts: Vec<Contact>,
+    /// Gravity and gas.
+    pub environment: Environment,
+    /// Instruments.
+    pub sensors: Sensors,
+    /// What a body without attitude has beyond drag; unused by tunnel runs.
+    pub point: PointMass,
+}
+
+/// A smooth pulse of force and moment inside a run: `sin²(π (t − start)/duration)` in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Index of the run in its campaign.
+    pub run: usize,
+    /// Start from the run's first sample, s.
+    pub start_s: f64,
+    /// Duration, s.
+    pub duration_s: f64,
+    /// Linear impulse, N s, body axes.
+    pub impulse: Vec3<Body>,
+    /// Angular impulse about the c.m., N m s, body axes.
+    pub angular_impulse: Vec3<Body>,
+}
+
+impl Contact {
+    /// Force and moment at time `t_s` from the run's first sample.
+    #[must_use]
+    pub fn wrench(&self, t_s: f64) -> Wrench {
+        let x = (t_s - self.start_s) / self.duration_s;
+        if !(0.0..=1.0).contains(&x) {
+            return Wrench::default();
+        }
+        let rate = 2.0 * (std::f64::consts::PI * x).sin().powi(2) / self.duration_s;
+        Wrench { f: self.impulse * rate, m: self.angular_impulse * rate }
+    }
+}
+
+/// Motion at one instant, and its rates. Everything a force may depend on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Time from the run's first sample, s.
+    pub t_s: f64,
+    /// c.m. position, m.
+    pub p_tunnel_cm: Vec3<Tunnel>,
+    /// c.m. velocity, m/s.
+    pub v_tunnel_cm: Vec3<Tunnel>,
+    /// Attitude.
+    pub r_tunnel_body: Rotation<Tunnel, Body>,
+    /// Body rates p, q, r, rad/s.
+    pub w_tunnel_body: Vec3<Body>,
+    /// Inertial acceleration of the c.m., m/s², tunnel axes.
+    pub a_tunnel_cm: Vec3<Tunnel>,
+    /// Rate of the body-rate components, rad/s².
+    pub w_tunnel_body_rate: Vec3<Body>,
+}
+
+/// The air at one instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AirState {
+    /// Tunnel speed V_W, m/s, upward positive.
+    pub vw_m_s: f64,
+    /// Its rate, m/s².
+    pub vw_rate_m_s2: f64,
+    /// Density, kg/m³.
+    pub density_kg_m3: f64,
+    /// Gust velocity and its rate, tunnel axes, m/s and m/s²; zero in a declared model.
+    pub gust: Vec3<Tunnel>,
+    /// Rate of the gust following the model, m/s².
+    pub gust_rate: Vec3<Tunnel>,
+    /// Random increments of the six coefficients (C_A, C_Y, C_N, C_l, C_m, C_n); zero in a declared model.
+    pub coefficient_noise: [f64; 6],
+}
+
+impl Plant {
+    /// Flow variables and dynamic pressure (Pa) of a motion in the air (thesis B.37-B.52).
+    #[must_use]
+    pub fn flow_state(&self, m: &Motion, air: &AirState) -> (FlowState, f64) {
+        let r_body_tunnel = m.r_tunnel_body.inverse();
+        let wind = self.flow.wind(m.p_tunnel_cm, m.v_tunnel_cm, air.vw_m_s, air.vw_rate_m_s2);
+        let v_air_cm = r_body_tunnel * (m.v_tunnel_cm - wind.v_tunnel_air - air.gust);
+        let inertial = r_body_tunnel * (m.a_tunnel_cm - wind.a_tunnel_air - air.gust_rate);
+        let v_air_cm_rate = inertial - m.w_tunnel_body.cross(v_air_cm);
+        let f = FlowState::new(v_air_cm, v_air_cm_rate, m.w_tunnel_body, self.vehicle.diameter_m);
+        (f, dynamic_pressure_pa(air.density_kg_m3, v_air_cm.norm()))
+    }
+
+    /// All forces but gravity and inertia, and their moment about the c.m., body axes. The motion's accelerations matter for
+    /// wind-angle rates and for apparent mass; the loose mass, which has a state of its own, is not in it.
+    #[must_use]
+    pub fn wrench(&self, m: &Motion, air: &AirState) -> Wrench {
+        let (f, q_pa) = self.flow_state(m, air);
+        let mut c = self.aero.coefficients(&f);
+        for (ci, noise) in c.iter_mut().zip(air.coefficient_noise) {
+            *ci += noise;
+        }
+        let v = &self.vehicle;
+        let mut total = wrench_at_cm(&c, q_pa, v.area_m2(), v.diameter_m, v.p_origin_cm);
+        if let Some(tether) = &self.tether {
+            let line = tether.line(m.p_tunnel_cm, m.v_tunnel_cm, m.r_tunnel_body, m.w_tunnel_body, v.p_origin_cm);
+            total += tether.wrench(&line, q_pa, v.p_origin_cm);
+        }
+        total += self.apparent_wrench(m, air);
+        for contact in &self.contacts {
+            total += contact.wrench(m.t_s);
+        }
+        total
+    }
+
+    /// Reaction of the air that is accelerated with the body (Lamb 1932, §124, without the steady Munk moment, which the
+    /// static coefficients contain): force `−(m_x, m_r, m_r) a`, moment `−(0, I_r, I_r) ω̇`, with `a` the c.m.'s acceleration
+    /// against the air.
+    #[must_use]
+    pub fn apparent_wrench(&self, m: &Motion, air: &AirState) -> Wrench {
+        let k = &self.vehicle.apparent;
+        let wind = self.flow.wind(m.p_tunnel_cm, m.v_tunnel_cm, air.vw_m_s, air.vw_rate_m_s2);
+        let a = m.r_tunnel_body.inverse() * (m.a_tunnel_cm - wind.a_tunnel_air);
+        let wd = m.w_tunnel_body_rate;
+        Wrench {
+            f: Vec3::new(-k.axial_kg * a.x(), -k.radial_kg * a.y(), -k.radial_kg * a.z()),
+            m: Vec3::new(0.0, -k.transverse_kg_m2 * wd.y(), -k.transverse_kg_m2 * wd.z()),
+        }
+    }
+
+    /// True when forces depend on the accelerations they cause (through α̇ in a force, or apparent mass), so that a simulator
+    /// must solve for them; moments that depend on α̇ alone do not count.
+    #[must_use]
+    pub fn has_algebraic_loop(&self) -> bool {
+        use crate::aero::{Coefficient as C, Factor};
+        use crate::flow::Variable as V;
+        let damps = |f: &Factor| {
+            matches!(f, Factor::Power(V::PitchDamping | V::YawDamping, _) | Factor::Bump(V::PitchDamping | V::YawDamping, _))
+        };
+        let force = |c: C| matches!(c, C::CA | C::CY | C::CN);
+        let a = &self.vehicle.apparent;
+        let apparent = a.axial_kg != 0.0 || a.radial_kg != 0.0 || a.transverse_kg_m2 != 0.0;
+        apparent
+            || self.aero.structure.contributions.iter().any(|k| force(k.coefficient) && k.term.factors.iter().any(damps))
+            || self.aero.extra.iter().any(|(c, _, t)| force(*c) && t.factors.iter().any(damps))
+    }
+
+    /// Random inputs at mean airspeed `speed` (m/s): turbulence and wake shedding, each with its spectrum.
+    #[must_use]
+    pub fn disturbances(&self, speed_m_s: f64) -> Vec<Disturbance> {
+        let mut all = self.turbulence.disturbances(speed_m_s);
+        all.extend(self.shedding.disturbances(speed_m_s, self.vehicle.diameter_m));
+        all
+    }
+
+    /// The plant as it acts in run number `run` with that run's known settings: contacts of other runs are dropped, and
+    /// settings become available to a point mass.
+    #[must_use]
+    pub fn for_run(&self, run: usize, inputs: &[f64]) -> Self {
+        let mut plant = self.clone();
+        plant.contacts.retain(|c| c.run == run);
+        plant.point.inputs = inputs.to_vec();
+        plant
+    }
+}

@@ -1,0 +1,141 @@
+//! model: what to fly. In: checked numbers of a scenario file. Out: the order that the simulator carries out.
+
+use crate::plant::Plant;
+
+/// How the tunnel speed comes about.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TunnelSpeed {
+    /// A given history, uniform in time from t = 0; interpolated smoothly and held beyond its ends.
+    History {
+        /// Sample interval, s.
+        interval_s: f64,
+        /// Speeds, m/s.
+        vw_m_s: Vec<f64>,
+    },
+    /// An operator who throttles to hold the model's height.
+    Operator(Operator),
+    /// Constant speed, m/s; 0 for a drop in still air.
+    Constant(f64),
+}
+
+/// Operator and fan: a lagged proportional-integral-derivative hand on the model's height, unsteady by itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Operator {
+    /// Speed around which the hand works, m/s; `None`: the plant's trim speed.
+    pub trim_m_s: Option<f64>,
+    /// Height gain, (m/s)/m: speed rises when the model sinks (X grows).
+    pub height_gain_per_s: f64,
+    /// Gain on the rate of sinking, (m/s)/(m/s).
+    pub rate_gain: f64,
+    /// Integral gain, (m/s)/(m s).
+    pub integral_gain_per_s2: f64,
+    /// First-order lag of hand and fan, s.
+    pub lag_s: f64,
+    /// rms of the unsteady hand, m/s, before the lag.
+    pub unsteady_rms_m_s: f64,
+    /// Correlation time of the unsteady hand, s.
+    pub unsteady_time_s: f64,
+    /// Height that is held, tunnel X of the c.m., m.
+    pub hold_x_m: f64,
+}
+
+/// State at the first sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Release {
+    /// c.m. position, tunnel axes, m.
+    pub position_m: [f64; 3],
+    /// c.m. velocity, tunnel axes, m/s.
+    pub velocity_m_s: [f64; 3],
+    /// R_x, R_y, R_z, rad.
+    pub attitude_rad: [f64; 3],
+    /// p, q, r, rad/s.
+    pub rates_rad_s: [f64; 3],
+}
+
+/// Integrator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Dormand-Prince 5(4) with dense output.
+    Dopri5,
+    /// Dormand-Prince 8(5,3) with dense output.
+    Dop853,
+}
+
+/// Numerical settings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Numerics {
+    /// Integrator.
+    pub method: Method,
+    /// Relative tolerance.
+    pub relative_tolerance: f64,
+    /// Absolute tolerance, SI.
+    pub absolute_tolerance: f64,
+}
+
+impl Default for Numerics {
+    fn default() -> Self {
+        Self { method: Method::Dop853, relative_tolerance: 1e-9, absolute_tolerance: 1e-11 }
+    }
+}
+
+/// Walls and nets: the run ends when the c.m. leaves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TestSection {
+    /// Largest horizontal distance from the axis, m (10 ft less the model's reach).
+    pub radius_m: f64,
+    /// Tunnel X of the upper net, m (negative).
+    pub top_x_m: f64,
+    /// Tunnel X of the lower net, m.
+    pub bottom_x_m: f64,
+}
+
+impl Default for TestSection {
+    /// NASA Langley 20-ft Vertical Spin Tunnel, 25 ft high and 20 ft wide (thesis Table 2.1), model at mid-height.
+    fn default() -> Self {
+        Self { radius_m: 3.048, top_x_m: -3.81, bottom_x_m: 3.81 }
+    }
+}
+
+/// One flight to simulate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flight {
+    /// Name of the run it makes.
+    pub name: String,
+    /// Kind, as in campaign files.
+    pub kind: String,
+    /// Use in the campaign that a scenario of several flights makes.
+    pub hold_out: bool,
+    /// Duration, s.
+    pub duration_s: f64,
+    /// Sample rate, Hz.
+    pub rate_hz: f64,
+    /// State at the first sample.
+    pub release: Release,
+    /// Tunnel speed.
+    pub speed: TunnelSpeed,
+    /// Static pressure, Pa.
+    pub ps_pa: f64,
+    /// Static temperature, K.
+    pub ts_k: f64,
+    /// Where the run must stay.
+    pub section: Option<TestSection>,
+    /// Integrator settings.
+    pub numerics: Numerics,
+    /// Whether sensor noise is added to the record.
+    pub sensor_noise: bool,
+}
+
+/// A scenario: a true plant, what a campaign made of it declares, and flights.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scenario {
+    /// Name.
+    pub name: String,
+    /// What is flown, effects included.
+    pub plant: Plant,
+    /// Families of the effects in the plant, for the resolved file.
+    pub effects: Vec<String>,
+    /// Flights, in order.
+    pub flights: Vec<Flight>,
+    /// Seed of all chance.
+    pub seed: u64,
+}
