@@ -53,13 +53,35 @@ pub enum Factor {
 }
 
 impl Factor {
-    fn value(self, f: &FlowState) -> f64 {
+    /// Value at a flow state.
+    #[must_use]
+    #[inline]
+    pub fn value(self, f: &FlowState) -> f64 {
         match self {
+            Self::Power(v, 1) => f.get(v),
+            Self::Power(v, 2) => f.get(v) * f.get(v),
+            Self::Power(v, 3) => f.get(v) * f.get(v) * f.get(v),
             Self::Power(v, n) => f.get(v).powi(i32::from(n)),
             Self::CosClock(n) => (f64::from(n) * clock_rad(f)).cos(),
             Self::SinClock(n) => (f64::from(n) * clock_rad(f)).sin(),
             Self::Bump(v, width) => (-(f.get(v) / width).powi(2)).exp(),
         }
+    }
+}
+
+impl Factor {
+    /// The variable it is made of; clock harmonics are made of both sin φ and cos φ and give `SinPhi`.
+    #[must_use]
+    pub const fn variable(self) -> Variable {
+        match self {
+            Self::Power(v, _) | Self::Bump(v, _) => v,
+            Self::CosClock(_) | Self::SinClock(_) => Variable::SinPhi,
+        }
+    }
+    /// True when it needs the acceleration (α̇ or β̇).
+    #[must_use]
+    pub const fn needs_rates(self) -> bool {
+        matches!(self.variable(), Variable::PitchDamping | Variable::YawDamping)
     }
 }
 

@@ -139,41 +139,66 @@ pub struct FlowState {
 
 impl FlowState {
     /// Flow variables from the c.m.'s velocity seen from the air (m/s), its rate of change as components in body axes
-    /// (m/s², thesis eq. B.40) and the body rates (rad/s). `speed > 0` is the caller's to check.
+    /// (m/s², thesis eq. B.40) and the body rates (rad/s). `speed > 0` is the caller's to check; where the flow is exactly
+    /// across the body (u = w = 0) the wind-angle rates are undefined and taken as zero.
     #[must_use]
     pub fn new(v_air_cm: Vec3<Body>, v_air_cm_rate: Vec3<Body>, w_tunnel_body: Vec3<Body>, diameter_m: f64) -> Self {
+        let mut f = Self::without_rates(v_air_cm, w_tunnel_body, diameter_m, &[true; VARIABLES]);
+        f.set_rates(v_air_cm, v_air_cm_rate, w_tunnel_body, diameter_m);
+        f
+    }
+    /// The part of [`FlowState::new`] that needs no acceleration: the two damping variables are left at zero, and so are the
+    /// three angles that `needed` (indexed by [`Variable`]) does not ask for, each an arc tangent saved.
+    #[must_use]
+    #[inline]
+    pub fn without_rates(v_air_cm: Vec3<Body>, w_tunnel_body: Vec3<Body>, diameter_m: f64, needed: &[bool; VARIABLES]) -> Self {
         let [u, v, w] = v_air_cm.to_array();
-        let [ud, vd, wd] = v_air_cm_rate.to_array();
         let [p, q, r] = w_tunnel_body.to_array();
-        let speed2 = u * u + v * v + w * w;
-        let speed = speed2.sqrt();
         let cross2 = v * v + w * w;
         let cross = cross2.sqrt();
+        let speed = (u * u + cross2).sqrt();
+        let per_speed = 1.0 / speed;
         let (sin_phi, cos_phi) = if cross > 0.0 { (v / cross, w / cross) } else { (0.0, 1.0) };
-        let uw2 = u * u + w * w;
-        let uw = uw2.sqrt();
-        let alpha_dot = (u * wd - ud * w) / uw2;
-        let beta_dot = (vd * speed2 - v * (u * ud + v * vd + w * wd)) / (speed2 * uw);
-        let hat = diameter_m / (2.0 * speed);
+        let hat = 0.5 * diameter_m * per_speed;
         let p_hat = p * hat;
+        let angle = |variable: Variable, y: f64, x: f64| if needed[variable as usize] { y.atan2(x) } else { 0.0 };
+        let uw = if needed[Variable::Beta as usize] { (u * u + w * w).sqrt() } else { 1.0 };
         Self {
             values: [
-                cross / speed,
-                u / speed,
+                cross * per_speed,
+                u * per_speed,
                 sin_phi,
                 cos_phi,
-                w.atan2(u),
-                v.atan2(uw),
-                cross.atan2(u),
+                angle(Variable::Alpha, w, u),
+                angle(Variable::Beta, v, uw),
+                angle(Variable::AlphaT, cross, u),
                 p_hat,
                 q * hat,
                 r * hat,
-                0.5 * (q + alpha_dot) * hat,
-                0.5 * (r - beta_dot) * hat,
+                0.0,
+                0.0,
                 speed,
                 p_hat.abs(),
             ],
         }
+    }
+    /// Puts in the two damping variables, which need the acceleration; arguments as in [`FlowState::new`].
+    #[inline]
+    pub fn set_rates(&mut self, v_air_cm: Vec3<Body>, v_air_cm_rate: Vec3<Body>, w_tunnel_body: Vec3<Body>, diameter_m: f64) {
+        let [u, v, w] = v_air_cm.to_array();
+        let [ud, vd, wd] = v_air_cm_rate.to_array();
+        let speed = self.values[Variable::Speed as usize];
+        let speed2 = speed * speed;
+        let uw2 = u * u + w * w;
+        let (alpha_dot, beta_dot) = if uw2 > 0.0 {
+            let along = u * ud + v * vd + w * wd;
+            ((u * wd - ud * w) / uw2, (vd * speed2 - v * along) / (speed2 * uw2.sqrt()))
+        } else {
+            (0.0, 0.0)
+        };
+        let half_hat = 0.25 * diameter_m / speed;
+        self.values[Variable::PitchDamping as usize] = (w_tunnel_body.y() + alpha_dot) * half_hat;
+        self.values[Variable::YawDamping as usize] = (w_tunnel_body.z() - beta_dot) * half_hat;
     }
     /// One variable's value.
     #[must_use]

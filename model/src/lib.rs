@@ -4,6 +4,7 @@
 //! Units are SI throughout, angles in radians; a name says when it is otherwise.
 
 mod aero;
+mod aero_program;
 mod air;
 mod campaign;
 mod disturbance;
@@ -20,6 +21,7 @@ mod tether;
 mod vehicle;
 
 pub use aero::{Aero, Coefficient, Contribution, Factor, Structure, Term, Wrench, wrench_at_cm};
+pub use aero_program::AeroProgram;
 pub use air::{Environment, dynamic_pressure_pa};
 pub use campaign::{Campaign, Data, Run, Use};
 pub use disturbance::{Disturbance, Entry, Shape, ShapingFilter, Turbulence, WakeShedding};
