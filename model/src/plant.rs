@@ -134,18 +134,26 @@ impl Plant {
         total
     }
 
-    /// Reaction of the air that is accelerated with the body (Lamb 1932, §124, without the steady Munk moment, which the
-    /// static coefficients contain): force `−(m_x, m_r, m_r) a`, moment `−(0, I_r, I_r) ω̇`, with `a` the c.m.'s acceleration
-    /// against the air.
+    /// Reaction of the air that is accelerated with the body (Kirchhoff; Lamb 1932, §124): with `u` the c.m.'s velocity seen
+    /// from the air, `P = (m_x, m_r, m_r)·u` and `H = (0, I_r, I_r)·ω`, force `−(Ṗ + ω × P)` and moment
+    /// `−(Ḣ + ω × H + u × P)`. The last term is the Munk moment of steady flow.
     #[must_use]
     pub fn apparent_wrench(&self, m: &Motion, air: &AirState) -> Wrench {
         let k = &self.vehicle.apparent;
+        if k.is_null() {
+            return Wrench::default();
+        }
+        let r_body_tunnel = m.r_tunnel_body.inverse();
         let wind = self.flow.wind(m.p_tunnel_cm, m.v_tunnel_cm, air.vw_m_s, air.vw_rate_m_s2);
-        let a = m.r_tunnel_body.inverse() * (m.a_tunnel_cm - wind.a_tunnel_air);
-        let wd = m.w_tunnel_body_rate;
+        let w = m.w_tunnel_body;
+        let u = r_body_tunnel * (m.v_tunnel_cm - wind.v_tunnel_air);
+        let u_rate = r_body_tunnel * (m.a_tunnel_cm - wind.a_tunnel_air) - w.cross(u);
+        let mass = |v: Vec3<Body>| Vec3::new(k.axial_kg * v.x(), k.radial_kg * v.y(), k.radial_kg * v.z());
+        let inertia = |v: Vec3<Body>| Vec3::new(0.0, k.transverse_kg_m2 * v.y(), k.transverse_kg_m2 * v.z());
+        let impulse = mass(u);
         Wrench {
-            f: Vec3::new(-k.axial_kg * a.x(), -k.radial_kg * a.y(), -k.radial_kg * a.z()),
-            m: Vec3::new(0.0, -k.transverse_kg_m2 * wd.y(), -k.transverse_kg_m2 * wd.z()),
+            f: -(mass(u_rate) + w.cross(impulse)),
+            m: -(inertia(m.w_tunnel_body_rate) + w.cross(inertia(w)) + u.cross(impulse)),
         }
     }
 
@@ -159,9 +167,7 @@ impl Plant {
             matches!(f, Factor::Power(V::PitchDamping | V::YawDamping, _) | Factor::Bump(V::PitchDamping | V::YawDamping, _))
         };
         let force = |c: C| matches!(c, C::CA | C::CY | C::CN);
-        let a = &self.vehicle.apparent;
-        let apparent = a.axial_kg != 0.0 || a.radial_kg != 0.0 || a.transverse_kg_m2 != 0.0;
-        apparent
+        !self.vehicle.apparent.is_null()
             || self.aero.structure.contributions.iter().any(|k| force(k.coefficient) && k.term.factors.iter().any(damps))
             || self.aero.extra.iter().any(|(c, _, t)| force(*c) && t.factors.iter().any(damps))
     }

@@ -75,6 +75,14 @@ pub struct ApparentMass {
     pub transverse_kg_m2: f64,
 }
 
+impl ApparentMass {
+    /// True when there is none.
+    #[must_use]
+    pub fn is_null(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// A mass on a spring inside the model that moves across the body's x axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LooseMass {

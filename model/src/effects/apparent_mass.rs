@@ -5,7 +5,7 @@ use super::{Acts, Effect, Parameter};
 pub(super) static EFFECT: Effect = Effect {
     family: "apparent-mass",
     acts: Acts::Lander,
-    physics: "Air that moves with the model must be accelerated with it: an extra inertia that acts on accelerations but has no weight. The steady (Munk) moment belongs to the static coefficients and is not repeated here.",
+    physics: "Air that moves with the model must be accelerated with it: an extra inertia that acts on accelerations but has no weight, and, when it differs along and across the axis, a moment in steady flow (Munk) that static coefficients declared from the same data absorb.",
     source: "Lamb, Hydrodynamics, 1932, §§121-124; Brennen, Report CR 82.010, 1982",
     separate_by: "a perturbed run with larger vertical acceleration (step of tunnel speed) at the same attitude",
     parameters: |_| {
