@@ -19,6 +19,8 @@ pub struct PointMass {
     pub buoyancy_fraction: f64,
     /// This run's settings.
     pub inputs: Vec<f64>,
+    /// Density of the still air, kg/m³, as the campaign gives it.
+    pub air_density_kg_m3: f64,
 }
 
 impl Plant {
