@@ -162,7 +162,8 @@ impl FlowState {
         let hat = 0.5 * diameter_m * per_speed;
         let p_hat = p * hat;
         let angle = |variable: Variable, y: f64, x: f64| if needed[variable as usize] { y.atan2(x) } else { 0.0 };
-        let uw = if needed[Variable::Beta as usize] { (u * u + w * w).sqrt() } else { 1.0 };
+        let uw2 = u * u + w * w;
+        let uw = if needed[Variable::Beta as usize] { uw2.sqrt() } else { 1.0 };
         Self {
             values: [
                 cross * per_speed,

@@ -1,1 +1,29 @@
-//! placeholder
+//! sim: equations of motion, integrators, operator, chance and instruments. In: a `Plant` and a `Flight` of the model room and
+//! a seed. Out: [`Truth`] (what happened) and a `Record` (what the instruments said), apart. No files, no estimating.
+//!
+//! State: c.m. position and velocity in tunnel axes, attitude as a quaternion, body rates; integrated by `ode_solvers` with
+//! time carried as one more state, since its eighth-order method is wrong for right-hand sides that depend on time.
+
+mod coupled;
+mod dynamics;
+mod error;
+mod fly;
+mod integrate;
+mod noise;
+mod operator;
+mod point;
+mod record;
+mod seed;
+mod setup;
+mod smooth;
+mod truth;
+
+pub use error::SimError;
+pub use fly::{fly, fly_truth};
+pub use noise::realise;
+pub use point::fly_point;
+pub use record::record;
+pub use seed::{Channel, Seed};
+pub use setup::trim_speed;
+pub use smooth::Smooth;
+pub use truth::{End, Flown, Truth};

@@ -1,0 +1,41 @@
+//! sim: what can go wrong in a flight. In: where and what. Out: messages that say what to try.
+
+use thiserror::Error;
+
+/// Errors of this room.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SimError {
+    /// A number of the plant or the flight that cannot be flown.
+    #[error("{what} is {value}; allowed: {allowed}")]
+    Setup {
+        /// Which number, with its unit.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// Something became NaN or infinite.
+    #[error("{what} is not finite near t = {t_s} s; look for zero airspeed, an unstable model or a number out of range there")]
+    NotFinite {
+        /// Which quantity.
+        what: &'static str,
+        /// Time of the run, s.
+        t_s: f64,
+    },
+    /// The integrator's step became too small.
+    #[error("step size underflow at t = {t_s} s; try a larger tolerance, or look for a jump in forces there")]
+    StepTooSmall {
+        /// Time of the run, s.
+        t_s: f64,
+    },
+    /// Too many steps.
+    #[error("more than {steps} steps at t = {t_s} s; try a larger tolerance or a shorter flight")]
+    TooManySteps {
+        /// Steps taken.
+        steps: u32,
+        /// Time of the run, s.
+        t_s: f64,
+    },
+}

@@ -1,0 +1,136 @@
+//! sim: a flight from release to end. In: plant, flight, seed. Out: truth, and with the instruments the record.
+
+use crate::error::SimError;
+use crate::integrate::{Path, integrate, outside, samples};
+use crate::record::record;
+use crate::seed::Seed;
+use crate::setup::Setup;
+use crate::truth::{End, Flown, Truth};
+use nalgebra::SVector;
+use windfall_model::frames::{EulerXyz, Rotation};
+use windfall_model::{Flight, Plant, TestSection, Variable};
+
+/// Flies and records. The plant must already be the one of this run (`Plant::for_run`).
+///
+/// # Errors
+/// A number that cannot be flown, something that became NaN, or an integrator that gave up.
+pub fn fly(plant: &Plant, flight: &Flight, seed: Seed) -> Result<Flown, SimError> {
+    let (truth, end, steps) = flown(plant, flight, seed)?;
+    let record = record(plant, flight, &truth, seed);
+    Ok(Flown { truth, record, end, steps })
+}
+
+/// Flies without instruments.
+///
+/// # Errors
+/// As [`fly`].
+pub fn fly_truth(plant: &Plant, flight: &Flight, seed: Seed) -> Result<(Truth, End), SimError> {
+    flown(plant, flight, seed).map(|(truth, end, _)| (truth, end))
+}
+
+fn flown(plant: &Plant, flight: &Flight, seed: Seed) -> Result<(Truth, End, u64), SimError> {
+    let setup = Setup::new(plant, flight, seed)?;
+    if let Some(s) = &flight.section {
+        let p = flight.release.position_m;
+        if outside(s, p) {
+            let what = "release position: distance from the middle of the test section, m";
+            return Err(SimError::Setup { what, value: p[0].hypot(p[1]).hypot(p[2]), allowed: "inside wall and nets" });
+        }
+    }
+    match setup.states() {
+        14 => sampled::<14>(&setup, flight),
+        16 => sampled::<16>(&setup, flight),
+        18 => sampled::<18>(&setup, flight),
+        _ => sampled::<20>(&setup, flight),
+    }
+}
+
+fn sampled<const N: usize>(setup: &Setup<'_>, flight: &Flight) -> Result<(Truth, End, u64), SimError> {
+    let Path { states, steps } = integrate(setup, flight, start::<N>(setup, flight))?;
+    let (kept, end) = ended(&states, flight);
+    let mut truth = Truth::with_capacity(kept);
+    for (k, y) in states.iter().take(kept).enumerate() {
+        observe(setup, k as f64 / flight.rate_hz, y, &mut truth);
+    }
+    Ok((truth, end, steps))
+}
+
+fn start<const N: usize>(setup: &Setup<'_>, flight: &Flight) -> SVector<f64, N> {
+    let r = flight.release;
+    let [rx_rad, ry_rad, rz_rad] = r.attitude_rad;
+    let q = EulerXyz { rx_rad, ry_rad, rz_rad }.r_tunnel_body().to_quaternion();
+    let mut y = SVector::<f64, N>::zeros();
+    y.as_mut_slice()[0..3].copy_from_slice(&r.position_m);
+    y.as_mut_slice()[3..6].copy_from_slice(&r.velocity_m_s);
+    y.as_mut_slice()[6..10].copy_from_slice(&q);
+    y.as_mut_slice()[10..13].copy_from_slice(&r.rates_rad_s);
+    if let (Some(hand), Some(k)) = (&setup.hand, setup.hand_index) {
+        y.as_mut_slice()[k..k + 2].copy_from_slice(&hand.start());
+    }
+    y
+}
+
+/// Appends one sample to the truth.
+fn observe<const N: usize>(setup: &Setup<'_>, t_s: f64, y: &SVector<f64, N>, truth: &mut Truth) {
+    let i = setup.instant(y);
+    let q: [f64; 4] = std::array::from_fn(|k| y[6 + k]);
+    let per_norm = 1.0 / q.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let [u, v, w] = i.v_air_cm.to_array();
+    let last_roll = truth.attitude_rad.last().map(|a| a[0]);
+    truth.t_s.push(t_s);
+    truth.p_tunnel_cm.push(i.p.to_array());
+    truth.v_tunnel_cm.push(i.v.to_array());
+    truth.quaternion.push(q.map(|c| c * per_norm));
+    truth.w_tunnel_body.push(i.w.to_array());
+    truth.attitude_rad.push(angles(i.r_tunnel_body, last_roll.unwrap_or(0.0)));
+    truth.vw_m_s.push(i.vw_m_s);
+    truth.alpha_t_rad.push(v.hypot(w).atan2(u));
+    truth.airspeed_m_s.push(if i.q_pa > 0.0 { i.flow.get(Variable::Speed) } else { 0.0 });
+    truth.tether_n.push(i.tether_n);
+}
+
+/// Euler angles with the roll nearest to the one before.
+pub(crate) fn angles(
+    r_tunnel_body: Rotation<windfall_model::frames::Tunnel, windfall_model::frames::Body>,
+    roll_before_rad: f64,
+) -> [f64; 3] {
+    let e = EulerXyz::from_rotation(r_tunnel_body);
+    let turns = ((roll_before_rad - e.rx_rad) / std::f64::consts::TAU).round();
+    [e.rx_rad + turns * std::f64::consts::TAU, e.ry_rad, e.rz_rad]
+}
+
+/// How many samples are inside, and how the flight ended.
+fn ended<const N: usize>(states: &[SVector<f64, N>], flight: &Flight) -> (usize, End) {
+    let count = samples(flight);
+    let Some(s) = &flight.section else { return (count.min(states.len()), End::Completed) };
+    match states.iter().take(count).position(|y| outside(s, [y[0], y[1], y[2]])) {
+        None => (count.min(states.len()), End::Completed),
+        Some(k) => (k, crossing(s, (k - 1) as f64 / flight.rate_hz, 1.0 / flight.rate_hz, &states[k - 1], &states[k])),
+    }
+}
+
+/// The first limit that is crossed between two samples, the time found by bisection on the cubic through both samples'
+/// positions and velocities (error of fourth order in the interval: 1e-9 m at 150 Hz).
+fn crossing<const N: usize>(s: &TestSection, t_s: f64, dt: f64, a: &SVector<f64, N>, b: &SVector<f64, N>) -> End {
+    let place = |x: f64| -> [f64; 3] { std::array::from_fn(|k| hermite(x, dt, [a[k], b[k]], [a[3 + k], b[3 + k]])) };
+    let (mut inside, mut beyond) = (0.0, 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (inside + beyond);
+        if outside(s, place(middle)) { beyond = middle } else { inside = middle }
+    }
+    let t_s = t_s + beyond * dt;
+    let p = place(beyond);
+    if p[0] < s.top_x_m {
+        End::UpperNet { t_s }
+    } else if p[0] > s.bottom_x_m {
+        End::LowerNet { t_s }
+    } else {
+        End::Wall { t_s }
+    }
+}
+
+/// Cubic on [0, 1] over an interval `dt` with these values and rates at its ends.
+pub(crate) fn hermite(x: f64, dt: f64, y: [f64; 2], rate: [f64; 2]) -> f64 {
+    let (d, m0, m1) = (y[1] - y[0], rate[0] * dt, rate[1] * dt);
+    y[0] + x * (m0 + x * ((3.0 * d - 2.0 * m0 - m1) + x * (m0 + m1 - 2.0 * d)))
+}

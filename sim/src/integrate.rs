@@ -1,0 +1,169 @@
+//! sim: `ode_solvers` at work. In: a flight made ready and its first state. Out: states at the sample times.
+//!
+//! What the library needs (each reproduced): time as one more state; start at t = 0; an end a little beyond the last sample,
+//! since a sample that falls on the end is taken from the step before; an own check for what became NaN; events by root-finding
+//! on the samples.
+
+use crate::error::SimError;
+use crate::setup::Setup;
+use nalgebra::SVector;
+use ode_solvers::dop_shared::{IntegrationError, OutputType, Stats};
+use ode_solvers::{Dop853, Dopri5, System};
+use std::cell::Cell;
+use windfall_model::{Flight, Method, TestSection};
+
+/// The end lies this part of a sample interval beyond the last sample.
+const BEYOND: f64 = 1e-3;
+/// Steps at most.
+const STEPS_MAX: u32 = 50_000_000;
+
+/// States at the sample times and the number of accepted steps.
+pub(crate) struct Path<const N: usize> {
+    pub(crate) states: Vec<SVector<f64, N>>,
+    pub(crate) steps: u64,
+}
+
+/// First thing that was not finite in the right-hand side: its name and time.
+type Fault = Cell<Option<(&'static str, f64)>>;
+
+struct Rhs<'a, const N: usize> {
+    setup: &'a Setup<'a>,
+    section: Option<TestSection>,
+    fault: &'a Fault,
+}
+
+impl<const N: usize> System<f64, SVector<f64, N>> for Rhs<'_, N> {
+    #[inline]
+    fn system(&self, _t: f64, y: &SVector<f64, N>, dy: &mut SVector<f64, N>) {
+        self.setup.rate(y, dy);
+        // A sum is finite only when every part is (overflow of finite parts aside, which is as bad).
+        if !dy.sum().is_finite() && self.fault.get().is_none() {
+            self.fault.set(Some((self.setup.not_finite(y, dy), y[crate::dynamics::TIME])));
+        }
+    }
+    /// Called with the last sample so far: stop once it is outside the test section.
+    fn solout(&mut self, _t: f64, y: &SVector<f64, N>, _dy: &SVector<f64, N>) -> bool {
+        self.section.is_some_and(|s| outside(&s, [y[0], y[1], y[2]]))
+    }
+}
+
+/// True when a place (m, tunnel axes) is beyond wall or nets.
+pub(crate) fn outside(s: &TestSection, p: [f64; 3]) -> bool {
+    p[0] < s.top_x_m || p[0] > s.bottom_x_m || p[1].hypot(p[2]) > s.radius_m
+}
+
+/// Number of samples of a flight: from release to its duration, both included.
+pub(crate) fn samples(flight: &Flight) -> usize {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "duration and rate are checked positive")]
+    let n = (flight.duration_s * flight.rate_hz * (1.0 + 1e-12)).floor() as usize;
+    n + 1
+}
+
+/// Flies from `start`; the samples may end early where the test section is left.
+pub(crate) fn integrate<const N: usize>(setup: &Setup<'_>, flight: &Flight, start: SVector<f64, N>) -> Result<Path<N>, SimError> {
+    let fault = Fault::default();
+    let rhs = Rhs::<N> { setup, section: flight.section, fault: &fault };
+    let n = flight.numerics;
+    let count = samples(flight);
+    let dt = 1.0 / flight.rate_hz;
+    let end = ((count - 1) as f64 + BEYOND) * dt;
+    let h_max = setup.step_max_s.min(end);
+    let (rtol, atol) = (n.relative_tolerance, n.absolute_tolerance);
+    let dense = OutputType::Dense;
+    // The remaining numbers are the defaults of the library (Hairer's); stiffness is not tested.
+    let (outcome, mut states) = match n.method {
+        Method::Dopri5 => {
+            let mut solver = Dopri5::from_param(
+                rhs,
+                0.0,
+                end,
+                dt,
+                start,
+                rtol,
+                atol,
+                0.9,
+                0.04,
+                0.2,
+                10.0,
+                h_max,
+                0.0,
+                STEPS_MAX,
+                u32::MAX,
+                dense,
+            );
+            (solver.integrate(), taken(solver.y_out()))
+        }
+        Method::Dop853 => {
+            let mut solver = Dop853::from_param(
+                rhs,
+                0.0,
+                end,
+                dt,
+                start,
+                rtol,
+                atol,
+                0.9,
+                0.0,
+                0.333,
+                6.0,
+                h_max,
+                0.0,
+                STEPS_MAX,
+                u32::MAX,
+                dense,
+            );
+            (solver.integrate(), taken(solver.y_out()))
+        }
+    };
+    let stats = outcome.map_err(|e| explain(&e, &fault))?;
+    states.truncate(count);
+    finished(states, &stats, &fault)
+}
+
+/// The library lends its result; states are plain numbers and are copied once.
+fn taken<const N: usize>(states: &[SVector<f64, N>]) -> Vec<SVector<f64, N>> {
+    states.to_vec()
+}
+
+fn finished<const N: usize>(states: Vec<SVector<f64, N>>, stats: &Stats, fault: &Fault) -> Result<Path<N>, SimError> {
+    match states.iter().find(|y| !y.sum().is_finite()) {
+        None => Ok(Path { states, steps: u64::from(stats.accepted_steps) }),
+        Some(_) => {
+            let (what, t_s) = fault.get().unwrap_or(("state", 0.0));
+            Err(SimError::NotFinite { what, t_s })
+        }
+    }
+}
+
+fn explain(e: &IntegrationError, fault: &Fault) -> SimError {
+    match (fault.get(), e) {
+        (Some((what, t_s)), _) => SimError::NotFinite { what, t_s },
+        (None, IntegrationError::MaxNumStepReached { x, n_step }) => SimError::TooManySteps { steps: *n_step, t_s: *x },
+        (None, IntegrationError::StepSizeUnderflow { x } | IntegrationError::StiffnessDetected { x }) => {
+            SimError::StepTooSmall { t_s: *x }
+        }
+    }
+}
+
+impl Setup<'_> {
+    /// Names what is not finite, in the order in which one thing follows from another.
+    #[cold]
+    fn not_finite<const N: usize>(&self, y: &SVector<f64, N>, dy: &SVector<f64, N>) -> &'static str {
+        let good = |range: std::ops::Range<usize>| y.as_slice()[range].iter().all(|x| x.is_finite());
+        let i = self.instant(y);
+        let checks = [
+            (good(0..3), "position"),
+            (good(3..6), "velocity"),
+            (good(6..10), "attitude"),
+            (good(10..13), "body rate"),
+            (i.vw_m_s.is_finite() && i.vw_rate_m_s2.is_finite(), "tunnel speed"),
+            (i.v_air_cm.is_finite() && i.a_air.is_finite(), "air velocity"),
+            (i.flow.values.iter().all(|v| v.is_finite()), "flow variable"),
+            (i.early.iter().all(|c| c.is_finite()), "aerodynamic coefficient"),
+            (i.other.f.is_finite() && i.other.m.is_finite(), "force of tether or contact"),
+            (dy.as_slice()[3..6].iter().all(|x| x.is_finite()), "acceleration"),
+            (dy.as_slice()[10..13].iter().all(|x| x.is_finite()), "angular acceleration"),
+        ];
+        checks.iter().find(|(good, _)| !good).map_or("state of operator or loose part", |(_, name)| name)
+    }
+}

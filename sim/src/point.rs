@@ -1,0 +1,74 @@
+//! sim: flight of a body without attitude. In: launch and times. Out: positions at those times.
+
+use crate::error::SimError;
+use nalgebra::Vector6;
+use ode_solvers::dop_shared::{IntegrationError, OutputType};
+use ode_solvers::{Dop853, System};
+use windfall_model::Plant;
+use windfall_model::frames::Vec3;
+
+/// Tolerances: a metre-sized flight to 1e-10 of its size, finer than any camera by six orders.
+const RELATIVE: f64 = 1e-11;
+const ABSOLUTE: f64 = 1e-13;
+
+struct Point<'a> {
+    plant: &'a Plant,
+    density_kg_m3: f64,
+}
+
+impl System<f64, Vector6<f64>> for Point<'_> {
+    fn system(&self, _t: f64, y: &Vector6<f64>, dy: &mut Vector6<f64>) {
+        let v = Vec3::new(y[3], y[4], y[5]);
+        let a = self.plant.point_acceleration(v, self.density_kg_m3);
+        *dy = Vector6::new(y[3], y[4], y[5], a.x(), a.y(), a.z());
+    }
+}
+
+/// Positions (m, tunnel axes) of a point mass at `times_s` (s, increasing, uneven allowed), launched at the first of them
+/// from `position_m` with `velocity_m_s` in still air of the given density.
+///
+/// # Errors
+/// Times that do not increase, numbers that are not finite, an integrator that gave up.
+pub fn fly_point(
+    plant: &Plant,
+    density_kg_m3: f64,
+    times_s: &[f64],
+    position_m: [f64; 3],
+    velocity_m_s: [f64; 3],
+) -> Result<Vec<[f64; 3]>, SimError> {
+    let ([x, y, z], [vx, vy, vz]) = (position_m, velocity_m_s);
+    let mut state = Vector6::new(x, y, z, vx, vy, vz);
+    let mut before = times_s.first().copied().unwrap_or(0.0);
+    let mut out = Vec::with_capacity(times_s.len());
+    for &t_s in times_s {
+        let step_s = t_s - before;
+        if !(step_s >= 0.0 && step_s.is_finite()) {
+            return Err(SimError::Setup { what: "step to the next sample time, s", value: step_s, allowed: "zero or more" });
+        }
+        if step_s > 0.0 {
+            state = advance(Point { plant, density_kg_m3 }, state, step_s).map_err(|e| explain(&e, &state, before))?;
+        }
+        if !state.sum().is_finite() {
+            return Err(SimError::NotFinite { what: "state of the point mass", t_s });
+        }
+        before = t_s;
+        out.push([state[0], state[1], state[2]]);
+    }
+    Ok(out)
+}
+
+/// One sample interval; the right-hand side depends neither on time nor on place, so each starts afresh at t = 0.
+fn advance(point: Point<'_>, state: Vector6<f64>, step_s: f64) -> Result<Vector6<f64>, IntegrationError> {
+    let mut solver = Dop853::new(point, 0.0, step_s, step_s, state, RELATIVE, ABSOLUTE);
+    solver.set_output(OutputType::Sparse);
+    solver.integrate()?;
+    Ok(solver.y_out().last().copied().unwrap_or(state))
+}
+
+fn explain(e: &IntegrationError, state: &Vector6<f64>, t_s: f64) -> SimError {
+    match e {
+        _ if !state.sum().is_finite() => SimError::NotFinite { what: "state of the point mass", t_s },
+        IntegrationError::MaxNumStepReached { n_step, .. } => SimError::TooManySteps { steps: *n_step, t_s },
+        _ => SimError::StepTooSmall { t_s },
+    }
+}

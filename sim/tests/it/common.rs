@@ -1,0 +1,130 @@
+//! sim tests: the SAGE lander of the thesis and readers of shared data. In: nothing. Out: plants, flights, tables.
+
+use std::path::PathBuf;
+use windfall_model::frames::Vec3;
+use windfall_model::{
+    Aero, Environment, Flight, Inertia, MeanFlow, Numerics, Plant, PointMass, Release, Sensors, Structure, Tether, TunnelSpeed,
+    Turbulence, Vehicle, WakeShedding,
+};
+use windfall_sim::{End, Seed, Truth, fly_truth};
+
+/// Table 5.5, C_n1 = C_m1 and C_n2 = C_m2.
+pub(crate) const TABLE_5_5: [f64; 11] =
+    [6.6620, 3.5129, -2.0035, 0.0125, -5.6816, -2.0655, 2.5278, -3.3025, -205.4289, -3.3025, -205.4289];
+/// Static pressure, Pa, and temperature, K, of the exact campaign: 1.1802 kg/m³.
+pub(crate) const PS_PA: f64 = 101_325.0;
+pub(crate) const TS_K: f64 = 299.083_649_392_031_6;
+pub(crate) const DENSITY: f64 = PS_PA / (287.052_87 * TS_K);
+
+/// The 25 % SAGE model (Tables 2.2, 5.5, B.1) in declared form.
+pub(crate) fn lander() -> Plant {
+    Plant {
+        vehicle: Vehicle {
+            mass_kg: 0.7873,
+            inertia: Inertia { xx: 0.02113, yy: 0.0138, zz: 0.01379, ..Inertia::default() },
+            p_origin_cm: Vec3::zero(),
+            diameter_m: 0.2125,
+            apparent: Default::default(),
+            loose: None,
+        },
+        aero: Aero::new(Structure::axisymmetric(), TABLE_5_5.to_vec()),
+        tether: Some(Tether::declared(Vec3::new(-0.25, 0.0, 0.0), Vec3::new(-3.0, 0.0, 0.0), 0.001_300_642_6, 0.016_458_42)),
+        flow: MeanFlow::default(),
+        turbulence: Turbulence::default(),
+        shedding: WakeShedding::default(),
+        contacts: vec![],
+        environment: Environment { gravity_m_s2: 9.80665, gas_constant_j_kg_k: 287.05287 },
+        sensors: Sensors::default(),
+        point: PointMass::default(),
+    }
+}
+
+/// The lander without air, tether and gravity.
+pub(crate) fn torque_free(inertia: Inertia) -> Plant {
+    let mut plant = lander();
+    plant.vehicle.inertia = inertia;
+    plant.tether = None;
+    plant.aero.values.fill(0.0);
+    plant.environment.gravity_m_s2 = 0.0;
+    plant
+}
+
+/// A flight at constant tunnel speed.
+pub(crate) fn flight(duration_s: f64, rate_hz: f64, vw_m_s: f64, release: Release) -> Flight {
+    Flight {
+        name: "test".into(),
+        kind: "perturbed".into(),
+        hold_out: false,
+        duration_s,
+        rate_hz,
+        release,
+        speed: TunnelSpeed::Constant(vw_m_s),
+        ps_pa: PS_PA,
+        ts_k: TS_K,
+        section: None,
+        numerics: Numerics::default(),
+        sensor_noise: false,
+    }
+}
+
+/// At the tunnel's origin, at rest, upright.
+pub(crate) const REST: Release =
+    Release { position_m: [0.0; 3], velocity_m_s: [0.0; 3], attitude_rad: [0.0; 3], rates_rad_s: [0.0; 3] };
+
+pub(crate) fn flown(plant: &Plant, flight: &Flight) -> Truth {
+    let (truth, end) = fly_truth(plant, flight, Seed::default()).expect("flies");
+    assert_eq!(end, End::Completed);
+    truth
+}
+
+/// Folder of shared data, if there is one; otherwise says that the named test is skipped.
+pub(crate) fn shared(test: &str) -> Option<PathBuf> {
+    let root = std::env::var_os("WINDFALL_SHARED")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared"), PathBuf::from);
+    if root.is_dir() {
+        return Some(root);
+    }
+    eprintln!("skipped: {test}: no shared data");
+    None
+}
+
+/// A numeric table: header and rows.
+pub(crate) struct Table {
+    header: Vec<String>,
+    pub(crate) rows: Vec<Vec<f64>>,
+}
+
+impl Table {
+    pub(crate) fn read(path: &std::path::Path) -> Self {
+        Self::parse(&std::fs::read_to_string(path).expect("readable table"))
+    }
+    pub(crate) fn parse(text: &str) -> Self {
+        let mut lines = text.lines().filter(|l| !l.starts_with('#'));
+        let header = lines.next().expect("header").split(',').map(str::to_owned).collect();
+        let rows = lines.map(|l| l.split(',').map(|x| x.parse().expect("number")).collect()).collect();
+        Self { header, rows }
+    }
+    pub(crate) fn index(&self, name: &str) -> usize {
+        self.header.iter().position(|h| h == name).expect("column")
+    }
+    pub(crate) fn column(&self, name: &str) -> Vec<f64> {
+        let i = self.index(name);
+        self.rows.iter().map(|r| r[i]).collect()
+    }
+    pub(crate) fn row<const N: usize>(&self, k: usize, names: [&str; N]) -> [f64; N] {
+        names.map(|n| self.rows[k][self.index(n)])
+    }
+}
+
+/// Largest difference of components.
+pub(crate) fn worst(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
+}
+
+/// Angle between two attitudes given as quaternions, rad.
+pub(crate) fn angle_between(a: [f64; 4], b: [f64; 4]) -> f64 {
+    use windfall_model::frames::{Body, Rotation, Tunnel};
+    let turn = |q| Rotation::<Tunnel, Body>::from_quaternion(q);
+    turn(a).angle_to(turn(b))
+}

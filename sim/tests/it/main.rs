@@ -1,0 +1,4 @@
+//! sim tests: one binary. In: nothing. Out: verdicts.
+
+mod campaign;
+mod common;
