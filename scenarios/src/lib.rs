@@ -1,1 +1,27 @@
-//! placeholder
+//! scenarios: the only room that reads and writes files. In: TOML and CSV files, bundled scenarios. Out: checked campaigns and
+//! scenarios; results on disk.
+//!
+//! Every fault of a file is reported at once, with file, line, key, value, what is allowed and what to try.
+
+mod campaign;
+mod clean;
+mod columns;
+mod error;
+mod keys;
+mod plant;
+mod point;
+mod record;
+mod structure;
+mod table;
+mod units;
+mod write;
+
+pub use campaign::{read_campaign, read_campaign_with_warnings};
+pub use columns::write_columns_csv;
+pub use error::{Fault, ReadError, WriteError};
+pub use point::{Down, read_track};
+pub use record::{
+    FEWEST_SAMPLES, LONGEST_BRIDGE_S, Piece, SHORTEST_PIECE_S, read_record_csv, read_record_pieces, sensors_of_table_a3, write_record_csv,
+};
+pub use structure::read_structure;
+pub use write::{text_atomically, write_json_atomically};

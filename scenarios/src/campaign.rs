@@ -1,0 +1,238 @@
+//! scenarios: campaign files. In: a path. Out: a checked campaign with its runs read, or every fault.
+
+use crate::error::{ReadError, text_of};
+use crate::keys;
+use crate::plant::{Declared, read_declared};
+use crate::point::{Down, read_track};
+use crate::record::read_record_pieces;
+use crate::table::{Source, Table, number};
+use crate::units;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use windfall_model::{Campaign, Data, Run, Use};
+
+/// What `[[run]]` says, before its file is read.
+struct RunEntry {
+    file: String,
+    path: PathBuf,
+    kind: String,
+    used: Use,
+    window_s: Option<[f64; 2]>,
+    inputs: BTreeMap<String, f64>,
+    span: std::ops::Range<usize>,
+}
+
+/// Reads a campaign file and all its runs. What reading the runs bridged, removed or split is in their notes.
+///
+/// # Errors
+/// [`ReadError`] with every fault of the campaign file and its run files.
+pub fn read_campaign(path: &Path) -> Result<Campaign, ReadError> {
+    read_campaign_with_warnings(path).map(|(campaign, _)| campaign)
+}
+
+/// The same with warnings that concern the campaign as a whole or that a reader should see: cause and next step in words.
+///
+/// # Errors
+/// [`ReadError`] with every fault of the campaign file and its run files.
+pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>), ReadError> {
+    let text = text_of(path)?;
+    let source = Source::new(path, &text);
+    let root = source.parse()?;
+    let file = Table::new(&source, "", &root, 0..0, &keys::CAMPAIGN_FILE);
+    let name = file.table("campaign", &keys::CAMPAIGN).map(|t| {
+        t.text_if("note");
+        t.text("name")
+    });
+    let declared = read_declared(&file, false);
+    let down = down_of(&file, declared.as_ref());
+    let entries = entries(&file);
+    let inputs = inputs_of(&source, &entries);
+    // Run files are read against the sensors and the plant, so the tables must be right first.
+    let Some(declared) = declared.filter(|_| !source.has_faults()) else {
+        check_files_exist(&source, &entries);
+        return source.finish(None);
+    };
+    let mut warnings = undeclared_warnings(&source, &file, &declared);
+    let mut runs = Vec::new();
+    for e in &entries {
+        match read_run(e, &declared, down, &inputs) {
+            Ok(read) => {
+                warnings.extend(read.iter().flat_map(|r| r.notes.iter().map(move |n| format!("{}: {n}", r.name))));
+                runs.extend(read);
+            }
+            Err(ReadError::Faults(faults)) => source.add(&faults),
+            Err(error) => source.fault(Some(e.span.clone()), "[[run]] file", &e.file, error.to_string(), "a path beside the campaign file"),
+        }
+    }
+    enough_samples(&source, &declared, &runs);
+    let campaign = Campaign { name: name.unwrap_or_default(), plant: declared.plant, declared: declared.declared, inputs, runs };
+    source.finish(Some((campaign, warnings)))
+}
+
+fn down_of(file: &Table<'_>, declared: Option<&Declared>) -> Option<Down> {
+    let point_mass = declared.is_some_and(|d| d.point_mass);
+    if !point_mass {
+        if file.has("axes")
+            && declared.is_some()
+            && let Some(t) = file.table("axes", &keys::AXES)
+        {
+            let what = "a tunnel run's axes are fixed (X down)";
+            t.source.fault(Some(t.span.clone()), "[axes]", "", what, "remove the table; it is for [aero.point_mass]");
+        }
+        return None;
+    }
+    if !file.has("axes") {
+        let what = "is missing: which axis of the files points down";
+        file.source.fault(None, "[axes] down", "", what, "[axes]\ndown = \"-Z\"");
+        return None;
+    }
+    file.table("axes", &keys::AXES)?.choice("down").map(Down::from_choice)
+}
+
+fn entries(file: &Table<'_>) -> Vec<RunEntry> {
+    let folder = file.source.path().parent().unwrap_or(Path::new("")).to_owned();
+    let all: Vec<RunEntry> = file
+        .tables("run", &keys::RUN)
+        .iter()
+        .map(|t| {
+            let name = t.text("file");
+            RunEntry {
+                path: folder.join(&name),
+                file: name,
+                kind: t.text("kind"),
+                used: if t.choice("use") == Some(1) { Use::HoldOut } else { Use::Identify },
+                window_s: window_of(t),
+                inputs: input_values(t),
+                span: t.span.clone(),
+            }
+        })
+        .collect();
+    for (i, e) in all.iter().enumerate() {
+        let stem = |e: &RunEntry| e.path.file_stem().map(std::ffi::OsStr::to_owned);
+        if !e.file.is_empty() && all[..i].iter().any(|o| stem(o) == stem(e) && o.window_s == e.window_s) {
+            let what = "appears twice (or another file of the same name)";
+            file.source.fault(Some(e.span.clone()), "[[run]] file", &e.file, what, "name each run once, or give different windows");
+        }
+    }
+    all
+}
+
+fn window_of(t: &Table<'_>) -> Option<[f64; 2]> {
+    if !t.has("window_s") {
+        return None;
+    }
+    let window = t.numbers::<2>("window_s");
+    if window[0] >= window[1] {
+        let what = "must run from an earlier to a later time";
+        t.source.fault(Some(t.span.clone()), t.full("window_s"), format!("{window:?}"), what, "[from, to] in s");
+    }
+    Some(window)
+}
+
+fn input_values(t: &Table<'_>) -> BTreeMap<String, f64> {
+    let mut all = BTreeMap::new();
+    let Some(at) = t.has("inputs").then(|| t.value("inputs")).flatten() else { return all };
+    let Some(table) = at.get_ref().as_table() else {
+        t.source.fault(Some(at.span()), t.full("inputs"), t.source.snippet(at.span()), "must be a table", "{ name = number }");
+        return all;
+    };
+    for (key, value) in table {
+        match number(value).filter(|x| x.is_finite()) {
+            Some(x) => {
+                all.insert(key.get_ref().to_string(), x);
+            }
+            None => {
+                let path = format!("{}.{}", t.full("inputs"), key.get_ref());
+                t.source.fault(Some(value.span()), path, t.source.snippet(value.span()), "must be a finite number", "a number");
+            }
+        }
+    }
+    all
+}
+
+/// Names of inputs, sorted; a run that lacks one that others have is a fault.
+fn inputs_of(source: &Source<'_>, entries: &[RunEntry]) -> Vec<String> {
+    let mut names: Vec<String> = entries.iter().flat_map(|e| e.inputs.keys().cloned()).collect();
+    names.sort();
+    names.dedup();
+    for e in entries {
+        let missing: Vec<&str> = names.iter().filter(|n| !e.inputs.contains_key(*n)).map(String::as_str).collect();
+        if !missing.is_empty() {
+            let what = "lacks inputs that other runs have";
+            source.fault(Some(e.span.clone()), format!("[[run]] {} inputs", e.file), missing.join(", "), what, "give every run all inputs");
+        }
+    }
+    names
+}
+
+fn check_files_exist(source: &Source<'_>, entries: &[RunEntry]) {
+    for e in entries.iter().filter(|e| !e.file.is_empty() && !e.path.is_file()) {
+        source.fault(Some(e.span.clone()), "[[run]] file", &e.file, "there is no such file", "a path beside the campaign file");
+    }
+}
+
+fn read_run(e: &RunEntry, declared: &Declared, down: Option<Down>, inputs: &[String]) -> Result<Vec<Run>, ReadError> {
+    let stem = e.path.file_stem().map_or_else(|| e.file.clone(), |s| s.to_string_lossy().into_owned());
+    let values: Vec<f64> = inputs.iter().filter_map(|n| e.inputs.get(n).copied()).collect();
+    let run = |name: String, data, notes| Run { name, kind: e.kind.clone(), used: e.used, inputs: values.clone(), data, notes };
+    if let Some(down) = down {
+        let (track, notes) = read_track(&e.path, down, declared.plant.sensors.position_std_m, e.window_s)?;
+        return Ok(vec![run(stem, Data::Point(track), notes)]);
+    }
+    let pieces = read_record_pieces(&e.path, &declared.plant.sensors, e.window_s)?;
+    let faults: Vec<_> = pieces.iter().flat_map(|p| units::physics_faults(&e.path, &p.record, &declared.plant)).collect();
+    if !faults.is_empty() {
+        return Err(ReadError::Faults(faults));
+    }
+    let many = pieces.len() > 1;
+    Ok(pieces
+        .into_iter()
+        .enumerate()
+        .map(|(i, mut p)| {
+            p.notes.extend(units::warnings(&p.record));
+            run(if many { format!("{stem}-{}", letters(i)) } else { stem.clone() }, Data::Tunnel(p.record), p.notes)
+        })
+        .collect())
+}
+
+/// a, b, ..., z, aa, ab, ...
+fn letters(i: usize) -> String {
+    let last = char::from(b'a' + u8::try_from(i % 26).unwrap_or(0));
+    if i < 26 { last.to_string() } else { format!("{}{last}", letters(i / 26 - 1)) }
+}
+
+fn undeclared_warnings(source: &Source<'_>, file: &Table<'_>, declared: &Declared) -> Vec<String> {
+    let structure = &declared.plant.aero.structure;
+    let Some(model) = file
+        .entries()
+        .find(|(k, _)| k.get_ref() == "aero")
+        .and_then(|(_, v)| v.get_ref().as_table()?.values().next()?.get_ref().as_table())
+    else {
+        return Vec::new();
+    };
+    let nonzero = |i: usize| model.get(structure.parameters[i].as_str()).and_then(number).is_some_and(|x| x != 0.0);
+    (0..structure.parameters.len())
+        .filter(|i| !declared.declared[*i] && nonzero(*i))
+        .map(|i| {
+            let name = &structure.parameters[i];
+            format!("{}: {name} has a value but is not in `declared`; it is taken as zero (declare it to use it)", source.path().display())
+        })
+        .collect()
+}
+
+/// Fewer samples to identify on than parameters cannot be identified.
+fn enough_samples(source: &Source<'_>, declared: &Declared, runs: &[Run]) {
+    let parameters = declared.declared.iter().filter(|d| **d).count();
+    let samples: usize = runs
+        .iter()
+        .filter(|r| r.used == Use::Identify)
+        .map(|r| match &r.data {
+            Data::Tunnel(record) => record.len(),
+            Data::Point(track) => track.t_s.len(),
+        })
+        .sum();
+    if !source.has_faults() && samples <= parameters {
+        let what = format!("{samples} samples to identify {parameters} parameters on");
+        source.fault(None, "[[run]]", "", what, "at least one longer run with use = \"identify\"");
+    }
+}

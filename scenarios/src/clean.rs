@@ -1,0 +1,194 @@
+//! scenarios: dropouts and spikes of one channel. In: times and values, NaN where nothing was measured. Out: the channel repaired
+//! and what was done.
+//!
+//! The local fit is a polynomial through the neighbours of a sample, without the sample; its error is scaled to that of one sample,
+//! so that Gaussian noise gives errors of its own standard deviation in the middle and at the ends of a run.
+
+/// Neighbours of a sample that a spike is judged by.
+const NEIGHBOURS: usize = 10;
+/// Degree of the fit that a spike is judged by.
+const DEGREE: usize = 3;
+/// Samples on each side that give the local scale.
+const SCALE_REACH: usize = 30;
+/// A spike is an error beyond so many robust standard deviations.
+pub(crate) const SIGMAS: f64 = 6.0;
+/// Standard deviation of a Gaussian over its median absolute deviation.
+const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
+/// Samples on each side of a dropout that bridge it, and the degree of the bridge.
+const BRIDGE: (usize, usize) = (10, 5);
+
+/// A sample that was removed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Spike {
+    pub(crate) index: usize,
+    pub(crate) value: f64,
+    /// What the local fit puts there; NaN when its neighbours are gone too.
+    pub(crate) fit: f64,
+}
+
+/// Value at time zero of the least-squares polynomial through points (time, value), and the sum of its squared weights.
+fn fit_at_zero(points: &[(f64, f64)], degree: usize) -> (f64, f64) {
+    let span = points.iter().fold(0.0_f64, |m, p| m.max(p.0.abs())).max(f64::MIN_POSITIVE);
+    let mut basis: Vec<(Vec<f64>, f64, f64)> = Vec::with_capacity(degree + 1);
+    let (mut value, mut weights2) = (0.0, 0.0);
+    for power in 0..=degree.min(points.len().saturating_sub(1)) {
+        #[expect(clippy::cast_possible_wrap, clippy::cast_possible_truncation, reason = "a degree below ten")]
+        let mut column: Vec<f64> = points.iter().map(|p| (p.0 / span).powi(power as i32)).collect();
+        let mut at_zero = if power == 0 { 1.0 } else { 0.0 };
+        for (b, b_zero, b_norm2) in &basis {
+            let along = column.iter().zip(b).map(|(x, y)| x * y).sum::<f64>() / b_norm2;
+            column.iter_mut().zip(b).for_each(|(x, y)| *x -= along * y);
+            at_zero -= along * b_zero;
+        }
+        let norm2: f64 = column.iter().map(|x| x * x).sum();
+        if norm2 < 1e-18 {
+            break;
+        }
+        value += at_zero * column.iter().zip(points).map(|(x, p)| x * p.1).sum::<f64>() / norm2;
+        weights2 += at_zero * at_zero / norm2;
+        basis.push((column, at_zero, norm2));
+    }
+    (value, weights2)
+}
+
+/// Finite neighbours of sample `i`, up to `each` on each side and more on one where the other ends, within `reach_s`.
+fn neighbours(t: &[f64], x: &[f64], i: usize, each: usize, reach_s: f64) -> Vec<(f64, f64)> {
+    let near = |k: &usize| (t[*k] - t[i]).abs() <= reach_s;
+    let mut left = (0..i).rev().take_while(near).filter(|k| x[*k].is_finite()).take(2 * each).collect::<Vec<_>>();
+    let mut right = (i + 1..x.len()).take_while(near).filter(|k| x[*k].is_finite()).take(2 * each).collect::<Vec<_>>();
+    let (short_left, short_right) = (each.saturating_sub(left.len()), each.saturating_sub(right.len()));
+    left.truncate(each + short_right);
+    right.truncate(each + short_left);
+    left.iter().chain(&right).map(|k| (t[*k] - t[i], x[*k])).collect()
+}
+
+/// Error of sample `i` against its local fit, scaled to one sample; `None` without enough neighbours.
+fn error_of(t: &[f64], x: &[f64], i: usize, at: f64, reach_s: f64) -> Option<(f64, f64)> {
+    let points = neighbours(t, x, i, NEIGHBOURS / 2, reach_s);
+    if points.len() < DEGREE + 3 {
+        return None;
+    }
+    let (fit, weights2) = fit_at_zero(&points, DEGREE);
+    Some(((at - fit) / (1.0 + weights2).sqrt(), fit))
+}
+
+fn median_of(mut values: Vec<f64>) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Scale of each sample's error: the larger of the whole channel's and the neighbourhood's robust deviation, and `floor`.
+fn scales(errors: &[Option<f64>], floor: f64) -> Vec<f64> {
+    let sizes = |part: &[Option<f64>]| part.iter().filter_map(|e| e.map(f64::abs)).collect::<Vec<_>>();
+    let global = (MAD_TO_SIGMA * median_of(sizes(errors))).max(floor);
+    (0..errors.len())
+        .map(|i| {
+            let part = &errors[i.saturating_sub(SCALE_REACH)..(i + SCALE_REACH + 1).min(errors.len())];
+            global.max(MAD_TO_SIGMA * median_of(sizes(part)))
+        })
+        .collect()
+}
+
+/// Removes spikes from a channel and puts the local fit in their place, or NaN where too few neighbours are left. `floor` is
+/// the smallest standard deviation that the instrument can have. Times increase; `interval_s` is the usual step.
+pub(crate) fn remove_spikes(t: &[f64], x: &mut [f64], interval_s: f64, floor: f64) -> Vec<Spike> {
+    let reach_s = 2.0 * NEIGHBOURS as f64 * interval_s;
+    let error = |x: &[f64], i: usize| if x[i].is_finite() { error_of(t, x, i, x[i], reach_s).map(|e| e.0) } else { None };
+    let mut errors: Vec<Option<f64>> = (0..x.len()).map(|i| error(x, i)).collect();
+    let scales = scales(&errors, floor);
+    let mut removed: Vec<(usize, f64)> = Vec::new();
+    while let Some((worst, ratio)) = worst_of(&errors, &scales) {
+        if ratio <= SIGMAS || removed.len() >= x.len() / 4 {
+            break;
+        }
+        removed.push((worst, x[worst]));
+        x[worst] = f64::NAN;
+        let near = worst.saturating_sub(2 * NEIGHBOURS)..(worst + 2 * NEIGHBOURS + 1).min(x.len());
+        near.for_each(|i| errors[i] = error(x, i));
+    }
+    removed.sort_by_key(|r| r.0);
+    restore_good(t, x, &mut removed, &scales, reach_s);
+    let fits: Vec<f64> = removed.iter().map(|(i, v)| error_of(t, x, *i, *v, reach_s).map_or(f64::NAN, |e| e.1)).collect();
+    removed
+        .iter()
+        .zip(fits)
+        .map(|(&(index, value), fit)| {
+            x[index] = fit;
+            Spike { index, value, fit }
+        })
+        .collect()
+}
+
+fn worst_of(errors: &[Option<f64>], scales: &[f64]) -> Option<(usize, f64)> {
+    let ratios = errors.iter().zip(scales).enumerate().filter_map(|(i, (e, s))| e.map(|e| (i, e.abs() / s)));
+    ratios.filter(|(_, r)| r.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Neighbours of a cluster of spikes may have been taken for spikes while the cluster stood: those come back.
+fn restore_good(t: &[f64], x: &mut [f64], removed: &mut Vec<(usize, f64)>, scales: &[f64], reach_s: f64) {
+    removed.retain(|&(i, value)| {
+        let good = error_of(t, x, i, value, reach_s).is_some_and(|(e, _)| e.abs() <= SIGMAS * scales[i]);
+        if good {
+            x[i] = value;
+        }
+        !good
+    });
+}
+
+/// Bridges NaN inside a channel by a local polynomial through both sides; returns how many samples. Ends must be finite.
+pub(crate) fn bridge(t: &[f64], x: &mut [f64]) -> usize {
+    let holes: Vec<usize> = (0..x.len()).filter(|i| !x[*i].is_finite()).collect();
+    let fits: Vec<f64> = holes
+        .iter()
+        .map(|&i| {
+            let points = neighbours(t, x, i, BRIDGE.0, f64::INFINITY);
+            fit_at_zero(&points, BRIDGE.1.min(points.len() / 3)).0
+        })
+        .collect();
+    holes.iter().zip(fits).for_each(|(i, fit)| x[*i] = fit);
+    holes.len()
+}
+
+/// Stretches of rows to keep, when stretches of more than `longest` NaN in any channel cut the rows. Each starts and ends with a row
+/// in which every channel is finite.
+pub(crate) fn pieces(channels: &[&[f64]], longest: usize) -> Vec<std::ops::Range<usize>> {
+    let rows = channels.first().map_or(0, |c| c.len());
+    let mut keep = vec![true; rows];
+    for channel in channels {
+        let mut start = 0;
+        for i in 0..=rows {
+            if i == rows || channel[i].is_finite() {
+                if i - start > longest {
+                    keep[start..i].fill(false);
+                }
+                start = i + 1;
+            }
+        }
+    }
+    let whole = |i: usize| channels.iter().all(|c| c[i].is_finite());
+    let mut all = Vec::new();
+    let mut i = 0;
+    while i < rows {
+        let end = (i..rows).find(|k| !keep[*k]).unwrap_or(rows);
+        if let (Some(first), Some(last)) = ((i..end).find(|k| whole(*k)), (i..end).rev().find(|k| whole(*k))) {
+            all.push(first..last + 1);
+        }
+        i = (end..rows).find(|k| keep[*k]).unwrap_or(rows);
+    }
+    all
+}
+
+/// Takes jumps of 360° out of an angle in degrees; NaN are passed over.
+pub(crate) fn unwrap_deg(x: &mut [f64]) {
+    let mut last = f64::NAN;
+    for value in x.iter_mut().filter(|v| v.is_finite()) {
+        if last.is_finite() {
+            *value -= 360.0 * ((*value - last) / 360.0).round();
+        }
+        last = *value;
+    }
+}
+

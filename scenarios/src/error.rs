@@ -1,0 +1,110 @@
+//! scenarios: what can be wrong with a file. In: place, key, value. Out: messages that say what is allowed and what to try.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// One thing wrong in one file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Fault {
+    /// The file.
+    pub file: PathBuf,
+    /// Line, counted from 1; none when the fault is not on one line.
+    pub line: Option<usize>,
+    /// Table and key, or column.
+    pub key: String,
+    /// What stands there, as text.
+    pub value: String,
+    /// What is wrong with it and what would be allowed.
+    pub allowed: String,
+    /// What to try.
+    pub remedy: String,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.file.display())?;
+        if let Some(line) = self.line {
+            write!(f, ":{line}")?;
+        }
+        write!(f, ": ")?;
+        match (self.key.is_empty(), self.value.is_empty()) {
+            (true, _) => {}
+            (false, true) => write!(f, "{}: ", self.key)?,
+            (false, false) => write!(f, "{} = {}: ", self.key, self.value)?,
+        }
+        write!(f, "{}", self.allowed)?;
+        if self.remedy.is_empty() { Ok(()) } else { write!(f, "; try: {}", self.remedy) }
+    }
+}
+
+fn list(faults: &[Fault]) -> String {
+    faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+}
+
+/// Why a file was not read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// The file could not be opened or is not UTF-8.
+    #[error("{}: cannot be read ({reason}); try: check the path and its permissions", path.display())]
+    Open {
+        /// The file.
+        path: PathBuf,
+        /// The system's words.
+        reason: std::io::Error,
+    },
+    /// Read, and wrong: all faults found.
+    #[error("{}", list(.0))]
+    Faults(Vec<Fault>),
+}
+
+impl ReadError {
+    /// The faults; none when the file could not be opened.
+    #[must_use]
+    pub fn faults(&self) -> &[Fault] {
+        match self {
+            Self::Faults(all) => all,
+            Self::Open { .. } => &[],
+        }
+    }
+}
+
+/// Why a file was not written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WriteError {
+    /// The system refused.
+    #[error("{}: cannot be written ({reason}); try: another --out, or free space", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's words.
+        reason: std::io::Error,
+    },
+    /// The result holds a number that JSON cannot carry, or a key that is not text.
+    #[error("{}: result is not representable as JSON ({reason}); try: report this with the input file", path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// The serialiser's words.
+        reason: serde_json::Error,
+    },
+    /// Columns of one table differ in length.
+    #[error("{}: column {column} has {found} rows where {expected} are needed", path.display())]
+    Length {
+        /// The file.
+        path: PathBuf,
+        /// Column name.
+        column: String,
+        /// Rows it has.
+        found: usize,
+        /// Rows it needs.
+        expected: usize,
+    },
+}
+
+/// Text of a file.
+pub(crate) fn text_of(path: &Path) -> Result<String, ReadError> {
+    std::fs::read_to_string(path).map_err(|reason| ReadError::Open { path: path.to_owned(), reason })
+}

@@ -1,0 +1,361 @@
+//! scenarios: every key of every table, once. In: nothing. Out: names, units, ranges and meanings, for the checks and the reference.
+
+/// What a key holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Kind {
+    /// A number.
+    Number,
+    /// A whole number.
+    Integer,
+    /// So many numbers.
+    Numbers(usize),
+    /// Any number of numbers, two at least.
+    Series,
+    /// Text.
+    Text,
+    /// One of these words.
+    Choice(&'static [&'static str]),
+    /// true or false.
+    Bool,
+    /// A list of words.
+    Words,
+    /// A table with keys of its own, read by its own rules.
+    Table,
+    /// A list of tables.
+    Tables,
+}
+
+/// One key.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Key {
+    pub(crate) name: &'static str,
+    pub(crate) kind: Kind,
+    /// `-` for none.
+    pub(crate) unit: &'static str,
+    /// Smallest and largest allowed value, inclusive.
+    pub(crate) range: [f64; 2],
+    pub(crate) needed: bool,
+    pub(crate) meaning: &'static str,
+}
+
+/// One table of a file.
+#[derive(Debug)]
+pub(crate) struct TableSpec {
+    /// Its path in the file.
+    pub(crate) path: &'static str,
+    pub(crate) meaning: &'static str,
+    /// Empty: keys are not fixed (parameters by name).
+    pub(crate) keys: &'static [Key],
+}
+
+const fn num(name: &'static str, unit: &'static str, low: f64, high: f64, meaning: &'static str) -> Key {
+    Key { name, kind: Kind::Number, unit, range: [low, high], needed: true, meaning }
+}
+const fn vec3(name: &'static str, unit: &'static str, limit: f64, meaning: &'static str) -> Key {
+    Key { name, kind: Kind::Numbers(3), unit, range: [-limit, limit], needed: true, meaning }
+}
+const fn other(name: &'static str, kind: Kind, meaning: &'static str) -> Key {
+    Key { name, kind, unit: "-", range: [f64::NEG_INFINITY, f64::INFINITY], needed: true, meaning }
+}
+const fn optional(mut key: Key) -> Key {
+    key.needed = false;
+    key
+}
+
+/// Smallest positive value that a key may have where zero makes no sense.
+const TINY: f64 = 1e-12;
+
+pub(crate) static CAMPAIGN_FILE: TableSpec = TableSpec {
+    path: "",
+    meaning: "A campaign file: one vehicle, its declared model, its runs.",
+    keys: &[
+        other("campaign", Kind::Table, "name and note"),
+        other("vehicle", Kind::Table, "mass side"),
+        optional(other("tether", Kind::Table, "safety tether; absent: free flight")),
+        optional(other("axes", Kind::Table, "axes of a point mass' files")),
+        other("environment", Kind::Table, "gravity and gas"),
+        other("sensors", Kind::Table, "noise of the instruments"),
+        other("aero", Kind::Table, "one declared model, [aero.<name>]"),
+        other("run", Kind::Tables, "runs, [[run]]"),
+    ],
+};
+pub(crate) static CAMPAIGN: TableSpec = TableSpec {
+    path: "campaign",
+    meaning: "Name of the campaign.",
+    keys: &[other("name", Kind::Text, "name"), optional(other("note", Kind::Text, "anything"))],
+};
+pub(crate) static VEHICLE: TableSpec = TableSpec {
+    path: "vehicle",
+    meaning: "Mass side of a body with attitude; body axes, x out of the nose.",
+    keys: &[
+        num("mass_kg", "kg", TINY, 1e7, "mass"),
+        other("inertia_kg_m2", Kind::Table, "moments and products of inertia about the c.m."),
+        vec3("center_of_mass_m", "m", 1e3, "c.m. from the geometric origin, body axes"),
+        num("reference_diameter_m", "m", TINY, 1e3, "reference diameter d; reference area is pi d^2/4"),
+    ],
+};
+pub(crate) static INERTIA: TableSpec = TableSpec {
+    path: "vehicle.inertia_kg_m2",
+    meaning: "Inertia about the c.m., body axes; products are the positive integrals of x y dm.",
+    keys: &[
+        num("xx", "kg m2", 0.0, 1e9, "about x"),
+        num("yy", "kg m2", 0.0, 1e9, "about y"),
+        num("zz", "kg m2", 0.0, 1e9, "about z"),
+        num("xy", "kg m2", -1e9, 1e9, "product"),
+        num("xz", "kg m2", -1e9, 1e9, "product"),
+        num("yz", "kg m2", -1e9, 1e9, "product"),
+    ],
+};
+pub(crate) static VEHICLE_POINT: TableSpec = TableSpec {
+    path: "vehicle",
+    meaning: "A body without attitude (with [aero.point_mass]).",
+    keys: &[
+        num("mass_kg", "kg", TINY, 1e7, "mass"),
+        num("reference_diameter_m", "m", TINY, 1e3, "diameter; reference area is pi d^2/4"),
+    ],
+};
+pub(crate) static TETHER: TableSpec = TableSpec {
+    path: "tether",
+    meaning: "Pull toward the ring, q (C_D S)_tr - W_tr.",
+    keys: &[
+        vec3("attachment_m", "m", 1e3, "attachment from the geometric origin, body axes"),
+        vec3("ring_m", "m", 1e3, "centering ring from the tunnel origin, tunnel axes (X down)"),
+        num("drag_area_m2", "m2", 0.0, 1e3, "drag area of the line"),
+        num("effective_weight_n", "N", 0.0, 1e6, "weight of the line that the model carries"),
+    ],
+};
+pub(crate) static AXES: TableSpec = TableSpec {
+    path: "axes",
+    meaning: "How the axes of a point mass' files lie. Tunnel X is down; Y and Z follow right-handed.",
+    keys: &[other("down", Kind::Choice(&["+X", "-X", "+Y", "-Y", "+Z", "-Z"]), "file axis that points down")],
+};
+pub(crate) static ENVIRONMENT: TableSpec = TableSpec {
+    path: "environment",
+    meaning: "Gravity and the tunnel's gas.",
+    keys: &[
+        num("gravity_m_s2", "m/s2", 0.0, 300.0, "acceleration of gravity"),
+        num("gas_constant_j_kg_k", "J/(kg K)", 10.0, 1e4, "specific gas constant"),
+    ],
+};
+pub(crate) static ENVIRONMENT_SCENARIO: TableSpec = TableSpec {
+    path: "environment",
+    meaning: "Gravity, the tunnel's gas and its state (scenario files).",
+    keys: &[
+        num("gravity_m_s2", "m/s2", 0.0, 300.0, "acceleration of gravity"),
+        num("gas_constant_j_kg_k", "J/(kg K)", 10.0, 1e4, "specific gas constant"),
+        num("static_pressure_pa", "Pa", 1.0, 1e8, "static pressure of every flight"),
+        num("static_temperature_k", "K", 10.0, 2e3, "static temperature of every flight"),
+    ],
+};
+pub(crate) static ENVIRONMENT_POINT: TableSpec = TableSpec {
+    path: "environment",
+    meaning: "Gravity and still air (point mass).",
+    keys: &[
+        num("gravity_m_s2", "m/s2", 0.0, 300.0, "acceleration of gravity"),
+        num("air_density_kg_m3", "kg/m3", 0.0, 1e3, "density of the air"),
+    ],
+};
+pub(crate) static SENSORS: TableSpec = TableSpec {
+    path: "sensors",
+    meaning: "Standard deviations of the instruments (thesis Table A.3).",
+    keys: &[
+        num("position_std_m", "m", 0.0, 10.0, "position, each axis"),
+        num("roll_std_deg", "deg", 0.0, 90.0, "roll angle R_x"),
+        num("pitch_yaw_std_deg", "deg", 0.0, 90.0, "pitch and yaw angles R_y, R_z"),
+        num("wind_std_m_s", "m/s", 0.0, 10.0, "tunnel speed V_W"),
+    ],
+};
+pub(crate) static SENSORS_POINT: TableSpec = TableSpec {
+    path: "sensors",
+    meaning: "Standard deviation of the tracking (point mass).",
+    keys: &[num("position_std_m", "m", 0.0, 10.0, "position, each axis")],
+};
+pub(crate) static AERO: TableSpec = TableSpec {
+    path: "aero.<name>",
+    meaning: "The declared model: `axisymmetric`, `point_mass`, or any name with `structure = \"file.toml\"`; one key per parameter of \
+              the structure with its starting value; optional `declared = [...]` names those that the declared model has (default: \
+              all), the others are zero until an effect brings them.",
+    keys: &[],
+};
+pub(crate) static RUN: TableSpec = TableSpec {
+    path: "run",
+    meaning: "One run.",
+    keys: &[
+        other("file", Kind::Text, "run file, beside the campaign file"),
+        other("kind", Kind::Text, "perturbed, unperturbed, drop, launch, or your word"),
+        other("use", Kind::Choice(&["identify", "hold-out"]), "identify on it, or only judge predictions on it"),
+        optional(Key {
+            name: "window_s",
+            kind: Kind::Numbers(2),
+            unit: "s",
+            range: [-1e9, 1e9],
+            needed: false,
+            meaning: "part of the file that is used, [from, to] in the file's time",
+        }),
+        optional(other("inputs", Kind::Table, "known settings of this run, name = number")),
+    ],
+};
+pub(crate) static SCENARIO_FILE: TableSpec = TableSpec {
+    path: "",
+    meaning: "A scenario file: what is flown.",
+    keys: &[
+        optional(Key {
+            name: "seed",
+            kind: Kind::Integer,
+            unit: "-",
+            range: [0.0, 9_007_199_254_740_992.0],
+            needed: false,
+            meaning: "seed of all chance; 1 when absent, written out in the resolved file",
+        }),
+        other("scenario", Kind::Table, "name and note"),
+        other("vehicle", Kind::Table, "mass side"),
+        optional(other("tether", Kind::Table, "safety tether; absent: free flight")),
+        other("environment", Kind::Table, "gravity and gas"),
+        other("sensors", Kind::Table, "noise of the instruments"),
+        other("aero", Kind::Table, "the true aerodynamics, [aero.<name>]"),
+        optional(other("effects", Kind::Table, "effects beyond the declared model, [effects.<family>]")),
+        optional(other("section", Kind::Table, "walls and nets; absent: none")),
+        optional(other("numerics", Kind::Table, "integrator settings")),
+        other("flight", Kind::Tables, "flights, [[flight]]"),
+        optional(other("provenance", Kind::Table, "written by the program")),
+    ],
+};
+pub(crate) static SCENARIO: TableSpec = TableSpec {
+    path: "scenario",
+    meaning: "Name of the scenario.",
+    keys: &[other("name", Kind::Text, "name"), optional(other("note", Kind::Text, "anything"))],
+};
+pub(crate) static EFFECTS: TableSpec = TableSpec {
+    path: "effects.<family>",
+    meaning: "An effect in the truth that campaigns made of this scenario do not declare; families and parameters are those of the \
+              catalogue. A strength that is not given is zero; shapes, instants and runs must be given.",
+    keys: &[],
+};
+pub(crate) static SECTION: TableSpec = TableSpec {
+    path: "section",
+    meaning: "A flight ends with a named event when the c.m. leaves.",
+    keys: &[
+        num("radius_m", "m", TINY, 1e6, "largest horizontal distance from the axis"),
+        num("top_x_m", "m", -1e6, 1e6, "tunnel X (down) of the upper net"),
+        num("bottom_x_m", "m", -1e6, 1e6, "tunnel X (down) of the lower net"),
+    ],
+};
+pub(crate) static NUMERICS: TableSpec = TableSpec {
+    path: "numerics",
+    meaning: "Integrator; what is absent takes the program's default and is written out in the resolved file.",
+    keys: &[
+        optional(other("method", Kind::Choice(&["dopri5", "dop853"]), "integrator")),
+        optional(num("relative_tolerance", "-", 1e-14, 1e-2, "relative tolerance")),
+        optional(num("absolute_tolerance", "SI", 1e-16, 1e-2, "absolute tolerance")),
+    ],
+};
+pub(crate) static PROVENANCE: TableSpec = TableSpec {
+    path: "provenance",
+    meaning: "Where a resolved file came from; read and ignored.",
+    keys: &[
+        optional(other("windfall", Kind::Text, "version of the program")),
+        optional(other("input", Kind::Text, "name of the scenario file or bundled scenario")),
+        optional(other("input_hash", Kind::Text, "FNV-1a 64-bit hash of its bytes")),
+    ],
+};
+pub(crate) static FLIGHT: TableSpec = TableSpec {
+    path: "flight",
+    meaning: "One flight; exactly one of [flight.speed.operator], [flight.speed.history], [flight.speed.constant].",
+    keys: &[
+        other("name", Kind::Text, "name of the run it makes"),
+        other("kind", Kind::Text, "perturbed, unperturbed, drop, or your word"),
+        other("use", Kind::Choice(&["identify", "hold-out"]), "use in the campaign that is made"),
+        num("duration_s", "s", 0.01, 1e5, "duration"),
+        num("rate_hz", "Hz", 0.1, 1e5, "sample rate"),
+        other("sensor_noise", Kind::Bool, "whether the record carries sensor noise"),
+        other("release", Kind::Table, "state at the first sample"),
+        other("speed", Kind::Table, "tunnel speed"),
+    ],
+};
+pub(crate) static RELEASE: TableSpec = TableSpec {
+    path: "flight.release",
+    meaning: "State of the c.m. at the first sample.",
+    keys: &[
+        vec3("position_m", "m", 1e6, "position, tunnel axes (X down)"),
+        vec3("velocity_m_s", "m/s", 1e5, "velocity, tunnel axes"),
+        vec3("attitude_deg", "deg", 360.0, "R_x, R_y, R_z; T = Rx Ry Rz maps body to tunnel"),
+        vec3("rates_deg_s", "deg/s", 1e5, "p, q, r"),
+    ],
+};
+pub(crate) static SPEED: TableSpec = TableSpec {
+    path: "flight.speed",
+    meaning: "Exactly one of these.",
+    keys: &[
+        optional(other("operator", Kind::Table, "a hand that throttles to hold the model's height")),
+        optional(other("history", Kind::Table, "a given history")),
+        optional(other("constant", Kind::Table, "a constant")),
+    ],
+};
+pub(crate) static OPERATOR: TableSpec = TableSpec {
+    path: "flight.speed.operator",
+    meaning: "Operator and fan.",
+    keys: &[
+        optional(num("trim_m_s", "m/s", 0.0, 1e4, "speed around which the hand works; absent: the plant's trim speed")),
+        num("height_gain_per_s", "(m/s)/m", 0.0, 1e3, "speed for sinking below the held height"),
+        num("rate_gain", "(m/s)/(m/s)", 0.0, 1e3, "speed for the rate of sinking"),
+        num("integral_gain_per_s2", "(m/s)/(m s)", 0.0, 1e3, "integral gain"),
+        num("lag_s", "s", 1e-3, 1e3, "first-order lag of hand and fan"),
+        num("unsteady_rms_m_s", "m/s", 0.0, 10.0, "rms of the unsteady hand, before the lag"),
+        num("unsteady_time_s", "s", 1e-3, 1e4, "correlation time of the unsteady hand"),
+        num("hold_x_m", "m", -1e6, 1e6, "height that is held, tunnel X of the c.m."),
+    ],
+};
+pub(crate) static HISTORY: TableSpec = TableSpec {
+    path: "flight.speed.history",
+    meaning: "A given history of V_W, uniform from the first sample, held beyond its end.",
+    keys: &[
+        num("interval_s", "s", 1e-6, 1e5, "sample interval"),
+        Key { name: "vw_m_s", kind: Kind::Series, unit: "m/s", range: [0.0, 1e4], needed: true, meaning: "speeds" },
+    ],
+};
+pub(crate) static CONSTANT: TableSpec = TableSpec {
+    path: "flight.speed.constant",
+    meaning: "A constant V_W.",
+    keys: &[num("vw_m_s", "m/s", 0.0, 1e4, "speed, upward; 0 for a drop in still air")],
+};
+pub(crate) static STRUCTURE_FILE: TableSpec = TableSpec {
+    path: "",
+    meaning: "A structure file: the aerodynamics of another vehicle as parameter x term.",
+    keys: &[
+        other("parameters", Kind::Words, "parameter names, in order"),
+        other("term", Kind::Tables, "what each parameter adds to a coefficient, [[term]]"),
+    ],
+};
+pub(crate) static TERM: TableSpec = TableSpec {
+    path: "term",
+    meaning: "One contribution: parameter x scale x product of factors.",
+    keys: &[
+        other("coefficient", Kind::Choice(&["CA", "CY", "CN", "Cl", "Cm", "Cn"]), "coefficient at the geometric origin"),
+        other("parameter", Kind::Text, "one of `parameters`"),
+        num("scale", "-", -1e9, 1e9, "constant factor, usually 1 or -1"),
+        other(
+            "factors",
+            Kind::Tables,
+            "list of [\"variable\", power 1 to 9], { bump = \"variable\", width = number }, { sin_clock = n } or { cos_clock = n }",
+        ),
+    ],
+};
+
+/// All tables in the order of the reference: campaign files, scenario files, structure files.
+pub(crate) static ALL: [(&str, &[&TableSpec]); 3] = [
+    (
+        "Campaign file",
+        &[
+            &CAMPAIGN_FILE, &CAMPAIGN, &VEHICLE, &INERTIA, &VEHICLE_POINT, &TETHER, &AXES, &ENVIRONMENT, &ENVIRONMENT_POINT, &SENSORS,
+            &SENSORS_POINT, &AERO, &RUN,
+        ],
+    ),
+    (
+        "Scenario file",
+        &[
+            &SCENARIO_FILE, &SCENARIO, &VEHICLE, &INERTIA, &TETHER, &ENVIRONMENT_SCENARIO, &SENSORS, &AERO, &EFFECTS, &SECTION, &NUMERICS,
+            &FLIGHT, &RELEASE, &SPEED, &OPERATOR, &HISTORY, &CONSTANT, &PROVENANCE,
+        ],
+    ),
+    ("Structure file", &[&STRUCTURE_FILE, &TERM]),
+];

@@ -1,0 +1,145 @@
+//! scenarios: the tables that campaign and scenario files share. In: open tables. Out: parts of a plant, in SI and rad.
+
+use crate::keys;
+use crate::structure::{DeclaredAero, read_aero};
+use crate::table::Table;
+use windfall_model::frames::Vec3;
+use windfall_model::{
+    ApparentMass, Environment, Inertia, MeanFlow, Plant, PointMass, Sensors, Structure, Tether, Turbulence, Vehicle, WakeShedding,
+};
+
+/// A plant as declared, with what the file says besides.
+pub(crate) struct Declared {
+    pub(crate) plant: Plant,
+    pub(crate) declared: Vec<bool>,
+    pub(crate) structure_file: Option<String>,
+    pub(crate) point_mass: bool,
+    /// Static pressure (Pa) and temperature (K), in scenario files.
+    pub(crate) air: [f64; 2],
+}
+
+/// Reads `[vehicle]`, `[tether]`, `[environment]`, `[sensors]` and `[aero]` of a campaign or, with `scenario`, a scenario file.
+pub(crate) fn read_declared(file: &Table<'_>, scenario: bool) -> Option<Declared> {
+    let aero = read_aero(file, !scenario);
+    let point_mass = aero.as_ref().is_some_and(|a| a.aero.structure.name == Structure::point_mass().name);
+    if point_mass && scenario {
+        let what = "a scenario flies a body with attitude; point masses are read from campaigns only";
+        file.source.fault(None, "[aero.point_mass]", "", what, "[aero.axisymmetric]");
+        return None;
+    }
+    let vehicle = if point_mass { vehicle_point(file) } else { vehicle(file) };
+    let tether = tether(file, point_mass);
+    let (environment, air, density) = environment(file, scenario, point_mass);
+    let sensors = if point_mass { sensors_point(file) } else { sensors(file) };
+    let DeclaredAero { aero, declared, structure_file } = aero?;
+    let plant = Plant {
+        vehicle: vehicle?,
+        aero,
+        tether,
+        flow: MeanFlow::default(),
+        turbulence: Turbulence::default(),
+        shedding: WakeShedding::default(),
+        contacts: Vec::new(),
+        environment: environment?,
+        sensors: sensors?,
+        point: PointMass { air_density_kg_m3: density, ..PointMass::default() },
+    };
+    Some(Declared { plant, declared, structure_file, point_mass, air })
+}
+
+fn vehicle(file: &Table<'_>) -> Option<Vehicle> {
+    let t = file.table("vehicle", &keys::VEHICLE)?;
+    let inertia = t.table("inertia_kg_m2", &keys::INERTIA).map(|i| {
+        let read = Inertia {
+            xx: i.number("xx"),
+            yy: i.number("yy"),
+            zz: i.number("zz"),
+            xy: i.number("xy"),
+            xz: i.number("xz"),
+            yz: i.number("yz"),
+        };
+        let all = [read.xx, read.yy, read.zz, read.xy, read.xz, read.yz];
+        if all.iter().all(|x| x.is_finite()) && !read.is_physical() {
+            let what = "is not the inertia of a real body: eigenvalues must be positive and none larger than the sum of the others";
+            let try_ = "check units (kg m2) and the sign of products (positive integrals of x y dm)";
+            t.source.fault(Some(i.span.clone()), t.full("inertia_kg_m2"), t.source.snippet(i.span.clone()), what, try_);
+        }
+        read
+    });
+    Some(Vehicle {
+        mass_kg: t.number("mass_kg"),
+        p_origin_cm: Vec3::from_array(t.numbers("center_of_mass_m")),
+        diameter_m: t.number("reference_diameter_m"),
+        inertia: inertia?,
+        apparent: ApparentMass::default(),
+        loose: None,
+    })
+}
+
+fn vehicle_point(file: &Table<'_>) -> Option<Vehicle> {
+    let t = file.table("vehicle", &keys::VEHICLE_POINT)?;
+    Some(Vehicle {
+        mass_kg: t.number("mass_kg"),
+        diameter_m: t.number("reference_diameter_m"),
+        inertia: Inertia::default(),
+        p_origin_cm: Vec3::zero(),
+        apparent: ApparentMass::default(),
+        loose: None,
+    })
+}
+
+fn tether(file: &Table<'_>, point_mass: bool) -> Option<Tether> {
+    if !file.has("tether") {
+        return None;
+    }
+    let t = file.table("tether", &keys::TETHER)?;
+    if point_mass {
+        t.source.fault(Some(t.span.clone()), "[tether]", "", "a point mass has no tether", "remove the table");
+    }
+    let (hook, ring) = (t.numbers::<3>("attachment_m"), t.numbers::<3>("ring_m"));
+    if hook.iter().chain(&ring).all(|x| x.is_finite()) && Vec3::<windfall_model::frames::Tunnel>::from_array(ring).norm() < 1e-6 {
+        t.source.fault(
+            Some(t.span.clone()),
+            t.full("ring_m"),
+            "",
+            "must not be the tunnel origin: the line's direction is undefined",
+            "[-3.0, 0.0, 0.0]",
+        );
+    }
+    Some(Tether::declared(Vec3::from_array(hook), Vec3::from_array(ring), t.number("drag_area_m2"), t.number("effective_weight_n")))
+}
+
+/// Environment, state of the air of a scenario (NaN otherwise) and density of a point mass' air (zero otherwise).
+fn environment(file: &Table<'_>, scenario: bool, point_mass: bool) -> (Option<Environment>, [f64; 2], f64) {
+    let spec = match (scenario, point_mass) {
+        (true, _) => &keys::ENVIRONMENT_SCENARIO,
+        (false, true) => &keys::ENVIRONMENT_POINT,
+        (false, false) => &keys::ENVIRONMENT,
+    };
+    let Some(t) = file.table("environment", spec) else { return (None, [f64::NAN; 2], 0.0) };
+    let gravity_m_s2 = t.number("gravity_m_s2");
+    if point_mass {
+        // A point mass' density is given, so the gas constant plays no part.
+        let environment = Environment { gravity_m_s2, gas_constant_j_kg_k: f64::NAN };
+        return (Some(environment), [f64::NAN; 2], t.number("air_density_kg_m3"));
+    }
+    let environment = Environment { gravity_m_s2, gas_constant_j_kg_k: t.number("gas_constant_j_kg_k") };
+    let air = if scenario { [t.number("static_pressure_pa"), t.number("static_temperature_k")] } else { [f64::NAN; 2] };
+    (Some(environment), air, 0.0)
+}
+
+fn sensors(file: &Table<'_>) -> Option<Sensors> {
+    let t = file.table("sensors", &keys::SENSORS)?;
+    Some(Sensors {
+        position_std_m: t.number("position_std_m"),
+        roll_std_rad: t.number("roll_std_deg").to_radians(),
+        pitch_yaw_std_rad: t.number("pitch_yaw_std_deg").to_radians(),
+        wind_std_m_s: t.number("wind_std_m_s"),
+        ..Sensors::default()
+    })
+}
+
+fn sensors_point(file: &Table<'_>) -> Option<Sensors> {
+    let t = file.table("sensors", &keys::SENSORS_POINT)?;
+    Some(Sensors { position_std_m: t.number("position_std_m"), ..Sensors::default() })
+}

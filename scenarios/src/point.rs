@@ -1,0 +1,88 @@
+//! scenarios: tracks of bodies without attitude. In: a path and the axis that points down. Out: track in tunnel axes.
+
+use crate::clean::remove_spikes;
+use crate::columns::{fault, read_columns};
+use crate::error::ReadError;
+use crate::record::{spike_note, times};
+use crate::units::median;
+use std::path::Path;
+use windfall_model::PointRecord;
+
+/// Fewest samples of a track.
+const FEWEST: usize = 8;
+/// Columns of the file's axes.
+const COLUMNS: [&str; 3] = ["X_m", "Y_m", "Z_m"];
+
+/// The file axis that points down, as in `[axes] down`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Down {
+    /// 0 = X, 1 = Y, 2 = Z of the file.
+    pub axis: usize,
+    /// True for `-X`, `-Y`, `-Z`: down is against the axis.
+    pub negative: bool,
+}
+
+impl Down {
+    /// From the place of the word in `+X, -X, +Y, -Y, +Z, -Z`.
+    pub(crate) fn from_choice(place: usize) -> Self {
+        Self { axis: place / 2, negative: place % 2 == 1 }
+    }
+    /// For tunnel X, Y, Z: file axis and sign. Tunnel X is down; Y and Z are the file's other two axes, unturned, in the order
+    /// that keeps the set right-handed: `-Z` gives (−Z, Y, X), `+Z` gives (Z, X, Y), `+X` gives (X, Y, Z).
+    #[must_use]
+    pub fn tunnel_from_file(self) -> [(usize, f64); 3] {
+        let (next, last) = ((self.axis + 1) % 3, (self.axis + 2) % 3);
+        if self.negative { [(self.axis, -1.0), (last, 1.0), (next, 1.0)] } else { [(self.axis, 1.0), (next, 1.0), (last, 1.0)] }
+    }
+}
+
+/// Reads a track: `t_s` and any of `X_m, Y_m, Z_m`, the vertical one among them; times may be uneven. Rows that lack a value
+/// are dropped and counted; spikes beyond six robust standard deviations of the local fit, and of the declared
+/// `position_std_m`, are removed. Notes say so.
+///
+/// # Errors
+/// [`ReadError`] with every fault of the file.
+pub fn read_track(
+    path: &Path,
+    down: Down,
+    position_std_m: f64,
+    window_s: Option<[f64; 2]>,
+) -> Result<(PointRecord, Vec<String>), ReadError> {
+    let mut columns = read_columns(path)?;
+    let mut notes = Vec::new();
+    let one = |key: &str, value: &str, what: &str, remedy: &str| ReadError::Faults(vec![fault(path, None, key, value, what, remedy)]);
+    for needed in ["t_s", COLUMNS[down.axis]] {
+        if columns.get(needed).is_none() {
+            let what = format!("column is missing; the file has {}", columns.names().join(", "));
+            return Err(one(needed, "", &what, "t_s and the column of the vertical axis that [axes] down names"));
+        }
+    }
+    let present: Vec<&str> = COLUMNS.into_iter().filter(|c| columns.get(c).is_some()).collect();
+    let complete: Vec<bool> =
+        (0..columns.rows()).map(|i| present.iter().all(|c| columns.get(c).is_some_and(|x| x[i].is_finite()))).collect();
+    let lost = complete.iter().filter(|c| !**c).count();
+    if lost > 0 {
+        notes.push(format!("{lost} rows with a missing position dropped"));
+        columns.retain(&complete);
+    }
+    let mut t_s = times(path, &mut columns, window_s, &mut notes)?;
+    if t_s.len() < FEWEST {
+        let what = format!("a track needs {FEWEST} samples or more");
+        return Err(one("samples", &t_s.len().to_string(), &what, "a longer track, or a wider window_s"));
+    }
+    let interval_s = median(&t_s.windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>());
+    let mut file_axes: [Option<Vec<f64>>; 3] = COLUMNS.map(|c| columns.get(c).map(<[f64]>::to_vec));
+    for (name, axis) in COLUMNS.iter().zip(&mut file_axes) {
+        let Some(x) = axis else { continue };
+        if median(x).abs() > 1e5 {
+            return Err(one(name, &format!("{:.3} (median)", median(x)), "must be within 1e5 m", "metres"));
+        }
+        notes.extend(remove_spikes(&t_s, x, interval_s, position_std_m).iter().map(|s| spike_note(name, t_s[s.index], s)));
+    }
+    let good: Vec<bool> = (0..t_s.len()).map(|i| file_axes.iter().flatten().all(|x| x[i].is_finite())).collect();
+    let keep = |x: &mut Vec<f64>| *x = x.iter().zip(&good).filter(|(_, g)| **g).map(|(v, _)| *v).collect();
+    keep(&mut t_s);
+    file_axes.iter_mut().flatten().for_each(keep);
+    let position_m = down.tunnel_from_file().map(|(axis, sign)| file_axes[axis].as_ref().map(|x| x.iter().map(|v| sign * v).collect()));
+    Ok((PointRecord { t_s, position_m }, notes))
+}

@@ -1,0 +1,321 @@
+//! scenarios: run files as records. In: a path, the instruments' noise, a window. Out: records in SI and rad, with what was repaired.
+
+use crate::clean::{SIGMAS, Spike, bridge, pieces, remove_spikes, unwrap_deg};
+use crate::columns::{Columns, fault, read_columns, write_columns_csv};
+use crate::error::{Fault, ReadError, WriteError};
+use crate::units;
+use std::path::Path;
+use windfall_model::{Record, Sensors};
+
+/// Longest dropout that is bridged, s.
+pub const LONGEST_BRIDGE_S: f64 = 0.1;
+/// Shortest piece of a split run that is kept, s.
+pub const SHORTEST_PIECE_S: f64 = 1.0;
+/// Fewest samples of a run or piece.
+pub const FEWEST_SAMPLES: usize = 30;
+/// Largest deviation of a sample interval from the usual one, as a fraction of it.
+const UNEVEN: f64 = 0.01;
+/// More spikes than this fraction of the samples are no spikes.
+const MOST_SPIKES: f64 = 0.05;
+/// Needed columns, in the order of the channels.
+const NEEDED: [&str; 9] = ["X_m", "Y_m", "Z_m", "Rx_deg", "Ry_deg", "Rz_deg", "VW_m_s", "ps_Pa", "Ts_K"];
+/// Column that may be absent.
+const QW: &str = "qW_Pa";
+/// Deviation of a slow channel (pressure, temperature) below which nothing is a spike, as a fraction of its value.
+const SLOW_FLOOR: f64 = 2e-4;
+
+/// A run or a piece of one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Piece {
+    /// The samples.
+    pub record: Record,
+    /// What was bridged, removed or cut, in words.
+    pub notes: Vec<String>,
+}
+
+/// The instruments of thesis Table A.3: 0.75 mm, 0.0623° roll, 0.110° pitch and yaw, 2.57 mm/s.
+#[must_use]
+pub fn sensors_of_table_a3() -> Sensors {
+    Sensors {
+        position_std_m: 7.5e-4,
+        roll_std_rad: 0.0623_f64.to_radians(),
+        pitch_yaw_std_rad: 0.110_f64.to_radians(),
+        wind_std_m_s: 2.57e-3,
+        ..Sensors::default()
+    }
+}
+
+/// Reads a tunnel run of one piece with the instruments of thesis Table A.3.
+///
+/// # Errors
+/// [`ReadError`] with every fault; also when a gap longer than 0.1 s splits the run, see [`read_record_pieces`].
+pub fn read_record_csv(path: &Path) -> Result<Record, ReadError> {
+    let mut all = read_record_pieces(path, &sensors_of_table_a3(), None)?;
+    if all.len() == 1 {
+        return Ok(all.swap_remove(0).record);
+    }
+    let what = format!("gaps longer than {LONGEST_BRIDGE_S} s split this run into {} pieces", all.len());
+    Err(ReadError::Faults(vec![fault(path, None, "t_s", "", &what, "read it in a campaign, or with window_s")]))
+}
+
+/// Reads a tunnel run: dropouts up to 0.1 s bridged, longer ones split the run, spikes beyond six robust standard deviations of
+/// the local fit removed. `sensors` are the declared deviations, below which no error is a spike; `window_s` the part of the file
+/// that is used, in its own time. Notes say what was done; the first piece carries those of the whole file.
+///
+/// # Errors
+/// [`ReadError`] with every fault of the file.
+pub fn read_record_pieces(path: &Path, sensors: &Sensors, window_s: Option<[f64; 2]>) -> Result<Vec<Piece>, ReadError> {
+    let mut columns = read_columns(path)?;
+    let mut notes = Vec::new();
+    has_columns(path, &columns, &NEEDED)?;
+    let t = times(path, &mut columns, window_s, &mut notes)?;
+    let grid = Grid::of(path, &t, &columns.lines)?;
+    note_unused(&columns, &mut notes);
+    let mut channels: Vec<(&str, Vec<f64>)> =
+        NEEDED.iter().chain(&[QW]).filter_map(|n| columns.get(n).map(|c| (*n, grid.spread(c)))).collect();
+    let faults = units::faults(path, &channels, sensors);
+    if !faults.is_empty() {
+        return Err(ReadError::Faults(faults));
+    }
+    channels.iter_mut().filter(|(n, _)| n.starts_with('R')).for_each(|(_, c)| unwrap_deg(c));
+    despike(path, &grid, &mut channels, sensors, &mut notes)?;
+    cut(path, &grid, &mut channels, notes)
+}
+
+fn has_columns(path: &Path, columns: &Columns, needed: &[&str]) -> Result<(), ReadError> {
+    let faults: Vec<Fault> = [&["t_s"], needed]
+        .concat()
+        .iter()
+        .filter(|n| columns.get(n).is_none())
+        .map(|n| {
+            let what = format!("column is missing; the file has {}", columns.names().join(", "));
+            let near: Vec<&str> = columns.names().iter().map(String::as_str).collect();
+            let remedy = crate::table::nearest(n, &near)
+                .map_or_else(|| "names and units of the run file are fixed".to_owned(), |near| format!("rename {near} to {n} if it is that"));
+            fault(path, Some(1), n, "", &what, &remedy)
+        })
+        .collect();
+    if faults.is_empty() { Ok(()) } else { Err(ReadError::Faults(faults)) }
+}
+
+fn note_unused(columns: &Columns, notes: &mut Vec<String>) {
+    let known = |n: &str| NEEDED.contains(&n) || n == QW || n == "t_s";
+    let unused: Vec<&str> = columns.names().iter().map(String::as_str).filter(|n| !known(n)).collect();
+    if !unused.is_empty() {
+        notes.push(format!("columns not used: {}", unused.join(", ")));
+    }
+}
+
+/// Times of the rows that are used; rows without a time are dropped, and rows outside the window.
+pub(crate) fn times(
+    path: &Path,
+    columns: &mut Columns,
+    window_s: Option<[f64; 2]>,
+    notes: &mut Vec<String>,
+) -> Result<Vec<f64>, ReadError> {
+    let all = columns.get("t_s").unwrap_or(&[]).to_vec();
+    let untimed = all.iter().filter(|t| !t.is_finite()).count();
+    if untimed > 0 {
+        notes.push(format!("{untimed} rows without a time dropped"));
+    }
+    let [from, to] = window_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    let keep: Vec<bool> = all.iter().map(|t| t.is_finite() && *t >= from && *t <= to).collect();
+    columns.retain(&keep);
+    let t = columns.get("t_s").unwrap_or(&[]).to_vec();
+    let mut faults: Vec<Fault> = Vec::new();
+    for i in 1..t.len() {
+        if t[i] <= t[i - 1] {
+            let what = if t[i] < t[i - 1] { "goes backward" } else { "appears twice" };
+            let what = format!("time {what}: the row before has {}", t[i - 1]);
+            let remedy = "sort the rows by time and remove duplicates; check that the file is one run";
+            faults.push(fault(path, Some(columns.lines[i]), "t_s", &t[i].to_string(), &what, remedy));
+        }
+    }
+    if faults.len() > 10 {
+        let what = format!("{} more times that do not increase", faults.len() - 10);
+        faults.truncate(10);
+        faults.push(fault(path, None, "t_s", "", &what, "sort the rows by time"));
+    }
+    if t.len() < 2 {
+        let what = format!("fewer than 2 of {} samples are left in the window", all.len());
+        let range = format!("the file runs from {} to {} s", least(&all), greatest(&all));
+        faults.push(fault(path, None, "t_s", "", &what, &range));
+    }
+    if faults.is_empty() { Ok(t) } else { Err(ReadError::Faults(faults)) }
+}
+
+fn least(x: &[f64]) -> f64 {
+    x.iter().copied().fold(f64::NAN, f64::min)
+}
+fn greatest(x: &[f64]) -> f64 {
+    x.iter().copied().fold(f64::NAN, f64::max)
+}
+
+/// Uniform sample grid of a file in which rows may be missing.
+struct Grid {
+    t_s: Vec<f64>,
+    interval_s: f64,
+    /// Place of each row of the file on the grid.
+    places: Vec<usize>,
+}
+
+impl Grid {
+    fn of(path: &Path, t: &[f64], lines: &[usize]) -> Result<Self, ReadError> {
+        let mut steps: Vec<f64> = t.windows(2).map(|w| w[1] - w[0]).collect();
+        let middle = steps.len() / 2;
+        let usual = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let mut places = vec![0];
+        let mut uneven = Vec::new();
+        for (i, w) in t.windows(2).enumerate() {
+            let step = w[1] - w[0];
+            let count = (step / usual).round().max(1.0);
+            if (step - count * usual).abs() > UNEVEN * usual {
+                uneven.push((lines[i + 1], step));
+            }
+            if count * usual > 1e7 * usual {
+                let what = "leaves a gap of more than ten million samples";
+                return Err(ReadError::Faults(vec![fault(path, Some(lines[i + 1]), "t_s", &w[1].to_string(), what, "seconds, one run")]));
+            }
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and 1e7, checked above")]
+            places.push(places[i] + count as usize);
+        }
+        if let Some((line, step)) = uneven.first() {
+            let what = format!(
+                "sampling must be uniform to 1 %: {} of {} steps are not, this one is {step:.6} s where {usual:.6} s is usual",
+                uneven.len(),
+                t.len() - 1
+            );
+            return Err(ReadError::Faults(vec![fault(path, Some(*line), "t_s", "", &what, "resample the run to a uniform rate")]));
+        }
+        let rows = places.last().map_or(0, |p| p + 1);
+        let mut t_s = vec![f64::NAN; rows];
+        places.iter().zip(t).for_each(|(p, t)| t_s[*p] = *t);
+        for (p, w) in places.windows(2).zip(t.windows(2)) {
+            let step = (w[1] - w[0]) / (p[1] - p[0]) as f64;
+            (1..p[1] - p[0]).for_each(|k| t_s[p[0] + k] = w[0] + step * k as f64);
+        }
+        let interval_s = (t[t.len() - 1] - t[0]) / (rows - 1) as f64;
+        Ok(Self { t_s, interval_s, places })
+    }
+    /// A column on the grid, NaN in missing rows.
+    fn spread(&self, column: &[f64]) -> Vec<f64> {
+        let mut all = vec![f64::NAN; self.t_s.len()];
+        self.places.iter().zip(column).for_each(|(p, x)| all[*p] = *x);
+        all
+    }
+}
+
+fn floor_of(name: &str, channel: &[f64], s: &Sensors) -> f64 {
+    let table = sensors_of_table_a3();
+    let declared = |declared: f64, usual: f64| if declared > 0.0 { declared } else { usual };
+    match name {
+        "X_m" | "Y_m" | "Z_m" => declared(s.position_std_m, table.position_std_m),
+        "Rx_deg" => declared(s.roll_std_rad, table.roll_std_rad).to_degrees(),
+        "Ry_deg" | "Rz_deg" => declared(s.pitch_yaw_std_rad, table.pitch_yaw_std_rad).to_degrees(),
+        "VW_m_s" => declared(s.wind_std_m_s, table.wind_std_m_s),
+        _ => SLOW_FLOOR * units::median(channel).abs(),
+    }
+}
+
+fn despike(
+    path: &Path,
+    grid: &Grid,
+    channels: &mut [(&str, Vec<f64>)],
+    sensors: &Sensors,
+    notes: &mut Vec<String>,
+) -> Result<(), ReadError> {
+    let mut faults = Vec::new();
+    for (name, x) in channels {
+        let floor = floor_of(name, x, sensors);
+        let spikes = remove_spikes(&grid.t_s, x, grid.interval_s, floor);
+        if spikes.len() as f64 > MOST_SPIKES * x.len() as f64 {
+            let what = format!("{} of {} samples are beyond {SIGMAS} robust deviations of the local fit", spikes.len(), x.len());
+            let remedy = "check this column's source: so many are no spikes";
+            faults.push(fault(path, None, name, "", &what, remedy));
+        }
+        notes.extend(spikes.iter().map(|s| spike_note(name, grid.t_s[s.index], s)));
+    }
+    if faults.is_empty() { Ok(()) } else { Err(ReadError::Faults(faults)) }
+}
+
+pub(crate) fn spike_note(name: &str, t_s: f64, s: &Spike) -> String {
+    let fit = if s.fit.is_finite() { format!("local fit {:.6} put there", s.fit) } else { "left out".to_owned() };
+    format!("{name}: spike of {:.6} at t = {t_s:.4} s removed (beyond {SIGMAS} robust deviations), {fit}", s.value)
+}
+
+/// Splits at long gaps, bridges short ones.
+fn cut(path: &Path, grid: &Grid, channels: &mut Vec<(&str, Vec<f64>)>, mut notes: Vec<String>) -> Result<Vec<Piece>, ReadError> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive count of samples in 0.1 s")]
+    let longest = (LONGEST_BRIDGE_S / grid.interval_s + 1e-6).floor() as usize;
+    if let Some(i) = channels.iter().position(|(n, _)| *n == QW)
+        && pieces(&[&channels[i].1], longest) != pieces(&[&grid.t_s], longest)
+    {
+        channels.remove(i);
+        notes.push(format!("{QW}: has gaps longer than {LONGEST_BRIDGE_S} s or open ends; not used (q is computed from V, p and T)"));
+    }
+    let views: Vec<&[f64]> = channels.iter().map(|(_, c)| c.as_slice()).collect();
+    let ranges = pieces(&views, longest);
+    let enough = |r: &std::ops::Range<usize>| r.len() >= FEWEST_SAMPLES && (r.len() - 1) as f64 * grid.interval_s >= SHORTEST_PIECE_S;
+    let (kept, short): (Vec<_>, Vec<_>) = ranges.into_iter().partition(enough);
+    let span = |r: &std::ops::Range<usize>| format!("{:.4} to {:.4} s", grid.t_s[r.start], grid.t_s[r.end - 1]);
+    notes.extend(short.iter().map(|r| {
+        format!("piece from {} dropped: shorter than {SHORTEST_PIECE_S} s or {FEWEST_SAMPLES} samples between gaps", span(r))
+    }));
+    if kept.is_empty() {
+        let what = format!("no stretch of {SHORTEST_PIECE_S} s and {FEWEST_SAMPLES} samples without a gap longer than {LONGEST_BRIDGE_S} s");
+        let found = format!("{} samples at {:.4} s", grid.t_s.len(), grid.interval_s);
+        let remedy = "a longer run, a wider window_s, or data with fewer dropouts";
+        return Err(ReadError::Faults(vec![fault(path, None, "samples", &found, &what, remedy)]));
+    }
+    let dropped = kept.iter().map(std::ops::Range::len).sum::<usize>();
+    if kept.len() == 1 && dropped < grid.t_s.len() {
+        notes.push(format!("used from {}: {} of {} samples", span(&kept[0]), dropped, grid.t_s.len()));
+    }
+    if kept.len() > 1 {
+        let list = kept.iter().map(&span).collect::<Vec<_>>().join(", ");
+        notes.push(format!("split by gaps longer than {LONGEST_BRIDGE_S} s into {} pieces: {list}", kept.len()));
+    }
+    Ok(kept.into_iter().map(|r| piece(grid, channels, r, &mut notes)).collect())
+}
+
+fn piece(grid: &Grid, channels: &[(&str, Vec<f64>)], rows: std::ops::Range<usize>, notes: &mut Vec<String>) -> Piece {
+    let t_s = grid.t_s[rows.clone()].to_vec();
+    let mut notes = std::mem::take(notes);
+    let mut take = |name: &str| {
+        let mut x = channels.iter().find(|(n, _)| *n == name)?.1[rows.clone()].to_vec();
+        let count = bridge(&t_s, &mut x);
+        if count > 0 {
+            notes.push(format!("{name}: {count} samples bridged (dropouts up to {LONGEST_BRIDGE_S} s)"));
+        }
+        Some(x)
+    };
+    let mut needed = |name: &str| take(name).unwrap_or_default();
+    let position_m = [needed("X_m"), needed("Y_m"), needed("Z_m")];
+    let attitude_rad = ["Rx_deg", "Ry_deg", "Rz_deg"].map(|n| needed(n).into_iter().map(f64::to_radians).collect());
+    let (vw_m_s, ps_pa, ts_k) = (needed("VW_m_s"), needed("ps_Pa"), needed("Ts_K"));
+    let qw_pa = take(QW);
+    Piece { record: Record { t_s, position_m, attitude_rad, vw_m_s, ps_pa, ts_k, qw_pa }, notes }
+}
+
+/// Writes a tunnel run in the columns of the run file; angles in degrees, roll as it is (unwrapped).
+///
+/// # Errors
+/// [`WriteError`] when series differ in length or the file cannot be written.
+pub fn write_record_csv(path: &Path, record: &Record) -> Result<(), WriteError> {
+    let degrees: Vec<Vec<f64>> = record.attitude_rad.iter().map(|a| a.iter().map(|x| x.to_degrees()).collect()).collect();
+    let [x, y, z] = &record.position_m;
+    let mut columns: Vec<(&str, &[f64])> = vec![
+        ("t_s", &record.t_s),
+        ("X_m", x),
+        ("Y_m", y),
+        ("Z_m", z),
+        ("Rx_deg", &degrees[0]),
+        ("Ry_deg", &degrees[1]),
+        ("Rz_deg", &degrees[2]),
+    ];
+    if let Some(q) = &record.qw_pa {
+        columns.push((QW, q));
+    }
+    columns.extend([("ps_Pa", record.ps_pa.as_slice()), ("VW_m_s", record.vw_m_s.as_slice()), ("Ts_K", record.ts_k.as_slice())]);
+    write_columns_csv(path, &columns)
+}

@@ -1,0 +1,41 @@
+//! scenarios: files written whole or not at all. In: text or results. Out: a file under its final name.
+
+use crate::error::WriteError;
+use std::io::Write as _;
+use std::path::Path;
+
+/// Writes text to a temporary file in the same folder and renames it.
+///
+/// # Errors
+/// [`WriteError`] when the system refuses; the old file, if any, is then untouched.
+pub fn text_atomically(path: &Path, text: &str) -> Result<(), WriteError> {
+    let fail = |reason: std::io::Error| WriteError::Write { path: path.to_owned(), reason };
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut file = tempfile::Builder::new().prefix(".windfall-").tempfile_in(folder).map_err(fail)?;
+    file.write_all(text.as_bytes()).map_err(fail)?;
+    make_readable(file.as_file()).map_err(fail)?;
+    file.as_file().sync_all().map_err(fail)?;
+    file.persist(path).map_err(|e| fail(e.error))?;
+    Ok(())
+}
+
+/// Temporary files are private; results have the usual rights of a new file.
+#[cfg(unix)]
+fn make_readable(file: &std::fs::File) -> std::io::Result<()> {
+    use std::os::unix::fs::PermissionsExt as _;
+    file.set_permissions(std::fs::Permissions::from_mode(0o644))
+}
+#[cfg(not(unix))]
+fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
+    Ok(())
+}
+
+/// Writes a result as indented JSON, whole or not at all.
+///
+/// # Errors
+/// [`WriteError`] when the result is not representable or the system refuses.
+pub fn write_json_atomically<T: serde::Serialize + ?Sized>(path: &Path, value: &T) -> Result<(), WriteError> {
+    let mut text = serde_json::to_string_pretty(value).map_err(|reason| WriteError::Json { path: path.to_owned(), reason })?;
+    text.push('\n');
+    text_atomically(path, &text)
+}
