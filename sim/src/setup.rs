@@ -45,7 +45,6 @@ impl<'a> Setup<'a> {
             value: inertia.determinant(),
             allowed: "positive definite with moments that obey the triangle inequality",
         })?;
-        let apparent = plant.vehicle.apparent != windfall_model::ApparentMass::default();
         let loose = plant.vehicle.loose.is_some();
         let mut setup = Self {
             plant,
@@ -56,7 +55,7 @@ impl<'a> Setup<'a> {
             inertia,
             inertia_inverse,
             coupled: plant.has_algebraic_loop() || loose,
-            apparent,
+            apparent: !plant.vehicle.apparent.is_null(),
             history: history(&flight.speed),
             hand: None,
             hand_index: None,

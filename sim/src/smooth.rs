@@ -18,9 +18,14 @@ impl Smooth {
     #[must_use]
     pub fn new(interval_s: f64, samples: &[f64]) -> Self {
         let n = samples.len();
-        let derivatives: Vec<[f64; 2]> = (0..n).map(|i| derivatives(samples, i)).collect();
-        let pieces = (0..n.saturating_sub(1))
-            .map(|i| quintic([samples[i], samples[i + 1]], [derivatives[i], derivatives[i + 1]]))
+        let width = n.min(7);
+        let stencils: [Stencil; 7] = std::array::from_fn(|at| if at < width { stencil(width, at) } else { [[0.0; 2]; 7] });
+        let mut left = if n > 0 { derivatives(samples, 0, &stencils) } else { [0.0; 2] };
+        let pieces = (1..n)
+            .map(|i| {
+                let right = derivatives(samples, i, &stencils);
+                quintic([samples[i - 1], samples[i]], [std::mem::replace(&mut left, right), right])
+            })
             .collect();
         let edge = |x: Option<&f64>| x.copied().unwrap_or(0.0);
         Self {
@@ -58,22 +63,26 @@ impl Smooth {
 }
 
 /// First and second derivative at sample `i`, per interval, of the polynomial through the (up to) seven nearest samples.
-fn derivatives(samples: &[f64], i: usize) -> [f64; 2] {
+#[inline]
+fn derivatives(samples: &[f64], i: usize, stencils: &[Stencil; 7]) -> [f64; 2] {
     let width = samples.len().min(7);
     let start = i.saturating_sub(width / 2).min(samples.len() - width);
-    let weights = stencil(width, i - start);
+    let near = &samples[start..start + width];
     let mut out = [0.0; 2];
-    for (k, w) in weights.iter().enumerate().take(width) {
+    for (w, sample) in stencils[i - start].iter().zip(near) {
         // Differences against sample i, so that a constant gives exactly zero.
-        let difference = samples[start + k] - samples[i];
+        let difference = sample - samples[i];
         out[0] += w[0] * difference;
         out[1] += w[1] * difference;
     }
     out
 }
 
+/// Weights of first and second derivative, per node.
+type Stencil = [[f64; 2]; 7];
+
 /// Weights of first and second derivative at node `at` of the nodes 0..width (Fornberg, Math. Comp. 51, 1988).
-fn stencil(width: usize, at: usize) -> [[f64; 2]; 7] {
+fn stencil(width: usize, at: usize) -> Stencil {
     let mut c = [[0.0_f64; 3]; 7];
     c[0][0] = 1.0;
     let z = at as f64;
