@@ -1,1 +1,21 @@
-//! placeholder
+//! pid: the identifier. In: run records and a declared plant. Out: aerodynamic parameters with intervals.
+//!
+//! Record → [`smooth`] → [`states`] → [`coefficients`] → [`regress`] → [`Identification`]. Written from the thesis' §3-4 and
+//! Appendix B by components and Euler angles; it never sees a simulator or its truth.
+
+mod angles;
+pub mod coefficients;
+mod error;
+mod identification;
+mod identify;
+mod instrument;
+pub mod regress;
+pub mod smooth;
+pub mod states;
+pub mod tether_fit;
+pub mod window;
+
+pub use angles::{Angles, rates_and_angles};
+pub use error::PidError;
+pub use identification::{CoefficientFit, DataSet, Estimate, Identification};
+pub use identify::{Method, RunRows, identify, identify_with, process};

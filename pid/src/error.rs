@@ -1,0 +1,98 @@
+//! pid: what can go wrong. In: the fault. Out: where, what, value, what is allowed, what to try.
+
+use thiserror::Error;
+
+/// Why a record or campaign cannot be identified.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum PidError {
+    /// A sample is NaN or infinite.
+    #[error(
+        "channel {channel}, sample {index}: the value is {value}; every sample must be finite: bridge or split the gap first"
+    )]
+    NotFinite {
+        /// Channel name, as in the run file.
+        channel: &'static str,
+        /// Sample index from 0.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// A channel is not as long as the time column.
+    #[error("channel {channel} has {found} samples but time has {expected}: every column of a run must have one length")]
+    Length {
+        /// Channel name.
+        channel: &'static str,
+        /// Its length.
+        found: usize,
+        /// Length of time.
+        expected: usize,
+    },
+    /// Samples are not uniform in time.
+    #[error(
+        "sample {index}: time is {offset_s:.2e} s from the uniform grid of {interval_s:.6e} s, more than the 1 % allowed: resample \
+         the run or split it at the gap"
+    )]
+    NotUniform {
+        /// Sample index from 0.
+        index: usize,
+        /// Distance from the uniform grid or excess of the step, s.
+        offset_s: f64,
+        /// Mean interval, s.
+        interval_s: f64,
+    },
+    /// Not enough samples.
+    #[error("{what}: {samples} samples, at least {needed} needed: use a longer run or window, or declare fewer parameters")]
+    TooFewSamples {
+        /// Where: a run's or data set's name and the step.
+        what: String,
+        /// Samples there are.
+        samples: usize,
+        /// Samples needed.
+        needed: usize,
+    },
+    /// A smoother's setting is out of range.
+    #[error("smoother: {setting} = {value}, allowed: {allowed}")]
+    Setting {
+        /// Name of the setting.
+        setting: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// The flow variables do not exist at a sample.
+    #[error(
+        "t = {t_s:.4} s: airspeed {speed_m_s} m/s and R_y = {ry_rad} rad: airspeed must be positive and |R_y| below 90°: cut the window there"
+    )]
+    NoFlow {
+        /// Time, s.
+        t_s: f64,
+        /// Airspeed, m/s.
+        speed_m_s: f64,
+        /// Pitch angle, rad.
+        ry_rad: f64,
+    },
+    /// No run can be used.
+    #[error("campaign {campaign}: no tunnel run with use = \"identify\": mark at least one")]
+    NoRuns {
+        /// Campaign name.
+        campaign: String,
+    },
+    /// The campaign's runs have no attitude.
+    #[error(
+        "campaign {campaign}, run {run}: a point-mass track has no attitude, so it has no coefficients to regress: use the trajectory fit"
+    )]
+    PointMass {
+        /// Campaign name.
+        campaign: String,
+        /// Run name.
+        run: String,
+    },
+    /// No parameter can be estimated.
+    #[error("campaign {campaign}: no declared parameter can be estimated: declare one that the runs excite")]
+    NothingToEstimate {
+        /// Campaign name.
+        campaign: String,
+    },
+}

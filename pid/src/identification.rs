@@ -1,0 +1,100 @@
+//! pid: the result of an identification. In: fits. Out: the contract's `identification.json` as data.
+
+use serde::{Deserialize, Serialize};
+use windfall_model::Structure;
+
+/// Result of one method on one campaign.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Identification {
+    /// Name of the method, as on the command line.
+    pub method: String,
+    /// One result per kind of run, and `combined`.
+    pub data_sets: Vec<DataSet>,
+    /// What a user should know: a cause and a next step each.
+    #[serde(default)]
+    pub warnings: Vec<String>,
+}
+
+/// Parameters from one set of runs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DataSet {
+    /// A kind of run, or `combined`.
+    pub name: String,
+    /// Names of the runs in it.
+    pub runs: Vec<String>,
+    /// Estimates, in the order of the coefficients.
+    pub parameters: Vec<Estimate>,
+    /// Quality of each fit.
+    pub fits: Vec<CoefficientFit>,
+    /// Largest condition number among the fits (columns scaled).
+    pub condition_number: f64,
+    /// Samples in the set.
+    pub n_samples: usize,
+}
+
+/// One parameter's estimate. Dimensionless.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// Coefficient from whose data it is: `CA`, `CN` (with C_Y), `Cl`, `Cm`, `Cn`.
+    pub coefficient: String,
+    /// Parameter name.
+    pub name: String,
+    /// Estimate.
+    pub estimate: f64,
+    /// Standard error: for coloured residuals, but that of eq. 4.20 for the thesis' method.
+    pub std_error: f64,
+    /// Standard error over estimate, percent (eq. 4.21).
+    pub rse_percent: f64,
+    /// 95 % interval.
+    pub ci95: [f64; 2],
+    /// Standard error for white residuals (eq. 4.20).
+    pub std_error_white: f64,
+}
+
+/// How well one coefficient is explained.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CoefficientFit {
+    /// Coefficient, as in [`Estimate`].
+    pub coefficient: String,
+    /// Coefficient of determination R² (eq. 4.18).
+    pub r2: f64,
+    /// Standard deviation of the residual, s of eq. 4.17.
+    pub residual_std: f64,
+    /// Probability that white noise looks as coloured as the residual.
+    pub residual_whiteness_p: f64,
+}
+
+impl Identification {
+    /// The data set of that name.
+    #[must_use]
+    pub fn data_set(&self, name: &str) -> Option<&DataSet> {
+        self.data_sets.iter().find(|d| d.name == name)
+    }
+}
+
+impl DataSet {
+    /// The estimate of a parameter from a coefficient's data.
+    #[must_use]
+    pub fn get(&self, coefficient: &str, name: &str) -> Option<&Estimate> {
+        self.parameters.iter().find(|p| p.coefficient == coefficient && p.name == name)
+    }
+    /// Values for a structure's parameters: where two coefficients give one parameter (the static moment, from C_m and C_n), the
+    /// mean weighted by inverse variance; `otherwise` where there is no estimate.
+    ///
+    /// # Panics
+    /// When `otherwise` does not have one value per parameter of the structure.
+    #[must_use]
+    pub fn values(&self, structure: &Structure, otherwise: &[f64]) -> Vec<f64> {
+        assert_eq!(otherwise.len(), structure.parameters.len(), "one value per parameter");
+        structure.parameters.iter().zip(otherwise).map(|(name, &o)| self.value(name).unwrap_or(o)).collect()
+    }
+    /// Value of one parameter, over all coefficients that give it.
+    #[must_use]
+    pub fn value(&self, name: &str) -> Option<f64> {
+        let all = || self.parameters.iter().filter(|p| p.name == name);
+        // Exact data may have a zero standard error; it then counts like rounding.
+        let weight = |p: &Estimate| 1.0 / p.std_error.max(1.0e-12 * p.estimate.abs()).max(f64::MIN_POSITIVE.sqrt()).powi(2);
+        let total: f64 = all().map(weight).sum();
+        (total > 0.0).then(|| all().map(|p| weight(p) / total * p.estimate).sum())
+    }
+}

@@ -1,0 +1,89 @@
+//! pid: instrument effects undone. In: smoothed signals and a plant's sensors. Out: signals as the motion truly was.
+
+use crate::smooth::{Signal, Smoothed};
+use crate::states::{euler_rates, rates, t_bef};
+use windfall_model::Sensors;
+
+/// Value, first and second derivative of the seven channels at one sample.
+pub(crate) type Sample = [[f64; 3]; 7];
+
+/// Sample i with delays, scale and misalignment taken out.
+pub(crate) fn sample(s: &Smoothed, sensors: &Sensors, i: usize) -> Sample {
+    let mut x: Sample = std::array::from_fn(|c| {
+        let delay = if c == 6 { sensors.wind_delay_s } else { sensors.pose_delay_s };
+        later(&s.channels[c], s.interval_s, i, delay)
+    });
+    let scale = 1.0 + sensors.wind_scale;
+    x[6] = x[6].map(|v| v / scale);
+    if sensors.misalignment_rad.iter().any(|a| *a != 0.0) {
+        turn(&mut x, sensors.misalignment_rad);
+    }
+    x
+}
+
+/// The signal `delay` seconds after sample i: quintic Hermite between samples, Taylor beyond the ends.
+fn later(s: &Signal, dt: f64, i: usize, delay: f64) -> [f64; 3] {
+    let node = |i: usize| [s.value[i], s.rate[i], s.second[i]];
+    if delay == 0.0 {
+        return node(i);
+    }
+    let last = s.value.len() - 1;
+    let x = i as f64 + delay / dt;
+    if x <= 0.0 {
+        return taylor(node(0), x * dt);
+    }
+    if x >= last as f64 {
+        return taylor(node(last), (x - last as f64) * dt);
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "x is in (0, last)")]
+    let left = (x as usize).min(last - 1);
+    hermite(node(left), node(left + 1), dt, x - left as f64)
+}
+
+fn taylor(n: [f64; 3], t: f64) -> [f64; 3] {
+    [n[0] + t * (n[1] + 0.5 * t * n[2]), n[1] + t * n[2], n[2]]
+}
+
+/// Quintic through value, rate and second derivative at both ends of an interval h, at the fraction x of it.
+fn hermite(a: [f64; 3], b: [f64; 3], h: f64, x: f64) -> [f64; 3] {
+    let t = x * h;
+    let from_left = taylor(a, t);
+    let end = taylor(a, h);
+    let (d0, d1, d2) = ((b[0] - end[0]) / h.powi(3), (b[1] - end[1]) / h.powi(2), (b[2] - end[2]) / h);
+    // Remainder c3 t³ + c4 t⁴ + c5 t⁵ meets the right end's value, rate and second derivative.
+    let c3 = 10.0 * d0 - 4.0 * d1 + 0.5 * d2;
+    let c4 = (-15.0 * d0 + 7.0 * d1 - d2) / h;
+    let c5 = (6.0 * d0 - 3.0 * d1 + 0.5 * d2) / (h * h);
+    [
+        from_left[0] + t.powi(3) * (c3 + t * (c4 + t * c5)),
+        from_left[1] + t.powi(2) * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5)),
+        from_left[2] + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5)),
+    ]
+}
+
+/// True attitude from the reported one: `T_true = T_reported · Mᵀ`, so body rates and their derivatives turn by M.
+fn turn(x: &mut Sample, misalignment_rad: [f64; 3]) {
+    let m = t_bef(misalignment_rad);
+    let euler = [x[3][0], x[4][0], x[5][0]];
+    let rate = [x[3][1], x[4][1], x[5][1]];
+    let second = [x[3][2], x[4][2], x[5][2]];
+    let (pqr, pqr_rate) = rates(euler, rate, second);
+    let t = t_bef(euler);
+    let mut turned = [[0.0; 3]; 3];
+    for (row, from) in turned.iter_mut().zip(&t) {
+        for (value, k) in row.iter_mut().zip(&m) {
+            *value = from[0] * k[0] + from[1] * k[1] + from[2] * k[2];
+        }
+    }
+    let by_m = |v: [f64; 3]| m.map(|k| k[0] * v[0] + k[1] * v[1] + k[2] * v[2]);
+    let near = |angle: f64, to: f64| angle + std::f64::consts::TAU * ((to - angle) / std::f64::consts::TAU).round();
+    let true_euler = [
+        near((-turned[1][2]).atan2(turned[2][2]), euler[0]),
+        turned[0][2].clamp(-1.0, 1.0).asin(),
+        near((-turned[0][1]).atan2(turned[0][0]), euler[2]),
+    ];
+    let (true_rate, true_second) = euler_rates(true_euler, by_m(pqr), by_m(pqr_rate));
+    for k in 0..3 {
+        x[3 + k] = [true_euler[k], true_rate[k], true_second[k]];
+    }
+}

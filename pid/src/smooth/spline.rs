@@ -1,0 +1,212 @@
+//! pid: least-squares splines. In: raw signals. Out: one spline of degree 7 per channel on common knots, with its derivatives.
+//!
+//! Why one knot interval for all channels: forces follow from accelerations, regressors from angles and velocities. When both
+//! sides of a balance pass the same filter, what it takes away drops out to first order, and what bias is left is that of the
+//! products alone (Klein and Morelli, Aircraft System Identification, 2006, ch. 7, the same idea in the frequency domain).
+//! A spline needs nothing beyond a run's ends, and its rate is the derivative of its value everywhere.
+
+use super::banded::{Banded, Factor};
+use super::bspline::{DEGREE, Knots, ORDER};
+use super::{Fit, Signal};
+use crate::PidError;
+
+/// Shortest knot interval that the automatic choice tries, samples.
+const SHORTEST: f64 = 2.0;
+/// Longest, seconds: slower motion than this does not occur in the tunnel's 1 Hz pitch mode.
+const LONGEST_S: f64 = 0.6;
+/// Ratio of neighbouring intervals that the automatic choice tries.
+const RATIO: f64 = 0.75;
+
+/// Smooths seven channels with a given knot interval (s), or with that of least generalised cross-validation.
+pub(super) fn smooth(raw: [&[f64]; 7], dt: f64, knot_s: Option<f64>) -> Result<Fit, PidError> {
+    let samples = interleave(raw);
+    let n = samples.len();
+    let intervals = match knot_s {
+        Some(h) if h.is_finite() && h >= SHORTEST * dt * 0.999 => intervals_of(h / dt, n),
+        Some(value) => {
+            return Err(PidError::Setting { setting: "knot interval, s", value, allowed: "at least two sample intervals" });
+        }
+        None => choose(&samples, dt),
+    };
+    let grid = Grid::new(intervals, n);
+    let (coefficients, factor) = grid.fit(&samples, true).ok_or(PidError::TooFewSamples {
+        what: "spline through a run".to_owned(),
+        samples: n,
+        needed: intervals + ORDER,
+    })?;
+    let (channels, rss) = grid.evaluate(&samples, &coefficients, dt);
+    let free = (n - grid.knots.count()) as f64;
+    let bandwidth = 0.5 / (grid.samples_per_interval() * dt);
+    Ok(Fit { channels, noise_std: rss.map(|r| (r / free).sqrt()), weight: grid.weights(&factor), bandwidth_hz: [bandwidth; 7] })
+}
+
+fn interleave(raw: [&[f64]; 7]) -> Vec<[f64; 7]> {
+    (0..raw[0].len()).map(|i| raw.map(|x| x[i])).collect()
+}
+
+/// Number of intervals for a knot interval in samples: at least one, and more samples than coefficients.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small positive number")]
+fn intervals_of(samples: f64, n: usize) -> usize {
+    let last = (n - 1) as f64;
+    ((last / samples).round() as usize).clamp(1, (n - ORDER).min(((n - 1) / 2).max(1)))
+}
+
+/// Knot interval of least Σ over channels of ln GCV, GCV = RSS/n / (1 − p/n)²: equal weight to a relative gain in any channel.
+fn choose(samples: &[[f64; 7]], dt: f64) -> usize {
+    let n = samples.len();
+    let size2 = sum_of_squares(samples);
+    let mut best = (f64::INFINITY, 1);
+    let mut knot = LONGEST_S / dt;
+    while knot >= SHORTEST {
+        let grid = Grid::new(intervals_of(knot, n), n);
+        if let Some((c, _)) = grid.fit(samples, false) {
+            let rss = grid.residual(samples, &c);
+            let left = 1.0 - grid.knots.count() as f64 / n as f64;
+            // A channel that is fitted to rounding error says nothing more.
+            let score: f64 =
+                rss.iter().zip(size2).filter(|(_, s)| *s > 0.0).map(|(r, s)| (r.max(1.0e-28 * s) / (left * left)).ln()).sum();
+            if score < best.0 {
+                best = (score, grid.knots.intervals);
+            }
+        }
+        knot *= RATIO;
+    }
+    best.1
+}
+
+fn sum_of_squares(samples: &[[f64; 7]]) -> [f64; 7] {
+    let mut s = [0.0; 7];
+    for x in samples {
+        for (s, x) in s.iter_mut().zip(x) {
+            *s += x * x;
+        }
+    }
+    s
+}
+
+/// Knots laid over n samples from the first to the last.
+struct Grid {
+    knots: Knots,
+    per_sample: f64,
+    n: usize,
+}
+
+impl Grid {
+    fn new(intervals: usize, n: usize) -> Self {
+        Self { knots: Knots { intervals }, per_sample: intervals as f64 / (n - 1) as f64, n }
+    }
+    fn samples_per_interval(&self) -> f64 {
+        1.0 / self.per_sample
+    }
+    fn place(&self, i: usize) -> (usize, f64) {
+        let x = i as f64 * self.per_sample;
+        (self.knots.interval(x), x)
+    }
+    /// Least-squares coefficients from normal equations; `refine` repeats on the residual, which restores what their squared
+    /// condition number costs.
+    fn fit(&self, samples: &[[f64; 7]], refine: bool) -> Option<(Vec<[f64; 7]>, Factor)> {
+        let mut gram = Banded::zeros(self.knots.count());
+        let mut c = vec![[0.0; 7]; self.knots.count()];
+        for (i, y) in samples.iter().enumerate() {
+            let (first, x) = self.place(i);
+            let b = self.knots.values(first, x);
+            gram.add_outer(first, &b);
+            scatter(&mut c[first..first + ORDER], &b, y);
+        }
+        let factor = gram.factor()?;
+        factor.solve(&mut c);
+        if refine {
+            let mut more = vec![[0.0; 7]; c.len()];
+            for (i, y) in samples.iter().enumerate() {
+                let (first, x) = self.place(i);
+                let b = self.knots.values(first, x);
+                let fit = gather(&c[first..first + ORDER], &b);
+                scatter(&mut more[first..first + ORDER], &b, &std::array::from_fn(|k| y[k] - fit[k]));
+            }
+            factor.solve(&mut more);
+            for (c, m) in c.iter_mut().flatten().zip(more.iter().flatten()) {
+                *c += m;
+            }
+        }
+        Some((c, factor))
+    }
+    fn residual(&self, samples: &[[f64; 7]], c: &[[f64; 7]]) -> [f64; 7] {
+        let mut rss = [0.0; 7];
+        for (i, y) in samples.iter().enumerate() {
+            let (first, x) = self.place(i);
+            let fit = gather(&c[first..first + ORDER], &self.knots.values(first, x));
+            for k in 0..7 {
+                rss[k] += (y[k] - fit[k]) * (y[k] - fit[k]);
+            }
+        }
+        rss
+    }
+    fn evaluate(&self, samples: &[[f64; 7]], c: &[[f64; 7]], dt: f64) -> ([Signal; 7], [f64; 7]) {
+        let per_s = self.per_sample / dt;
+        let mut out: [Signal; 7] = std::array::from_fn(|_| Signal {
+            value: Vec::with_capacity(self.n),
+            rate: Vec::with_capacity(self.n),
+            second: Vec::with_capacity(self.n),
+        });
+        let mut rss = [0.0; 7];
+        for (i, y) in samples.iter().enumerate() {
+            let (first, x) = self.place(i);
+            let local = &c[first..first + ORDER];
+            let [value, rate, second] = self.knots.derivatives(first, x).map(|b| gather(local, &b));
+            for (k, signal) in out.iter_mut().enumerate() {
+                signal.value.push(value[k]);
+                signal.rate.push(rate[k] * per_s);
+                signal.second.push(second[k] * per_s * per_s);
+                rss[k] += (y[k] - value[k]) * (y[k] - value[k]);
+            }
+        }
+        (out, rss)
+    }
+    /// Standard deviation of the second derivative in the middle over that at each sample, at most 1.
+    fn weights(&self, factor: &Factor) -> Vec<f64> {
+        // What an end does fades over a few intervals; both ends are alike.
+        let reach = self.knots.intervals.min(2 * ORDER);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a sample count")]
+        let near = ((reach as f64 * self.samples_per_interval()) as usize).clamp(1, self.n.div_ceil(2));
+        let deviation: Vec<f64> = (0..near).map(|i| self.second_deviation(factor, i)).collect();
+        let tail = &deviation[near - near.div_ceil(4)..];
+        let middle = tail.iter().sum::<f64>() / tail.len() as f64;
+        let mut w = vec![1.0; self.n];
+        for (i, d) in deviation.iter().enumerate() {
+            w[i] = (middle / d).min(1.0);
+            w[self.n - 1 - i] = w[i];
+        }
+        w
+    }
+    /// Standard deviation of the second derivative at sample i for noise of unit standard deviation, per interval².
+    fn second_deviation(&self, factor: &Factor, i: usize) -> f64 {
+        let (first, x) = self.place(i);
+        let second = self.knots.derivatives(first, x)[2];
+        // The forward solution fades geometrically: 6 orders past the last value it is below rounding of the sum.
+        let to = (first + ORDER + 6 * DEGREE).min(self.knots.count());
+        let mut z = vec![[0.0]; to];
+        for (z, b) in z[first..].iter_mut().zip(second) {
+            z[0] = b;
+        }
+        factor.forward_to(&mut z, first);
+        z[first..].iter().map(|v| v[0] * v[0]).sum::<f64>().sqrt()
+    }
+}
+
+fn scatter(c: &mut [[f64; 7]], b: &[f64; ORDER], y: &[f64; 7]) {
+    for (c, b) in c.iter_mut().zip(b) {
+        for (c, y) in c.iter_mut().zip(y) {
+            *c += b * y;
+        }
+    }
+}
+
+fn gather(c: &[[f64; 7]], b: &[f64; ORDER]) -> [f64; 7] {
+    let mut sum = [0.0; 7];
+    for (c, b) in c.iter().zip(b) {
+        for (s, c) in sum.iter_mut().zip(c) {
+            *s += b * c;
+        }
+    }
+    sum
+}
