@@ -248,6 +248,7 @@ impl std::ops::AddAssign for Wrench {
 /// Aerodynamic force and moment at the c.m. from coefficients at the origin (thesis eqs B.60-B.66):
 /// `F = q S (−C_A, C_Y, −C_N)`, `M = q S d (C_l, C_m, C_n) + F × r_cm`.
 #[must_use]
+#[inline]
 pub fn wrench_at_cm(c: &[f64; 6], q_pa: f64, area_m2: f64, diameter_m: f64, p_origin_cm: Vec3<Body>) -> Wrench {
     let [ca, cy, cn, cl, cm, cnn] = *c;
     let qs = q_pa * area_m2;

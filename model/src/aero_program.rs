@@ -7,7 +7,22 @@
 use crate::aero::{Aero, Factor, Term};
 use crate::flow::{FlowState, VARIABLES, Variable};
 
-/// One term: what it adds to, how much, and which of the flat list's factors it multiplies.
+/// Factors of a product that needs no branch: powers written out as repeated variables, the rest filled up with ones.
+const WIDTH: usize = 4;
+/// Index of the one behind the flow variables.
+const ONE: usize = VARIABLES;
+/// Room for the flow variables, the one, and a power of two that lets the compiler drop bounds checks.
+const ROOM: usize = 16;
+
+/// A term that is a product of at most [`WIDTH`] variables.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Product {
+    coefficient: u8,
+    variables: [u8; WIDTH],
+    weight: f64,
+}
+
+/// Any other term: what it adds to, how much, and which of the flat list's factors it multiplies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Op {
     coefficient: usize,
@@ -16,12 +31,19 @@ struct Op {
     end: usize,
 }
 
+/// The terms of one step.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Step {
+    products: Vec<Product>,
+    others: Vec<Op>,
+}
+
 /// The terms of an [`Aero`] as flat lists.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AeroProgram {
     factors: Vec<Factor>,
-    early: Vec<Op>,
-    late: Vec<Op>,
+    early: Step,
+    late: Step,
     needed: [bool; VARIABLES],
 }
 
@@ -29,7 +51,7 @@ impl AeroProgram {
     /// Lays out the terms of `aero`.
     #[must_use]
     pub fn new(aero: &Aero) -> Self {
-        let mut program = Self { factors: Vec::new(), early: Vec::new(), late: Vec::new(), needed: [false; VARIABLES] };
+        let mut program = Self { factors: Vec::new(), early: Step::default(), late: Step::default(), needed: [false; VARIABLES] };
         for k in &aero.structure.contributions {
             program.push(k.coefficient as usize, aero.values[k.parameter], &k.term);
         }
@@ -43,14 +65,18 @@ impl AeroProgram {
         if weight == 0.0 {
             return;
         }
-        let first = self.factors.len();
-        self.factors.extend(&term.factors);
         for factor in &term.factors {
             self.needed[factor.variable() as usize] = true;
         }
-        let op = Op { coefficient, weight, first, end: self.factors.len() };
-        let steps = if term.factors.iter().any(|f| f.needs_rates()) { &mut self.late } else { &mut self.early };
-        steps.push(op);
+        let step = if term.factors.iter().any(|f| f.needs_rates()) { &mut self.late } else { &mut self.early };
+        if let Some(variables) = product(&term.factors) {
+            #[expect(clippy::cast_possible_truncation, reason = "one of six coefficients")]
+            step.products.push(Product { coefficient: coefficient as u8, variables, weight });
+        } else {
+            let first = self.factors.len();
+            self.factors.extend(&term.factors);
+            step.others.push(Op { coefficient, weight, first, end: self.factors.len() });
+        }
     }
     /// Which flow variables the terms are made of, indexed by [`Variable`].
     #[must_use]
@@ -73,12 +99,37 @@ impl AeroProgram {
         self.add(&self.late, f, c);
     }
     #[inline]
-    fn add(&self, steps: &[Op], f: &FlowState, c: &mut [f64; 6]) {
-        for op in steps {
+    fn add(&self, step: &Step, f: &FlowState, c: &mut [f64; 6]) {
+        let mut values = [1.0; ROOM];
+        values[..VARIABLES].copy_from_slice(&f.values);
+        let mut sums = [0.0; 8];
+        for p in &step.products {
+            let [i, j, k, l] = p.variables.map(|v| values[usize::from(v) % ROOM]);
+            sums[usize::from(p.coefficient) % 8] += (p.weight * i) * j * (k * l);
+        }
+        for op in &step.others {
             let factors = &self.factors[op.first..op.end];
-            c[op.coefficient] += factors.iter().fold(op.weight, |product, factor| product * factor.value(f));
+            sums[op.coefficient % 8] += factors.iter().fold(op.weight, |product, factor| product * factor.value(f));
+        }
+        for (ci, sum) in c.iter_mut().zip(sums) {
+            *ci += sum;
         }
     }
+}
+
+/// The factors as a product of variables, when they are powers of few enough.
+fn product(factors: &[Factor]) -> Option<[u8; WIDTH]> {
+    #[expect(clippy::cast_possible_truncation, reason = "at most the number of variables")]
+    let mut out = [ONE as u8; WIDTH];
+    let mut used = 0;
+    for factor in factors {
+        let Factor::Power(v, n) = *factor else { return None };
+        for _ in 0..n {
+            *out.get_mut(used)? = v as u8;
+            used += 1;
+        }
+    }
+    Some(out)
 }
 
 #[cfg(test)]
@@ -94,6 +145,7 @@ mod tests {
         let mut aero = Aero::new(Structure::axisymmetric(), values);
         aero.add(C::CN, 2.5, -1.0, &[Factor::Power(V::AlphaT, 4), Factor::CosClock(3)]);
         aero.add(C::Cm, 7.5, 1.0, &[Factor::Bump(V::Beta, 0.2), Factor::Power(V::PitchDamping, 1), Factor::SinClock(2)]);
+        aero.add(C::CA, 0.7, 1.0, &[Factor::Power(V::SinAlphaT, 5)]);
         let program = AeroProgram::new(&aero);
         let (v, vd, w) = (Vec3::new(7.0, -1.2, 2.1), Vec3::new(-0.4, 3.1, -2.2), Vec3::new(0.3, -1.4, 0.9));
         let whole = FlowState::new(v, vd, w, 0.2125);

@@ -19,6 +19,7 @@ impl Environment {
 
 /// Dynamic pressure ½ρV², Pa (thesis eq. B.44).
 #[must_use]
+#[inline]
 pub fn dynamic_pressure_pa(density_kg_m3: f64, speed_m_s: f64) -> f64 {
     0.5 * density_kg_m3 * speed_m_s * speed_m_s
 }

@@ -28,6 +28,7 @@ pub struct Wind {
 impl MeanFlow {
     /// Wind at place `p` (m, tunnel) moving with `v` (m/s), for tunnel speed `vw` (m/s, upward positive) and its rate.
     #[must_use]
+    #[inline]
     pub fn wind(&self, p: Vec3<Tunnel>, v: Vec3<Tunnel>, vw_m_s: f64, vw_rate_m_s2: f64) -> Wind {
         let (y, z, vy, vz) = (p.y(), p.z(), v.y(), v.z());
         let [gy, gz] = self.gradient_per_m;
@@ -203,6 +204,7 @@ impl FlowState {
     }
     /// One variable's value.
     #[must_use]
+    #[inline]
     pub fn get(&self, v: Variable) -> f64 {
         self.values[v as usize]
     }

@@ -53,6 +53,7 @@ pub struct Contact {
 impl Contact {
     /// Force and moment at time `t_s` from the run's first sample.
     #[must_use]
+    #[inline]
     pub fn wrench(&self, t_s: f64) -> Wrench {
         let x = (t_s - self.start_s) / self.duration_s;
         if !(0.0..=1.0).contains(&x) {

@@ -52,11 +52,13 @@ impl Tether {
     }
     /// Ring position with its shift, tunnel axes, m.
     #[must_use]
+    #[inline]
     pub fn ring(&self) -> Vec3<Tunnel> {
         self.p_tunnel_ring + Vec3::new(0.0, self.ring_shift_m[0], self.ring_shift_m[1])
     }
     /// Pull toward the ring, N (eq. B.32); negative when the line's weight exceeds its drag.
     #[must_use]
+    #[inline]
     pub fn pull_n(&self, q_pa: f64, length_m: f64, length_rate_m_s: f64) -> f64 {
         let steady = q_pa * self.drag_area_m2 - self.weight_n;
         let nominal_m = self.p_tunnel_ring.norm() - self.p_origin_hook.norm();
@@ -64,6 +66,7 @@ impl Tether {
     }
     /// Geometry of the line (eqs B.33-B.36) for the c.m. at `p`, moving with `v`, attitude `r`, body rates `w`.
     #[must_use]
+    #[inline]
     pub fn line(
         &self,
         p_tunnel_cm: Vec3<Tunnel>,
@@ -81,6 +84,7 @@ impl Tether {
     }
     /// Force along the line and its moment about the c.m., `r_t × F` (eq. B.30 with the sign of B.31).
     #[must_use]
+    #[inline]
     pub fn wrench(&self, line: &Line, q_pa: f64, p_origin_cm: Vec3<Body>) -> Wrench {
         let f = line.direction * self.pull_n(q_pa, line.length_m, line.length_rate_m_s);
         Wrench { f, m: (self.p_origin_hook - p_origin_cm).cross(f) }

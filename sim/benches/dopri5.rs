@@ -139,8 +139,7 @@ fn peer(plant: &Plant, flight: &Flight) -> Result<(f64, u64, Vec<[f64; 13]>), St
     let program = build_peer(&folder)?;
     let (input, output) = (folder.join("input"), folder.join("states"));
     std::fs::write(&input, peer_input(plant, flight)).map_err(|e| e.to_string())?;
-    let run =
-        Command::new(program).arg(&input).arg(REPETITIONS.to_string()).arg(&output).output().map_err(|e| e.to_string())?;
+    let run = Command::new(program).arg(&input).arg(REPETITIONS.to_string()).arg(&output).output().map_err(|e| e.to_string())?;
     let text = String::from_utf8_lossy(&run.stdout).into_owned();
     let numbers: Vec<f64> = text.split_whitespace().filter_map(|x| x.parse().ok()).collect();
     let [best_ns, _, steps] = numbers[..] else { return Err(format!("it printed {text:?}")) };

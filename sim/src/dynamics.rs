@@ -40,7 +40,20 @@ pub(crate) struct Instant {
     pub(crate) other: Wrench,
     /// Gravity, body axes, m/s².
     pub(crate) g: Vec3<Body>,
-    pub(crate) tether_n: f64,
+}
+
+/// Place, attitude and air of one instant.
+pub(crate) struct Sight {
+    pub(crate) p: Vec3<Tunnel>,
+    pub(crate) v: Vec3<Tunnel>,
+    pub(crate) r_tunnel_body: Rotation<Tunnel, Body>,
+    pub(crate) r_body_tunnel: Rotation<Body, Tunnel>,
+    pub(crate) vw_m_s: f64,
+    pub(crate) vw_rate_m_s2: f64,
+    /// Acceleration of the air at the vehicle, gusts included, m/s².
+    pub(crate) a_tunnel_air: Vec3<Tunnel>,
+    /// Velocity of the c.m. seen from the air, gusts included, m/s.
+    pub(crate) v_air_cm: Vec3<Body>,
 }
 
 impl Setup<'_> {
@@ -120,37 +133,51 @@ impl Setup<'_> {
     /// Everything that needs no acceleration.
     #[inline]
     pub(crate) fn instant<const N: usize>(&self, y: &SVector<f64, N>) -> Instant {
-        let t_s = y[TIME];
-        let p = Vec3::new(y[0], y[1], y[2]);
-        let v = Vec3::new(y[3], y[4], y[5]);
+        let s = self.sight(y);
+        let a_air = s.r_body_tunnel * s.a_tunnel_air;
         let w = Vec3::new(y[10], y[11], y[12]);
-        let r_tunnel_body = Rotation::from_quaternion([y[6], y[7], y[8], y[9]]);
-        let r_body_tunnel = r_tunnel_body.inverse();
-        let (vw_m_s, vw_rate_m_s2) = self.tunnel_speed(y);
-        let wind = self.plant.flow.wind(p, v, vw_m_s, vw_rate_m_s2);
-        let air = self.gusty(wind, t_s);
-        let v_air_cm = r_body_tunnel * (v - air.v_tunnel_air);
-        let a_air = r_body_tunnel * air.a_tunnel_air;
-        let (flow, q_pa, early) = self.early(v_air_cm, w, t_s);
+        let (flow, q_pa, early) = self.early(s.v_air_cm, w, y[TIME]);
         let mut i = Instant {
-            t_s,
-            p,
-            v,
-            r_tunnel_body,
+            t_s: y[TIME],
+            p: s.p,
+            v: s.v,
+            r_tunnel_body: s.r_tunnel_body,
             w,
-            vw_m_s,
-            vw_rate_m_s2,
+            vw_m_s: s.vw_m_s,
+            vw_rate_m_s2: s.vw_rate_m_s2,
             a_air,
-            v_air_cm,
+            v_air_cm: s.v_air_cm,
             flow,
             q_pa,
             early,
             other: Wrench::default(),
-            g: r_body_tunnel * Vec3::new(self.plant.environment.gravity_m_s2, 0.0, 0.0),
-            tether_n: 0.0,
+            g: s.r_body_tunnel * Vec3::new(self.plant.environment.gravity_m_s2, 0.0, 0.0),
         };
         self.pull(&mut i);
         i
+    }
+
+    /// Place, attitude and air: what follows from the state without any force.
+    #[inline]
+    pub(crate) fn sight<const N: usize>(&self, y: &SVector<f64, N>) -> Sight {
+        let p = Vec3::new(y[0], y[1], y[2]);
+        let v = Vec3::new(y[3], y[4], y[5]);
+        let r_tunnel_body = Rotation::from_quaternion([y[6], y[7], y[8], y[9]]);
+        let r_body_tunnel = r_tunnel_body.inverse();
+        let (vw_m_s, vw_rate_m_s2) = self.tunnel_speed(y);
+        let wind = self.plant.flow.wind(p, v, vw_m_s, vw_rate_m_s2);
+        let air = self.gusty(wind, y[TIME]);
+        let v_air_cm = r_body_tunnel * (v - air.v_tunnel_air);
+        Sight { p, v, r_tunnel_body, r_body_tunnel, vw_m_s, vw_rate_m_s2, a_tunnel_air: air.a_tunnel_air, v_air_cm }
+    }
+
+    /// Pull of the tether toward the ring, N.
+    pub(crate) fn tether_n(&self, s: &Sight, w: Vec3<Body>) -> f64 {
+        self.plant.tether.as_ref().map_or(0.0, |tether| {
+            let line = tether.line(s.p, s.v, s.r_tunnel_body, w, self.plant.vehicle.p_origin_cm);
+            let q_pa = 0.5 * self.density_kg_m3 * s.v_air_cm.dot(s.v_air_cm);
+            tether.pull_n(q_pa, line.length_m, line.length_rate_m_s)
+        })
     }
 
     /// Adds tether and contacts.
@@ -160,7 +187,6 @@ impl Setup<'_> {
         if let Some(tether) = &self.plant.tether {
             let line = tether.line(i.p, i.v, i.r_tunnel_body, i.w, p_origin_cm);
             i.other += tether.wrench(&line, i.q_pa, p_origin_cm);
-            i.tether_n = tether.pull_n(i.q_pa, line.length_m, line.length_rate_m_s);
         }
         for contact in &self.plant.contacts {
             i.other += contact.wrench(i.t_s);

@@ -1,14 +1,14 @@
 //! sim: a flight from release to end. In: plant, flight, seed. Out: truth, and with the instruments the record.
 
 use crate::error::SimError;
-use crate::integrate::{Path, integrate, outside, samples};
+use crate::integrate::{integrate, outside, samples};
 use crate::record::record;
 use crate::seed::Seed;
 use crate::setup::Setup;
 use crate::truth::{End, Flown, Truth};
 use nalgebra::SVector;
-use windfall_model::frames::{EulerXyz, Rotation};
-use windfall_model::{Flight, Plant, TestSection, Variable};
+use windfall_model::frames::{Body, EulerXyz, Rotation, Tunnel, Vec3};
+use windfall_model::{Flight, Plant, TestSection};
 
 /// Flies and records. The plant must already be the one of this run (`Plant::for_run`).
 ///
@@ -46,13 +46,15 @@ fn flown(plant: &Plant, flight: &Flight, seed: Seed) -> Result<(Truth, End, u64)
 }
 
 fn sampled<const N: usize>(setup: &Setup<'_>, flight: &Flight) -> Result<(Truth, End, u64), SimError> {
-    let Path { states, steps } = integrate(setup, flight, start::<N>(setup, flight))?;
-    let (kept, end) = ended(&states, flight);
-    let mut truth = Truth::with_capacity(kept);
-    for (k, y) in states.iter().take(kept).enumerate() {
-        observe(setup, k as f64 / flight.rate_hz, y, &mut truth);
-    }
-    Ok((truth, end, steps))
+    let (seen, steps) = integrate(setup, flight, start::<N>(setup, flight), |states| {
+        let (kept, end) = ended(states, flight);
+        let mut truth = Truth::with_capacity(kept);
+        for (k, y) in states.iter().take(kept).enumerate() {
+            observe(setup, k as f64 / flight.rate_hz, y, &mut truth);
+        }
+        (truth, end)
+    })?;
+    Ok((seen.0, seen.1, steps))
 }
 
 fn start<const N: usize>(setup: &Setup<'_>, flight: &Flight) -> SVector<f64, N> {
@@ -72,28 +74,26 @@ fn start<const N: usize>(setup: &Setup<'_>, flight: &Flight) -> SVector<f64, N> 
 
 /// Appends one sample to the truth.
 fn observe<const N: usize>(setup: &Setup<'_>, t_s: f64, y: &SVector<f64, N>, truth: &mut Truth) {
-    let i = setup.instant(y);
-    let q: [f64; 4] = std::array::from_fn(|k| y[6 + k]);
+    let s = setup.sight(y);
+    let q = [y[6], y[7], y[8], y[9]];
     let per_norm = 1.0 / q.iter().map(|c| c * c).sum::<f64>().sqrt();
-    let [u, v, w] = i.v_air_cm.to_array();
+    let [u, v, w] = s.v_air_cm.to_array();
+    let rates = Vec3::new(y[10], y[11], y[12]);
     let last_roll = truth.attitude_rad.last().map(|a| a[0]);
     truth.t_s.push(t_s);
-    truth.p_tunnel_cm.push(i.p.to_array());
-    truth.v_tunnel_cm.push(i.v.to_array());
+    truth.p_tunnel_cm.push(s.p.to_array());
+    truth.v_tunnel_cm.push(s.v.to_array());
     truth.quaternion.push(q.map(|c| c * per_norm));
-    truth.w_tunnel_body.push(i.w.to_array());
-    truth.attitude_rad.push(angles(i.r_tunnel_body, last_roll.unwrap_or(0.0)));
-    truth.vw_m_s.push(i.vw_m_s);
+    truth.w_tunnel_body.push(rates.to_array());
+    truth.attitude_rad.push(angles(s.r_tunnel_body, last_roll.unwrap_or(0.0)));
+    truth.vw_m_s.push(s.vw_m_s);
     truth.alpha_t_rad.push(v.hypot(w).atan2(u));
-    truth.airspeed_m_s.push(if i.q_pa > 0.0 { i.flow.get(Variable::Speed) } else { 0.0 });
-    truth.tether_n.push(i.tether_n);
+    truth.airspeed_m_s.push(s.v_air_cm.norm());
+    truth.tether_n.push(setup.tether_n(&s, rates));
 }
 
 /// Euler angles with the roll nearest to the one before.
-pub(crate) fn angles(
-    r_tunnel_body: Rotation<windfall_model::frames::Tunnel, windfall_model::frames::Body>,
-    roll_before_rad: f64,
-) -> [f64; 3] {
+pub(crate) fn angles(r_tunnel_body: Rotation<Tunnel, Body>, roll_before_rad: f64) -> [f64; 3] {
     let e = EulerXyz::from_rotation(r_tunnel_body);
     let turns = ((roll_before_rad - e.rx_rad) / std::f64::consts::TAU).round();
     [e.rx_rad + turns * std::f64::consts::TAU, e.ry_rad, e.rz_rad]

@@ -17,12 +17,6 @@ const BEYOND: f64 = 1e-3;
 /// Steps at most.
 const STEPS_MAX: u32 = 50_000_000;
 
-/// States at the sample times and the number of accepted steps.
-pub(crate) struct Path<const N: usize> {
-    pub(crate) states: Vec<SVector<f64, N>>,
-    pub(crate) steps: u64,
-}
-
 /// First thing that was not finite in the right-hand side: its name and time.
 type Fault = Cell<Option<(&'static str, f64)>>;
 
@@ -59,8 +53,14 @@ pub(crate) fn samples(flight: &Flight) -> usize {
     n + 1
 }
 
-/// Flies from `start`; the samples may end early where the test section is left.
-pub(crate) fn integrate<const N: usize>(setup: &Setup<'_>, flight: &Flight, start: SVector<f64, N>) -> Result<Path<N>, SimError> {
+/// Flies from `start` and shows the states at the sample times to `look`; they may end early, with the first state outside,
+/// where the test section is left. Gives what `look` made of them and the number of accepted steps.
+pub(crate) fn integrate<const N: usize, T>(
+    setup: &Setup<'_>,
+    flight: &Flight,
+    start: SVector<f64, N>,
+    look: impl FnOnce(&[SVector<f64, N>]) -> T,
+) -> Result<(T, u64), SimError> {
     let fault = Fault::default();
     let rhs = Rhs::<N> { setup, section: flight.section, fault: &fault };
     let n = flight.numerics;
@@ -71,7 +71,7 @@ pub(crate) fn integrate<const N: usize>(setup: &Setup<'_>, flight: &Flight, star
     let (rtol, atol) = (n.relative_tolerance, n.absolute_tolerance);
     let dense = OutputType::Dense;
     // The remaining numbers are the defaults of the library (Hairer's); stiffness is not tested.
-    let (outcome, mut states) = match n.method {
+    match n.method {
         Method::Dopri5 => {
             let mut solver = Dopri5::from_param(
                 rhs,
@@ -91,7 +91,8 @@ pub(crate) fn integrate<const N: usize>(setup: &Setup<'_>, flight: &Flight, star
                 u32::MAX,
                 dense,
             );
-            (solver.integrate(), taken(solver.y_out()))
+            let outcome = solver.integrate();
+            finished(outcome, solver.y_out(), &fault, look)
         }
         Method::Dop853 => {
             let mut solver = Dop853::from_param(
@@ -112,27 +113,24 @@ pub(crate) fn integrate<const N: usize>(setup: &Setup<'_>, flight: &Flight, star
                 u32::MAX,
                 dense,
             );
-            (solver.integrate(), taken(solver.y_out()))
-        }
-    };
-    let stats = outcome.map_err(|e| explain(&e, &fault))?;
-    states.truncate(count);
-    finished(states, &stats, &fault)
-}
-
-/// The library lends its result; states are plain numbers and are copied once.
-fn taken<const N: usize>(states: &[SVector<f64, N>]) -> Vec<SVector<f64, N>> {
-    states.to_vec()
-}
-
-fn finished<const N: usize>(states: Vec<SVector<f64, N>>, stats: &Stats, fault: &Fault) -> Result<Path<N>, SimError> {
-    match states.iter().find(|y| !y.sum().is_finite()) {
-        None => Ok(Path { states, steps: u64::from(stats.accepted_steps) }),
-        Some(_) => {
-            let (what, t_s) = fault.get().unwrap_or(("state", 0.0));
-            Err(SimError::NotFinite { what, t_s })
+            let outcome = solver.integrate();
+            finished(outcome, solver.y_out(), &fault, look)
         }
     }
+}
+
+fn finished<const N: usize, T>(
+    outcome: Result<Stats, IntegrationError>,
+    states: &[SVector<f64, N>],
+    fault: &Fault,
+    look: impl FnOnce(&[SVector<f64, N>]) -> T,
+) -> Result<(T, u64), SimError> {
+    let stats = outcome.map_err(|e| explain(&e, fault))?;
+    if states.iter().all(|y| y.sum().is_finite()) {
+        return Ok((look(states), u64::from(stats.accepted_steps)));
+    }
+    let (what, t_s) = fault.get().unwrap_or(("state", 0.0));
+    Err(SimError::NotFinite { what, t_s })
 }
 
 fn explain(e: &IntegrationError, fault: &Fault) -> SimError {
