@@ -61,7 +61,9 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
                 runs.extend(read);
             }
             Err(ReadError::Faults(faults)) => source.add(&faults),
-            Err(error) => source.fault(Some(e.span.clone()), "[[run]] file", &e.file, error.to_string(), "a path beside the campaign file"),
+            Err(error) => {
+                source.fault(Some(e.span.clone()), "[[run]] file", &e.file, error.to_string(), "a path beside the campaign file")
+            }
         }
     }
     enough_samples(&source, &declared, &runs);
@@ -111,7 +113,13 @@ fn entries(file: &Table<'_>) -> Vec<RunEntry> {
         let stem = |e: &RunEntry| e.path.file_stem().map(std::ffi::OsStr::to_owned);
         if !e.file.is_empty() && all[..i].iter().any(|o| stem(o) == stem(e) && o.window_s == e.window_s) {
             let what = "appears twice (or another file of the same name)";
-            file.source.fault(Some(e.span.clone()), "[[run]] file", &e.file, what, "name each run once, or give different windows");
+            file.source.fault(
+                Some(e.span.clone()),
+                "[[run]] file",
+                &e.file,
+                what,
+                "name each run once, or give different windows",
+            );
         }
     }
     all
@@ -159,7 +167,13 @@ fn inputs_of(source: &Source<'_>, entries: &[RunEntry]) -> Vec<String> {
         let missing: Vec<&str> = names.iter().filter(|n| !e.inputs.contains_key(*n)).map(String::as_str).collect();
         if !missing.is_empty() {
             let what = "lacks inputs that other runs have";
-            source.fault(Some(e.span.clone()), format!("[[run]] {} inputs", e.file), missing.join(", "), what, "give every run all inputs");
+            source.fault(
+                Some(e.span.clone()),
+                format!("[[run]] {} inputs", e.file),
+                missing.join(", "),
+                what,
+                "give every run all inputs",
+            );
         }
     }
     names
@@ -215,7 +229,10 @@ fn undeclared_warnings(source: &Source<'_>, file: &Table<'_>, declared: &Declare
         .filter(|i| !declared.declared[*i] && nonzero(*i))
         .map(|i| {
             let name = &structure.parameters[i];
-            format!("{}: {name} has a value but is not in `declared`; it is taken as zero (declare it to use it)", source.path().display())
+            format!(
+                "{}: {name} has a value but is not in `declared`; it is taken as zero (declare it to use it)",
+                source.path().display()
+            )
         })
         .collect()
 }

@@ -92,7 +92,8 @@ fn scales(errors: &[Option<f64>], floor: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Removes spikes from a channel and puts the local fit in their place, or NaN where too few neighbours are left. `floor` is
+/// Removes spikes from a channel and puts the local fit in their place, or NaN where too few neighbours are
+/// left and at the ends of the channel, where a fit would be a guess. `floor` is
 /// the smallest standard deviation that the instrument can have. Times increase; `interval_s` is the usual step.
 pub(crate) fn remove_spikes(t: &[f64], x: &mut [f64], interval_s: f64, floor: f64) -> Vec<Spike> {
     let reach_s = 2.0 * NEIGHBOURS as f64 * interval_s;
@@ -111,7 +112,9 @@ pub(crate) fn remove_spikes(t: &[f64], x: &mut [f64], interval_s: f64, floor: f6
     }
     removed.sort_by_key(|r| r.0);
     restore_good(t, x, &mut removed, &scales, reach_s);
-    let fits: Vec<f64> = removed.iter().map(|(i, v)| error_of(t, x, *i, *v, reach_s).map_or(f64::NAN, |e| e.1)).collect();
+    let inside = |i: usize| x[..i].iter().any(|v| v.is_finite()) && x[i..].iter().any(|v| v.is_finite());
+    let fit = |i: usize, v: f64| error_of(t, x, i, v, reach_s).filter(|_| inside(i)).map_or(f64::NAN, |e| e.1);
+    let fits: Vec<f64> = removed.iter().map(|(i, v)| fit(*i, *v)).collect();
     removed
         .iter()
         .zip(fits)
@@ -191,4 +194,3 @@ pub(crate) fn unwrap_deg(x: &mut [f64]) {
         last = *value;
     }
 }
-

@@ -62,7 +62,14 @@ pub(crate) fn read_columns(path: &Path) -> Result<Columns, ReadError> {
         other => {
             let what = "is not a kind of run file that this version reads; read: .csv";
             let value = other.map_or_else(String::new, |e| format!(".{e}"));
-            Err(ReadError::Faults(vec![fault(path, None, "file", &value, what, "export the table as CSV with the same column names")]))
+            Err(ReadError::Faults(vec![fault(
+                path,
+                None,
+                "file",
+                &value,
+                what,
+                "export the table as CSV with the same column names",
+            )]))
         }
     }
 }
@@ -70,7 +77,8 @@ pub(crate) fn read_columns(path: &Path) -> Result<Columns, ReadError> {
 fn parse(path: &Path, text: &str) -> Result<Columns, ReadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
-    let broken = |e: &csv::Error| ReadError::Faults(vec![fault(path, None, "", "", &format!("is not CSV: {e}"), "UTF-8, header, commas")]);
+    let broken =
+        |e: &csv::Error| ReadError::Faults(vec![fault(path, None, "", "", &format!("is not CSV: {e}"), "UTF-8, header, commas")]);
     let names: Vec<String> = reader.headers().map_err(|e| broken(&e))?.iter().map(str::to_owned).collect();
     let mut faults = Vec::new();
     for (i, name) in names.iter().enumerate() {
@@ -86,7 +94,14 @@ fn parse(path: &Path, text: &str) -> Result<Columns, ReadError> {
         bad += push_row(path, &mut columns, &row, line, &mut faults);
     }
     if bad > LISTED {
-        faults.push(fault(path, None, "", "", &format!("{} more cells or rows of this kind", bad - LISTED), "correct the export"));
+        faults.push(fault(
+            path,
+            None,
+            "",
+            "",
+            &format!("{} more cells or rows of this kind", bad - LISTED),
+            "correct the export",
+        ));
     }
     if faults.is_empty() && columns.rows() == 0 {
         faults.push(fault(path, None, "", "", "has a header and no rows", "one row per sample"));
@@ -100,7 +115,14 @@ fn push_row(path: &Path, columns: &mut Columns, row: &csv::StringRecord, line: u
     let mut say = |key: &str, value: &str, what: &str| {
         bad += 1;
         if faults.len() < LISTED {
-            faults.push(fault(path, Some(line), key, value, what, "a number, or leave the cell empty where nothing was measured"));
+            faults.push(fault(
+                path,
+                Some(line),
+                key,
+                value,
+                what,
+                "a number, or leave the cell empty where nothing was measured",
+            ));
         }
     };
     if row.len() != columns.names.len() {

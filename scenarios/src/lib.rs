@@ -3,6 +3,7 @@
 //!
 //! Every fault of a file is reported at once, with file, line, key, value, what is allowed and what to try.
 
+mod bundled;
 mod campaign;
 mod clean;
 mod columns;
@@ -11,17 +12,25 @@ mod keys;
 mod plant;
 mod point;
 mod record;
+mod reference;
+mod scenario;
 mod structure;
 mod table;
+mod toml_out;
 mod units;
 mod write;
 
+pub use bundled::{NAMES as BUNDLED, bundled};
 pub use campaign::{read_campaign, read_campaign_with_warnings};
 pub use columns::write_columns_csv;
 pub use error::{Fault, ReadError, WriteError};
 pub use point::{Down, read_track};
 pub use record::{
-    FEWEST_SAMPLES, LONGEST_BRIDGE_S, Piece, SHORTEST_PIECE_S, read_record_csv, read_record_pieces, sensors_of_table_a3, write_record_csv,
+    FEWEST_SAMPLES, LONGEST_BRIDGE_S, Piece, SHORTEST_PIECE_S, read_record_csv, read_record_pieces, sensors_of_table_a3,
+    write_record_csv,
 };
+pub use reference::key_reference;
+pub use scenario::{EffectValues, ScenarioFile, read_bundled, read_scenario, read_scenario_file};
 pub use structure::read_structure;
+pub use toml_out::{RunLine, write_campaign_toml, write_resolved_scenario, write_structure};
 pub use write::{text_atomically, write_json_atomically};

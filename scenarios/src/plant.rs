@@ -60,7 +60,8 @@ fn vehicle(file: &Table<'_>) -> Option<Vehicle> {
         };
         let all = [read.xx, read.yy, read.zz, read.xy, read.xz, read.yz];
         if all.iter().all(|x| x.is_finite()) && !read.is_physical() {
-            let what = "is not the inertia of a real body: eigenvalues must be positive and none larger than the sum of the others";
+            let what =
+                "is not the inertia of a real body: eigenvalues must be positive and none larger than the sum of the others";
             let try_ = "check units (kg m2) and the sign of products (positive integrals of x y dm)";
             t.source.fault(Some(i.span.clone()), t.full("inertia_kg_m2"), t.source.snippet(i.span.clone()), what, try_);
         }
@@ -106,7 +107,12 @@ fn tether(file: &Table<'_>, point_mass: bool) -> Option<Tether> {
             "[-3.0, 0.0, 0.0]",
         );
     }
-    Some(Tether::declared(Vec3::from_array(hook), Vec3::from_array(ring), t.number("drag_area_m2"), t.number("effective_weight_n")))
+    Some(Tether::declared(
+        Vec3::from_array(hook),
+        Vec3::from_array(ring),
+        t.number("drag_area_m2"),
+        t.number("effective_weight_n"),
+    ))
 }
 
 /// Environment, state of the air of a scenario (NaN otherwise) and density of a point mass' air (zero otherwise).

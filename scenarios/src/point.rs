@@ -50,7 +50,8 @@ pub fn read_track(
 ) -> Result<(PointRecord, Vec<String>), ReadError> {
     let mut columns = read_columns(path)?;
     let mut notes = Vec::new();
-    let one = |key: &str, value: &str, what: &str, remedy: &str| ReadError::Faults(vec![fault(path, None, key, value, what, remedy)]);
+    let one =
+        |key: &str, value: &str, what: &str, remedy: &str| ReadError::Faults(vec![fault(path, None, key, value, what, remedy)]);
     for needed in ["t_s", COLUMNS[down.axis]] {
         if columns.get(needed).is_none() {
             let what = format!("column is missing; the file has {}", columns.names().join(", "));
@@ -83,6 +84,7 @@ pub fn read_track(
     let keep = |x: &mut Vec<f64>| *x = x.iter().zip(&good).filter(|(_, g)| **g).map(|(v, _)| *v).collect();
     keep(&mut t_s);
     file_axes.iter_mut().flatten().for_each(keep);
-    let position_m = down.tunnel_from_file().map(|(axis, sign)| file_axes[axis].as_ref().map(|x| x.iter().map(|v| sign * v).collect()));
+    let position_m =
+        down.tunnel_from_file().map(|(axis, sign)| file_axes[axis].as_ref().map(|x| x.iter().map(|v| sign * v).collect()));
     Ok((PointRecord { t_s, position_m }, notes))
 }

@@ -90,8 +90,10 @@ fn has_columns(path: &Path, columns: &Columns, needed: &[&str]) -> Result<(), Re
         .map(|n| {
             let what = format!("column is missing; the file has {}", columns.names().join(", "));
             let near: Vec<&str> = columns.names().iter().map(String::as_str).collect();
-            let remedy = crate::table::nearest(n, &near)
-                .map_or_else(|| "names and units of the run file are fixed".to_owned(), |near| format!("rename {near} to {n} if it is that"));
+            let remedy = crate::table::nearest(n, &near).map_or_else(
+                || "names and units of the run file are fixed".to_owned(),
+                |near| format!("rename {near} to {n} if it is that"),
+            );
             fault(path, Some(1), n, "", &what, &remedy)
         })
         .collect();
@@ -174,7 +176,14 @@ impl Grid {
             }
             if count * usual > 1e7 * usual {
                 let what = "leaves a gap of more than ten million samples";
-                return Err(ReadError::Faults(vec![fault(path, Some(lines[i + 1]), "t_s", &w[1].to_string(), what, "seconds, one run")]));
+                return Err(ReadError::Faults(vec![fault(
+                    path,
+                    Some(lines[i + 1]),
+                    "t_s",
+                    &w[1].to_string(),
+                    what,
+                    "seconds, one run",
+                )]));
             }
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and 1e7, checked above")]
             places.push(places[i] + count as usize);
@@ -185,7 +194,14 @@ impl Grid {
                 uneven.len(),
                 t.len() - 1
             );
-            return Err(ReadError::Faults(vec![fault(path, Some(*line), "t_s", "", &what, "resample the run to a uniform rate")]));
+            return Err(ReadError::Faults(vec![fault(
+                path,
+                Some(*line),
+                "t_s",
+                "",
+                &what,
+                "resample the run to a uniform rate",
+            )]));
         }
         let rows = places.last().map_or(0, |p| p + 1);
         let mut t_s = vec![f64::NAN; rows];
@@ -251,18 +267,23 @@ fn cut(path: &Path, grid: &Grid, channels: &mut Vec<(&str, Vec<f64>)>, mut notes
         && pieces(&[&channels[i].1], longest) != pieces(&[&grid.t_s], longest)
     {
         channels.remove(i);
-        notes.push(format!("{QW}: has gaps longer than {LONGEST_BRIDGE_S} s or open ends; not used (q is computed from V, p and T)"));
+        notes.push(format!(
+            "{QW}: has gaps longer than {LONGEST_BRIDGE_S} s or open ends; not used (q is computed from V, p and T)"
+        ));
     }
     let views: Vec<&[f64]> = channels.iter().map(|(_, c)| c.as_slice()).collect();
     let ranges = pieces(&views, longest);
-    let enough = |r: &std::ops::Range<usize>| r.len() >= FEWEST_SAMPLES && (r.len() - 1) as f64 * grid.interval_s >= SHORTEST_PIECE_S;
+    let enough =
+        |r: &std::ops::Range<usize>| r.len() >= FEWEST_SAMPLES && (r.len() - 1) as f64 * grid.interval_s >= SHORTEST_PIECE_S;
     let (kept, short): (Vec<_>, Vec<_>) = ranges.into_iter().partition(enough);
     let span = |r: &std::ops::Range<usize>| format!("{:.4} to {:.4} s", grid.t_s[r.start], grid.t_s[r.end - 1]);
     notes.extend(short.iter().map(|r| {
         format!("piece from {} dropped: shorter than {SHORTEST_PIECE_S} s or {FEWEST_SAMPLES} samples between gaps", span(r))
     }));
     if kept.is_empty() {
-        let what = format!("no stretch of {SHORTEST_PIECE_S} s and {FEWEST_SAMPLES} samples without a gap longer than {LONGEST_BRIDGE_S} s");
+        let what = format!(
+            "no stretch of {SHORTEST_PIECE_S} s and {FEWEST_SAMPLES} samples without a gap longer than {LONGEST_BRIDGE_S} s"
+        );
         let found = format!("{} samples at {:.4} s", grid.t_s.len(), grid.interval_s);
         let remedy = "a longer run, a wider window_s, or data with fewer dropouts";
         return Err(ReadError::Faults(vec![fault(path, None, "samples", &found, &what, remedy)]));

@@ -35,7 +35,13 @@ pub(crate) fn read_aero(file: &Table<'_>, zero_undeclared: bool) -> Option<Decla
     };
     let name = name.get_ref().as_ref();
     let Some(table) = body.get_ref().as_table() else {
-        source.fault(Some(body.span()), format!("[aero] {name}"), source.snippet(body.span()), "must be a table", "[aero.axisymmetric]");
+        source.fault(
+            Some(body.span()),
+            format!("[aero] {name}"),
+            source.snippet(body.span()),
+            "must be a table",
+            "[aero.axisymmetric]",
+        );
         return None;
     };
     let t = Table::new(source, &format!("aero.{name}"), table, body.span(), &keys::AERO);
@@ -50,7 +56,13 @@ fn structure_of(t: &Table<'_>, name: &str) -> Option<(Structure, Option<String>)
     match (name, given) {
         (_, Some(v)) => {
             let Some(file) = v.get_ref().as_str() else {
-                t.source.fault(Some(v.span()), t.full("structure"), t.source.snippet(v.span()), "must be a file name in quotes", "");
+                t.source.fault(
+                    Some(v.span()),
+                    t.full("structure"),
+                    t.source.snippet(v.span()),
+                    "must be a file name in quotes",
+                    "",
+                );
                 return None;
             };
             let path = t.source.path().parent().unwrap_or(Path::new("")).join(file);
@@ -78,7 +90,13 @@ fn declared_of(t: &Table<'_>, structure: &Structure) -> Vec<bool> {
     };
     let mut declared = vec![false; structure.parameters.len()];
     let Some(words) = list.get_ref().as_array() else {
-        t.source.fault(Some(list.span()), t.full("declared"), t.source.snippet(list.span()), "must be a list of parameter names", "[]");
+        t.source.fault(
+            Some(list.span()),
+            t.full("declared"),
+            t.source.snippet(list.span()),
+            "must be a list of parameter names",
+            "[]",
+        );
         return declared;
     };
     for word in words {
@@ -154,7 +172,9 @@ fn words(file: &Table<'_>, name: &str) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
     for v in at.get_ref().as_array().into_iter().flatten() {
         match v.get_ref().as_str() {
-            Some(w) if !w.is_empty() && !all.iter().any(|a| a == w) && w != "declared" && w != "structure" => all.push(w.to_owned()),
+            Some(w) if !w.is_empty() && !all.iter().any(|a| a == w) && w != "declared" && w != "structure" => {
+                all.push(w.to_owned())
+            }
             _ => {
                 let what = "must be a name in quotes, each once, and not `declared` or `structure`";
                 file.source.fault(Some(v.span()), file.full(name), file.source.snippet(v.span()), what, "");
@@ -175,7 +195,13 @@ fn contribution(t: &Table<'_>, parameters: &[String]) -> Option<Contribution> {
     if parameter.is_none() && !named.is_empty() {
         let list: Vec<&str> = parameters.iter().map(String::as_str).collect();
         let what = format!("is not in `parameters`: {}", list.join(", "));
-        t.source.fault(Some(t.span.clone()), t.full("parameter"), named.clone(), what, nearest(&named, &list).unwrap_or("add it there"));
+        t.source.fault(
+            Some(t.span.clone()),
+            t.full("parameter"),
+            named.clone(),
+            what,
+            nearest(&named, &list).unwrap_or("add it there"),
+        );
     }
     let scale = t.number("scale");
     let list = t.value("factors")?;
@@ -211,7 +237,7 @@ fn bad_factor(t: &Table<'_>, v: Value<'_>) {
 
 fn factor(v: &DeValue<'_>) -> Option<Factor> {
     if let Some(pair) = v.as_array() {
-        let (Some(name), Some(power), 2) = (pair.get(0), pair.get(1), pair.len()) else { return None };
+        let (Some(name), Some(power), 2) = (pair.first(), pair.get(1), pair.len()) else { return None };
         return Some(Factor::Power(Variable::from_name(name.get_ref().as_str()?)?, whole(power, 9)?));
     }
     let t = v.as_table()?;

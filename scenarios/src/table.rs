@@ -29,7 +29,13 @@ impl<'t> Source<'t> {
     pub(crate) fn parse(&self) -> Result<DeTable<'t>, ReadError> {
         let (table, errors) = DeTable::parse_recoverable(self.text);
         for e in &errors {
-            self.fault(e.span(), "", "", format!("is not TOML: {}", e.message()), "correct the line; https://toml.io has the syntax");
+            self.fault(
+                e.span(),
+                "",
+                "",
+                format!("is not TOML: {}", e.message()),
+                "correct the line; https://toml.io has the syntax",
+            );
         }
         if errors.is_empty() { Ok(table.into_inner()) } else { Err(ReadError::Faults(self.take())) }
     }
@@ -92,7 +98,13 @@ pub(crate) type Value<'a> = &'a Spanned<DeValue<'a>>;
 
 impl<'a> Table<'a> {
     /// Opens a table; keys that it may not have are faults.
-    pub(crate) fn new(source: &'a Source<'a>, path: &str, table: &'a DeTable<'a>, span: Range<usize>, spec: &'static TableSpec) -> Self {
+    pub(crate) fn new(
+        source: &'a Source<'a>,
+        path: &str,
+        table: &'a DeTable<'a>,
+        span: Range<usize>,
+        spec: &'static TableSpec,
+    ) -> Self {
         let t = Self { source, span, path: path.to_owned(), table, spec };
         if !spec.keys.is_empty() {
             for (key, value) in table {
@@ -106,7 +118,7 @@ impl<'a> Table<'a> {
     /// Reports a key that is not one of `allowed`.
     pub(crate) fn unknown(&self, key: &Spanned<std::borrow::Cow<'_, str>>, value: Value<'_>, allowed: &[&str]) {
         let remedy = match nearest(key.get_ref(), allowed) {
-            Some(name) => format!("{name}"),
+            Some(name) => name.to_owned(),
             None => "remove it".to_owned(),
         };
         let what = format!("unknown key; allowed: {}", allowed.join(", "));
@@ -214,7 +226,11 @@ impl<'a> Table<'a> {
         let Kind::Choice(words) = self.key(name).kind else { return None };
         let found = at.get_ref().as_str().and_then(|s| words.iter().position(|w| *w == s));
         if found.is_none() {
-            self.wrong(name, at, format!("must be one of {}", words.iter().map(|w| format!("\"{w}\"")).collect::<Vec<_>>().join(", ")));
+            self.wrong(
+                name,
+                at,
+                format!("must be one of {}", words.iter().map(|w| format!("\"{w}\"")).collect::<Vec<_>>().join(", ")),
+            );
         }
         found
     }
@@ -273,7 +289,10 @@ fn remedy(key: &Key) -> String {
 pub(crate) fn number(v: Value<'_>) -> Option<f64> {
     match v.get_ref() {
         DeValue::Float(x) => x.as_str().parse().ok(),
-        #[expect(clippy::cast_precision_loss, reason = "whole numbers beyond 2^53 are out of every key's range or need no last digit")]
+        #[expect(
+            clippy::cast_precision_loss,
+            reason = "whole numbers beyond 2^53 are out of every key's range or need no last digit"
+        )]
         DeValue::Integer(i) => i64::from_str_radix(i.as_str(), i.radix()).ok().map(|x| x as f64),
         _ => None,
     }

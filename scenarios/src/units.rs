@@ -81,7 +81,14 @@ fn angle_faults(path: &Path, angles: [&[f64]; 3], sensors: &Sensors) -> Vec<Faul
     let middle = median(&tilt);
     if middle > 90.0 {
         let what = format!("the nose is {middle:.1} deg off the downward vertical in most samples");
-        all.push(fault(path, None, "Ry_deg, Rz_deg", "", &what, "x-y-z Euler angles, body x down in flight, T = Rx Ry Rz; degrees"));
+        all.push(fault(
+            path,
+            None,
+            "Ry_deg, Rz_deg",
+            "",
+            &what,
+            "x-y-z Euler angles, body x down in flight, T = Rx Ry Rz; degrees",
+        ));
     }
     all
 }
@@ -114,7 +121,8 @@ pub(crate) fn physics_faults(path: &Path, record: &Record, plant: &Plant) -> Vec
     }
     if plant.tether.is_some() && v > 0.5 && record.duration_s() > 1.0 {
         let flow = FlowState::new(Vec3::<Body>::new(v, 0.0, 0.0), Vec3::zero(), Vec3::zero(), plant.vehicle.diameter_m);
-        let area = plant.vehicle.area_m2() * plant.aero.coefficients(&flow)[0] + plant.tether.as_ref().map_or(0.0, |t| t.drag_area_m2);
+        let area =
+            plant.vehicle.area_m2() * plant.aero.coefficients(&flow)[0] + plant.tether.as_ref().map_or(0.0, |t| t.drag_area_m2);
         let weight = plant.vehicle.mass_kg * plant.environment.gravity_m_s2 + plant.tether.as_ref().map_or(0.0, |t| t.weight_n);
         let ratio = q * area / weight;
         if area > 0.0 && !(0.35..=2.9).contains(&ratio) {

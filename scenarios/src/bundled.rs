@@ -1,0 +1,23 @@
+//! scenarios: the bundled scenario files. In: a name. Out: its text.
+
+/// Names of the bundled scenarios.
+pub const NAMES: [&str; 6] =
+    ["appendix-c", "sage-unperturbed", "sage-perturbed", "sage-combined", "drop-test", "full-scale-venus-20km"];
+
+/// Text of the bundled scenario of that name.
+///
+/// ```
+/// assert!(windfall_scenarios::bundled("appendix-c").is_some());
+/// ```
+#[must_use]
+pub fn bundled(name: &str) -> Option<&'static str> {
+    let texts = [
+        include_str!("../bundled/appendix-c.toml"),
+        include_str!("../bundled/sage-unperturbed.toml"),
+        include_str!("../bundled/sage-perturbed.toml"),
+        include_str!("../bundled/sage-combined.toml"),
+        include_str!("../bundled/drop-test.toml"),
+        include_str!("../bundled/full-scale-venus-20km.toml"),
+    ];
+    NAMES.iter().position(|n| *n == name).map(|i| texts[i])
+}

@@ -1,0 +1,57 @@
+//! scenarios: the key reference. In: the tables of keys that the reader checks by. Out: Markdown.
+
+use crate::keys::{ALL, Key, Kind, TableSpec};
+use crate::table::allowed_range;
+use std::fmt::Write as _;
+
+/// Every key of campaign, scenario and structure files as Markdown: kind, unit, what is allowed, whether it is needed, meaning.
+#[must_use]
+pub fn key_reference() -> String {
+    let mut text = String::from("# Keys of the files\n\nMade from the tables that the reader checks by; do not edit.\n");
+    for (title, tables) in ALL {
+        let _ = write!(text, "\n## {title}\n");
+        tables.iter().for_each(|t| table_text(&mut text, t));
+    }
+    text
+}
+
+fn table_text(text: &mut String, t: &TableSpec) {
+    let place = if t.path.is_empty() { "top level".to_owned() } else { format!("`[{}]`", t.path) };
+    let _ = write!(text, "\n### {place}\n\n{}\n", t.meaning);
+    if !t.keys.is_empty() {
+        text.push_str("\n| key | unit | needed | allowed | meaning |\n|---|---|---|---|---|\n");
+    }
+    for k in t.keys {
+        let needed = if k.needed { "yes" } else { "no" };
+        let _ = writeln!(text, "| `{}` | {} | {needed} | {} | {} |", k.name, k.unit, allowed(k), k.meaning.replace('|', "\\|"));
+    }
+}
+
+fn allowed(k: &Key) -> String {
+    let range = || allowed_range(k.range, "-").replace("must be a finite number", "finite");
+    match k.kind {
+        Kind::Number => range(),
+        Kind::Integer => format!("whole, {}", range()),
+        Kind::Numbers(n) => format!("{n} numbers, each {}", range()),
+        Kind::Series => format!("two numbers or more, each {}", range()),
+        Kind::Text => "text".to_owned(),
+        Kind::Choice(words) => words.join(", "),
+        Kind::Bool => "true, false".to_owned(),
+        Kind::Words => "list of names".to_owned(),
+        Kind::Table => "table".to_owned(),
+        Kind::Tables => "one table or more".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn frozen_reference_file_is_current() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("KEYS.md");
+        if std::env::var_os("WINDFALL_WRITE_REFERENCE").is_some() {
+            crate::text_atomically(&path, &super::key_reference()).expect("the room's folder is writable");
+        }
+        let stored = std::fs::read_to_string(&path).unwrap_or_default();
+        assert!(stored == super::key_reference(), "KEYS.md is old: run the tests once with WINDFALL_WRITE_REFERENCE=1");
+    }
+}

@@ -1,0 +1,297 @@
+//! scenarios: scenario files. In: a path or bundled text. Out: a checked scenario with what its resolved file needs, or every fault.
+
+use crate::error::{ReadError, text_of};
+use crate::keys;
+use crate::plant::{Declared, read_declared};
+use crate::table::{Source, Table, allowed_range, nearest, number};
+use std::path::{Path, PathBuf};
+use toml::de::DeTable;
+use windfall_model::effects::{self, Acts, Role};
+use windfall_model::{CATALOGUE, Flight, Method, Numerics, Operator, Plant, Release, Scenario, TestSection, TunnelSpeed};
+
+/// Seed of a scenario that gives none.
+const DEFAULT_SEED: u64 = 1;
+
+/// An effect in a scenario's truth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EffectValues {
+    /// Family of the catalogue.
+    pub family: String,
+    /// All its parameters in the catalogue's order, each with its value in the unit that the catalogue states.
+    pub values: Vec<(String, f64)>,
+}
+
+/// A scenario with what was read beside it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScenarioFile {
+    /// What is flown.
+    pub scenario: Scenario,
+    /// The file's note.
+    pub note: Option<String>,
+    /// The plant without effects: what a campaign made of the flights declares.
+    pub declared_plant: Plant,
+    /// For each parameter of the structure, whether that campaign declares it.
+    pub declared: Vec<bool>,
+    /// Effects in the truth with their values.
+    pub effects: Vec<EffectValues>,
+    /// Whether the structure is the file's own (and must be written beside a resolved file).
+    pub own_structure: bool,
+    /// Path or bundled name.
+    pub input: String,
+    /// FNV-1a hash of the input's bytes (Fowler, Noll and Vo 1991), 64 bits in hexadecimal.
+    pub input_hash: String,
+}
+
+/// Reads a scenario file.
+///
+/// # Errors
+/// [`ReadError`] with every fault of the file.
+pub fn read_scenario(path: &Path) -> Result<Scenario, ReadError> {
+    read_scenario_file(path).map(|f| f.scenario)
+}
+
+/// Reads a scenario file with what its resolved form and the campaign made of it need.
+///
+/// # Errors
+/// [`ReadError`] with every fault of the file.
+pub fn read_scenario_file(path: &Path) -> Result<ScenarioFile, ReadError> {
+    parse(path, &text_of(path)?, &path.display().to_string())
+}
+
+/// Reads the bundled scenario of that name.
+///
+/// # Errors
+/// [`ReadError`] when there is none of that name; the message lists those that there are.
+pub fn read_bundled(name: &str) -> Result<ScenarioFile, ReadError> {
+    match crate::bundled::bundled(name) {
+        Some(text) => parse(&PathBuf::from(format!("{name}.toml (bundled)")), text, name),
+        None => {
+            let near = nearest(name, &crate::bundled::NAMES).unwrap_or("a path that ends in .toml");
+            let what = format!("is neither a file nor a bundled scenario; bundled: {}", crate::bundled::NAMES.join(", "));
+            Err(ReadError::Faults(vec![crate::columns::fault(Path::new(name), None, "", "", &what, near)]))
+        }
+    }
+}
+
+fn parse(path: &Path, text: &str, input: &str) -> Result<ScenarioFile, ReadError> {
+    let source = Source::new(path, text);
+    let root = source.parse()?;
+    let file = Table::new(&source, "", &root, 0..0, &keys::SCENARIO_FILE);
+    let head = file.table("scenario", &keys::SCENARIO).map(|t| (t.text("name"), t.text_if("note")));
+    let seed = file.integer_if("seed").unwrap_or(DEFAULT_SEED);
+    if file.has("provenance") {
+        file.table("provenance", &keys::PROVENANCE);
+    }
+    let declared = read_declared(&file, true);
+    let effects = read_effects(&file);
+    let common =
+        Common { section: section(&file), numerics: numerics(&file), air: declared.as_ref().map_or([f64::NAN; 2], |d| d.air) };
+    let flights: Vec<Flight> = file.tables("flight", &keys::FLIGHT).iter().filter_map(|t| flight(t, &common)).collect();
+    unique_names(&source, &flights);
+    runs_exist(&source, &effects, flights.len());
+    let built = declared.zip(head).filter(|_| !source.has_faults()).map(|(declared, (name, note))| {
+        let Declared { plant: declared_plant, declared, structure_file, .. } = declared;
+        let mut plant = declared_plant.clone();
+        for e in &effects {
+            if let Some(effect) = effects::find(&e.family, Acts::Lander) {
+                (effect.apply)(&mut plant, &e.values.iter().map(|v| v.1).collect::<Vec<_>>());
+            }
+        }
+        let families = effects.iter().map(|e| e.family.clone()).collect();
+        ScenarioFile {
+            scenario: Scenario { name, plant, effects: families, flights, seed },
+            note,
+            declared_plant,
+            declared,
+            effects,
+            own_structure: structure_file.is_some(),
+            input: input.to_owned(),
+            input_hash: format!("{:016x}", fnv1a(text.as_bytes())),
+        }
+    });
+    source.finish(built)
+}
+
+/// FNV-1a, 64 bits: offset basis and prime of Fowler, Noll and Vo.
+fn fnv1a(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, b| (hash ^ u64::from(*b)).wrapping_mul(0x0000_0100_0000_01b3))
+}
+
+fn read_effects(file: &Table<'_>) -> Vec<EffectValues> {
+    if !file.has("effects") {
+        return Vec::new();
+    }
+    let Some(outer) = file.table("effects", &keys::EFFECTS) else { return Vec::new() };
+    let families: Vec<&str> = CATALOGUE.iter().filter(|e| e.acts == Acts::Lander).map(|e| e.family).collect();
+    let mut all = Vec::new();
+    for (family, body) in outer.entries() {
+        let name = family.get_ref().as_ref();
+        let table = body.get_ref().as_table();
+        match (effects::find(name, Acts::Lander), table) {
+            (None, _) => outer.unknown(family, body, &families),
+            (_, None) => {
+                let what = "must be a table of parameter = value";
+                file.source.fault(
+                    Some(body.span()),
+                    outer.full(name),
+                    file.source.snippet(body.span()),
+                    what,
+                    format!("[effects.{name}]"),
+                );
+            }
+            (Some(effect), Some(table)) => {
+                let t = Table::new(file.source, &format!("effects.{name}"), table, body.span(), &keys::EFFECTS);
+                all.push(EffectValues { family: name.to_owned(), values: effect_values(&t, table, &(effect.parameters)(&[])) });
+            }
+        }
+    }
+    all
+}
+
+fn effect_values(t: &Table<'_>, table: &DeTable<'_>, parameters: &[effects::Parameter]) -> Vec<(String, f64)> {
+    let names: Vec<&str> = parameters.iter().map(|p| p.name.as_str()).collect();
+    for (key, value) in t.entries().filter(|(k, _)| !names.contains(&k.get_ref().as_ref())) {
+        t.unknown(key, value, &names);
+    }
+    let one = |p: &effects::Parameter| match table.get(p.name.as_str()) {
+        Some(at) => match number(at).filter(|x| x.is_finite() && *x >= p.low && *x <= p.high) {
+            Some(x) => x,
+            None => {
+                let value = t.source.snippet(at.span());
+                t.source.fault(
+                    Some(at.span()),
+                    t.full(&p.name),
+                    value,
+                    allowed_range([p.low, p.high], p.unit),
+                    "a plausible value",
+                );
+                f64::NAN
+            }
+        },
+        None if p.role == Role::Strength => p.null,
+        None => {
+            let what = format!("is missing ({}); only strengths may be left out", allowed_range([p.low, p.high], p.unit));
+            t.source.fault(Some(t.span.clone()), t.full(&p.name), "", what, format!("{} = {}", p.name, p.null));
+            f64::NAN
+        }
+    };
+    parameters.iter().map(|p| (p.name.clone(), one(p))).collect()
+}
+
+fn runs_exist(source: &Source<'_>, effects: &[EffectValues], flights: usize) {
+    for e in effects {
+        let parameters = effects::find(&e.family, Acts::Lander).map(|f| (f.parameters)(&[])).unwrap_or_default();
+        for (p, (name, value)) in parameters.iter().zip(&e.values).filter(|(p, _)| p.role == Role::Run) {
+            if value.is_finite() && (value.fract() != 0.0 || *value >= flights as f64) {
+                let what = format!("must be the number of a flight, 0 to {}", flights.saturating_sub(1));
+                source.fault(None, format!("[effects.{}] {name}", e.family), value.to_string(), what, format!("{} = 0", p.name));
+            }
+        }
+    }
+}
+
+/// What all flights of a file share.
+struct Common {
+    section: Option<TestSection>,
+    numerics: Numerics,
+    air: [f64; 2],
+}
+
+fn section(file: &Table<'_>) -> Option<TestSection> {
+    if !file.has("section") {
+        return None;
+    }
+    let t = file.table("section", &keys::SECTION)?;
+    let s = TestSection { radius_m: t.number("radius_m"), top_x_m: t.number("top_x_m"), bottom_x_m: t.number("bottom_x_m") };
+    if s.top_x_m >= s.bottom_x_m {
+        let what = "must be above the lower net: X points down, so top_x_m < bottom_x_m";
+        t.source.fault(Some(t.span.clone()), t.full("top_x_m"), s.top_x_m.to_string(), what, "-3.81");
+    }
+    Some(s)
+}
+
+fn numerics(file: &Table<'_>) -> Numerics {
+    let default = Numerics::default();
+    let Some(t) = file.has("numerics").then(|| file.table("numerics", &keys::NUMERICS)).flatten() else { return default };
+    Numerics {
+        method: match t.has("method").then(|| t.choice("method")).flatten() {
+            Some(0) => Method::Dopri5,
+            Some(_) => Method::Dop853,
+            None => default.method,
+        },
+        relative_tolerance: t.number_if("relative_tolerance").unwrap_or(default.relative_tolerance),
+        absolute_tolerance: t.number_if("absolute_tolerance").unwrap_or(default.absolute_tolerance),
+    }
+}
+
+fn flight(t: &Table<'_>, common: &Common) -> Option<Flight> {
+    let name = t.text("name");
+    if !name.is_empty() && !name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c)) {
+        let what = "must be of letters, digits, - _ . (it becomes a file name)";
+        t.source.fault(Some(t.span.clone()), t.full("name"), name.clone(), what, "perturbed-1");
+    }
+    let release = t.table("release", &keys::RELEASE).map(|r| Release {
+        position_m: r.numbers("position_m"),
+        velocity_m_s: r.numbers("velocity_m_s"),
+        attitude_rad: r.numbers::<3>("attitude_deg").map(f64::to_radians),
+        rates_rad_s: r.numbers::<3>("rates_deg_s").map(f64::to_radians),
+    });
+    let speed = t.table("speed", &keys::SPEED).and_then(|s| speed(&s));
+    let (duration_s, rate_hz) = (t.number("duration_s"), t.number("rate_hz"));
+    if duration_s * rate_hz > 5e7 {
+        let what = "gives more than fifty million samples";
+        t.source.fault(Some(t.span.clone()), t.full("rate_hz"), rate_hz.to_string(), what, "a lower rate or a shorter flight");
+    }
+    Some(Flight {
+        name,
+        kind: t.text("kind"),
+        hold_out: t.choice("use") == Some(1),
+        duration_s,
+        rate_hz,
+        sensor_noise: t.bool("sensor_noise"),
+        release: release?,
+        speed: speed?,
+        ps_pa: common.air[0],
+        ts_k: common.air[1],
+        section: common.section,
+        numerics: common.numerics,
+    })
+}
+
+fn speed(t: &Table<'_>) -> Option<TunnelSpeed> {
+    let given: Vec<&str> = ["operator", "history", "constant"].into_iter().filter(|n| t.has(n)).collect();
+    let [one] = given[..] else {
+        let what = "must hold exactly one of operator, history, constant";
+        t.source.fault(Some(t.span.clone()), format!("[{}]", t.path), given.join(", "), what, "[flight.speed.operator]");
+        return None;
+    };
+    Some(match one {
+        "operator" => TunnelSpeed::Operator(operator(&t.table(one, &keys::OPERATOR)?)),
+        "history" => {
+            let h = t.table(one, &keys::HISTORY)?;
+            TunnelSpeed::History { interval_s: h.number("interval_s"), vw_m_s: h.series("vw_m_s") }
+        }
+        _ => TunnelSpeed::Constant(t.table(one, &keys::CONSTANT)?.number("vw_m_s")),
+    })
+}
+
+fn operator(t: &Table<'_>) -> Operator {
+    Operator {
+        trim_m_s: t.number_if("trim_m_s"),
+        height_gain_per_s: t.number("height_gain_per_s"),
+        rate_gain: t.number("rate_gain"),
+        integral_gain_per_s2: t.number("integral_gain_per_s2"),
+        lag_s: t.number("lag_s"),
+        unsteady_rms_m_s: t.number("unsteady_rms_m_s"),
+        unsteady_time_s: t.number("unsteady_time_s"),
+        hold_x_m: t.number("hold_x_m"),
+    }
+}
+
+fn unique_names(source: &Source<'_>, flights: &[Flight]) {
+    for (i, f) in flights.iter().enumerate() {
+        if flights[..i].iter().any(|o| o.name == f.name) {
+            source.fault(None, "[[flight]] name", &f.name, "appears twice", "give each flight its own name");
+        }
+    }
+}
