@@ -3,7 +3,7 @@
 use crate::PidError;
 use crate::coefficients::{Row, coefficients};
 use crate::identification::{CoefficientFit, DataSet, Estimate, Identification};
-use crate::regress::{Fit, Outcome, Series, ols};
+use crate::regress::{Colour, Fit, Outcome, Prepared, Series, fit};
 use crate::smooth::{Smoother, TABLE_3_1_HZ, smooth};
 use crate::states::states;
 use windfall_model::{Campaign, Coefficient, Data, Plant, Record, Use};
@@ -50,6 +50,8 @@ pub struct RunRows {
     pub weight: Vec<f64>,
     /// Sample interval, s.
     pub interval_s: f64,
+    /// Bandwidth of the smoothing, Hz: the largest of the channels'.
+    pub bandwidth_hz: f64,
 }
 
 /// A record through smoothing, states and coefficients, for the plant as it acts in this run.
@@ -59,7 +61,8 @@ pub struct RunRows {
 pub fn process(name: &str, kind: &str, record: &Record, plant: &Plant, smoother: &Smoother) -> Result<RunRows, PidError> {
     let s = smooth(record, smoother)?;
     let rows = coefficients(&states(&s, plant)?, plant);
-    Ok(RunRows { name: name.to_owned(), kind: kind.to_owned(), rows, interval_s: s.interval_s, weight: s.weight })
+    let bandwidth_hz = s.bandwidth_hz.iter().fold(0.0, |a: f64, b| a.max(*b));
+    Ok(RunRows { name: name.to_owned(), kind: kind.to_owned(), rows, weight: s.weight, interval_s: s.interval_s, bandwidth_hz })
 }
 
 /// Identifies a campaign's declared parameters on the runs it has for that: on each kind of run alone and on all, `combined`.
@@ -87,37 +90,48 @@ pub fn identify_with(campaign: &Campaign, method: Method, smoother: &Smoother) -
     if runs.is_empty() {
         return Err(PidError::NoRuns { campaign: campaign.name.clone() });
     }
+    let prepared: Vec<Group> =
+        groups(&campaign.plant, &campaign.declared).into_iter().map(|g| g.prepared(&runs, campaign, method)).collect();
     let mut warnings = Vec::new();
     let data_sets = sets(&runs)
         .into_iter()
-        .map(|(name, members)| data_set(&name, &members, campaign, method, &mut warnings))
+        .map(|(name, members)| {
+            DataSetWork { name: &name, members: &members, runs: &runs, campaign, method }.solve(&prepared, &mut warnings)
+        })
         .collect::<Result<_, _>>()?;
     Ok(Identification { method: method.name().to_owned(), data_sets, warnings })
 }
 
-/// Each kind in order of appearance, then all.
-fn sets(runs: &[RunRows]) -> Vec<(String, Vec<&RunRows>)> {
-    let mut sets: Vec<(String, Vec<&RunRows>)> = Vec::new();
-    for run in runs {
+/// Indices of runs: each kind in order of appearance, then all.
+fn sets(runs: &[RunRows]) -> Vec<(String, Vec<usize>)> {
+    let mut sets: Vec<(String, Vec<usize>)> = Vec::new();
+    for (i, run) in runs.iter().enumerate() {
         match sets.iter_mut().find(|(kind, _)| *kind == run.kind) {
-            Some((_, members)) => members.push(run),
-            None => sets.push((run.kind.clone(), vec![run])),
+            Some((_, members)) => members.push(i),
+            None => sets.push((run.kind.clone(), vec![i])),
         }
     }
-    sets.push(("combined".to_owned(), runs.iter().collect()));
+    sets.push(("combined".to_owned(), (0..runs.len()).collect()));
     sets
 }
 
 /// Coefficients that share all their parameters, and those parameters: what one regression is about.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 struct Group {
     coefficients: Vec<Coefficient>,
     parameters: Vec<usize>,
+    /// For each run, the series that it contributes.
+    series: Vec<Vec<Prepared>>,
 }
 
 impl Group {
     fn label(&self) -> &'static str {
         self.coefficients.last().map_or("", |c| c.name())
+    }
+    fn prepared(mut self, runs: &[RunRows], campaign: &Campaign, method: Method) -> Self {
+        let one = |run| run_series(&self, run, campaign, method).into_iter().map(Prepared::new).collect();
+        self.series = runs.iter().map(one).collect();
+        self
     }
 }
 
@@ -139,89 +153,142 @@ fn groups(plant: &Plant, declared: &[bool]) -> Vec<Group> {
         }
         match groups.iter_mut().find(|g| g.parameters == parameters) {
             Some(g) => g.coefficients.push(coefficient),
-            None => groups.push(Group { coefficients: vec![coefficient], parameters }),
+            None => groups.push(Group { coefficients: vec![coefficient], parameters, series: Vec::new() }),
         }
     }
     groups
 }
 
-fn data_set(
-    name: &str,
-    runs: &[&RunRows],
-    campaign: &Campaign,
+/// One data set on its way to a result.
+#[derive(Clone, Copy)]
+struct DataSetWork<'a> {
+    name: &'a str,
+    members: &'a [usize],
+    runs: &'a [RunRows],
+    campaign: &'a Campaign,
     method: Method,
-    warnings: &mut Vec<String>,
-) -> Result<DataSet, PidError> {
-    let mut set = DataSet {
-        name: name.to_owned(),
-        runs: runs.iter().map(|r| r.name.clone()).collect(),
-        parameters: Vec::new(),
-        fits: Vec::new(),
-        condition_number: 1.0,
-        n_samples: runs.iter().map(|r| r.rows.len()).sum(),
-    };
-    for mut group in groups(&campaign.plant, &campaign.declared) {
-        let Some(fit) = regress(&mut group, runs, campaign, method, name, warnings)? else { continue };
-        report(&mut set, &group, &fit, campaign, method, warnings);
-    }
-    if set.parameters.is_empty() {
-        return Err(PidError::NothingToEstimate { campaign: campaign.name.clone() });
-    }
-    Ok(set)
 }
 
-/// Fits a group, leaving out what the data do not determine.
-fn regress(
-    group: &mut Group,
-    runs: &[&RunRows],
-    campaign: &Campaign,
-    method: Method,
-    set: &str,
-    warnings: &mut Vec<String>,
-) -> Result<Option<Fit>, PidError> {
-    while !group.parameters.is_empty() {
-        let series = stack(group, runs, campaign, method);
-        let outcome = ols(&series).map_err(|e| match e {
-            PidError::TooFewSamples { samples, needed, .. } => {
-                PidError::TooFewSamples { what: format!("data set {set}, coefficient {}", group.label()), samples, needed }
+impl<'a> DataSetWork<'a> {
+    fn solve(self, groups: &[Group], warnings: &mut Vec<String>) -> Result<DataSet, PidError> {
+        let mut set = DataSet {
+            name: self.name.to_owned(),
+            runs: self.members.iter().map(|&i| self.runs[i].name.clone()).collect(),
+            parameters: Vec::new(),
+            fits: Vec::new(),
+            condition_number: 1.0,
+            n_samples: self.members.iter().map(|&i| self.runs[i].rows.len()).sum(),
+        };
+        for group in groups {
+            if let Some((columns, fit)) = self.regress(group, warnings)? {
+                self.report(&mut set, group, &columns, &fit, warnings);
             }
-            other => other,
-        })?;
-        match outcome {
-            Outcome::Fit(fit) => return Ok(Some(*fit)),
-            Outcome::Deficient { column, rank } => {
-                let parameter = group.parameters.remove(column);
+        }
+        if set.parameters.is_empty() {
+            return Err(PidError::NothingToEstimate { campaign: self.campaign.name.clone() });
+        }
+        Ok(set)
+    }
+
+    fn parameter(self, group: &Group, column: usize) -> &'a str {
+        &self.campaign.plant.aero.structure.parameters[group.parameters[column]]
+    }
+
+    /// Fits a group, leaving out what the data do not determine; which columns are left, and their fit.
+    fn regress(self, group: &Group, warnings: &mut Vec<String>) -> Result<Option<(Vec<usize>, Fit)>, PidError> {
+        let series: Vec<&Prepared> = self.members.iter().flat_map(|&i| &group.series[i]).collect();
+        let mut columns: Vec<usize> = (0..group.parameters.len()).collect();
+        while !columns.is_empty() {
+            let outcome = fit(&series, &columns).map_err(|e| match e {
+                PidError::TooFewSamples { samples, needed, .. } => PidError::TooFewSamples {
+                    what: format!("data set {}, coefficient {}", self.name, group.label()),
+                    samples,
+                    needed,
+                },
+                other => other,
+            })?;
+            match outcome {
+                Outcome::Fit(fit) => return Ok(Some((columns, *fit))),
+                Outcome::Deficient { column, rank } => {
+                    warnings.push(format!(
+                        "data set {}, coefficient {}: {} is not excited (rank {rank} of {}); it is left out: add a run with larger \
+                         angles or rates, or do not declare it",
+                        self.name,
+                        group.label(),
+                        self.parameter(group, columns[column]),
+                        columns.len(),
+                    ));
+                    columns.remove(column);
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    fn report(self, set: &mut DataSet, group: &Group, columns: &[usize], fit: &Fit, warnings: &mut Vec<String>) {
+        let white = Fit::std_errors(&fit.covariance_white);
+        let honest = Fit::std_errors(&fit.covariance);
+        let half = fit.t95();
+        for (i, &column) in columns.iter().enumerate() {
+            let (estimate, std_error) = (fit.estimate[i], honest[i]);
+            let name = self.parameter(group, column);
+            if std_error > estimate.abs() {
                 warnings.push(format!(
-                    "data set {set}, coefficient {}: {} is not excited (rank {rank} of {}); it is left out: add a run with larger \
-                     angles or rates, or do not declare it",
-                    group.label(),
-                    campaign.plant.aero.structure.parameters[parameter],
-                    group.parameters.len() + 1,
+                    "data set {}, coefficient {}: {name} = {estimate:.3e} has a standard error of {std_error:.3e}, more than itself: \
+                     these runs hardly excite it; use runs with larger angles or rates, or do not declare it",
+                    self.name,
+                    group.label()
                 ));
             }
+            set.parameters.push(Estimate {
+                coefficient: group.label().to_owned(),
+                name: name.to_owned(),
+                estimate,
+                std_error,
+                rse_percent: (100.0 * std_error / estimate.abs()).min(f64::MAX),
+                ci95: [estimate - half * std_error, estimate + half * std_error],
+                std_error_white: white[i],
+            });
         }
+        set.fits.push(CoefficientFit {
+            coefficient: group.label().to_owned(),
+            r2: fit.r2,
+            residual_std: fit.s2.sqrt(),
+            residual_whiteness_p: fit.whiteness_p,
+        });
+        set.condition_number = set.condition_number.max(fit.condition);
     }
-    Ok(None)
 }
 
-/// Seconds over which residuals may be correlated: two periods of the slowest pitching that the tunnel allows (1 Hz).
-const CORRELATED_S: f64 = 2.0;
-
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small positive number")]
-fn stack(group: &Group, runs: &[&RunRows], campaign: &Campaign, method: Method) -> Vec<Series> {
-    let mut all = Vec::new();
-    for run in runs {
-        let parts: Vec<Series> = group.coefficients.iter().map(|&c| series(group, run, campaign, c)).collect();
-        match method {
-            Method::Thesis => all.push(total(&parts)),
-            Method::EquationError => all.extend(parts.into_iter().map(|s| Series {
-                weight: run.weight.clone(),
-                correlated_samples: (CORRELATED_S / run.interval_s).round() as usize,
-                ..s
-            })),
+/// What one run adds to a group's regression.
+fn run_series(group: &Group, run: &RunRows, campaign: &Campaign, method: Method) -> Vec<Series> {
+    let parts: Vec<Series> = group.coefficients.iter().map(|&c| series(group, run, campaign, c)).collect();
+    match method {
+        Method::Thesis => vec![total(&parts)],
+        Method::EquationError => {
+            let (weight, residuals) = (faded(run), Colour::Weighted(cosines(run)));
+            parts.into_iter().map(|s| Series { weight: weight.clone(), residuals, ..s }).collect()
         }
     }
-    all
+}
+
+/// Cosines up to the bandwidth of the smoothing: beyond it the rows carry nothing.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive number, clamped to the samples")]
+fn cosines(run: &RunRows) -> usize {
+    let n = run.rows.len();
+    ((2.0 * run.interval_s * n as f64 * run.bandwidth_hz) as usize).clamp(1, n)
+}
+
+/// Fade of the rows at both ends, in periods of the smoothing's bandwidth (4 knot intervals): there the noise of derivatives is
+/// largest and does not cancel between neighbours.
+const FADE_PERIODS: f64 = 2.0;
+
+/// Row factors of a run, faded in and out as sin².
+fn faded(run: &RunRows) -> Vec<f64> {
+    let n = run.rows.len();
+    let fade = (FADE_PERIODS / (run.bandwidth_hz * run.interval_s)).min(0.5 * n as f64);
+    let factor = |i: usize| ((i.min(n - 1 - i) as f64 + 0.5) / fade).min(1.0);
+    run.weight.iter().enumerate().map(|(i, w)| w * (std::f64::consts::FRAC_PI_2 * factor(i)).sin().powi(2)).collect()
 }
 
 /// One coefficient of one run; what effects add to the plant and what undeclared parameters hold is taken off the response.
@@ -259,38 +326,4 @@ fn total(parts: &[Series]) -> Series {
         response: root(parts.iter().map(|s| s.response.as_slice()).collect()),
         ..Series::default()
     }
-}
-
-fn report(set: &mut DataSet, group: &Group, fit: &Fit, campaign: &Campaign, method: Method, warnings: &mut Vec<String>) {
-    let white = Fit::std_errors(&fit.covariance_white);
-    let honest = if method == Method::Thesis { white.clone() } else { Fit::std_errors(&fit.covariance) };
-    let half = if method == Method::Thesis { 1.96 } else { fit.t95() };
-    for (i, &p) in group.parameters.iter().enumerate() {
-        let (estimate, std_error) = (fit.estimate[i], honest[i]);
-        let name = campaign.plant.aero.structure.parameters[p].clone();
-        if std_error > estimate.abs() {
-            warnings.push(format!(
-                "data set {}, coefficient {}: {name} = {estimate:.3e} has a standard error of {std_error:.3e}, more than itself: these \
-                 runs hardly excite it; use runs with larger angles or rates, or do not declare it",
-                set.name,
-                group.label()
-            ));
-        }
-        set.parameters.push(Estimate {
-            coefficient: group.label().to_owned(),
-            name,
-            estimate,
-            std_error,
-            rse_percent: (100.0 * std_error / estimate.abs()).min(f64::MAX),
-            ci95: [estimate - half * std_error, estimate + half * std_error],
-            std_error_white: white[i],
-        });
-    }
-    set.fits.push(CoefficientFit {
-        coefficient: group.label().to_owned(),
-        r2: fit.r2,
-        residual_std: fit.s2.sqrt(),
-        residual_whiteness_p: fit.whiteness_p,
-    });
-    set.condition_number = set.condition_number.max(fit.condition);
 }

@@ -1,10 +1,12 @@
-//! pid: ordinary least squares (thesis §4.2). In: stacked series of responses and regressors. Out: estimates and their accuracy.
+//! pid: least squares (thesis §4.2). In: stacked series of responses and regressors. Out: estimates and their accuracy.
 
 mod colour;
+mod quality;
+mod spectral;
 
 use crate::PidError;
 use nalgebra::{DMatrix, DVector};
-use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// One coefficient over one run: what the regression stacks. Residuals may be correlated within a series, never between two.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -13,20 +15,34 @@ pub struct Series {
     pub regressors: Vec<Vec<f64>>,
     /// Measured coefficient.
     pub response: Vec<f64>,
-    /// Factor of each row, in (0, 1]; empty means ones.
+    /// Factor of each row, in [0, 1]; empty means ones.
     pub weight: Vec<f64>,
-    /// Longest lag over which residuals are taken as correlated, samples; 0: white.
-    pub correlated_samples: usize,
+    /// What its residuals are like.
+    pub residuals: Colour,
+}
+
+/// What is assumed of residuals within a series.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Colour {
+    /// White: ordinary least squares with the standard errors of eqs 4.17-4.20.
+    #[default]
+    White,
+    /// Any colour, estimates as they are for white ones; standard errors of Morelli and Klein 1997, autocorrelation up to this
+    /// lag in samples.
+    Corrected(usize),
+    /// Any colour that is stationary; estimates weighted by the inverse of the residuals' own spectrum over this many cosines
+    /// (2 · duration · bandwidth).
+    Weighted(usize),
 }
 
 /// Result of a regression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// Estimates (eq. 4.15).
+    /// Estimates (eq. 4.15, or weighted by spectrum).
     pub estimate: Vec<f64>,
-    /// Covariance for white residuals (eq. 4.19).
+    /// Covariance for white residuals (eq. 4.19), of the ordinary estimate.
     pub covariance_white: DMatrix<f64>,
-    /// Covariance for residuals of any colour (Morelli and Klein, J. Aircraft 34(2), 1997).
+    /// Covariance of the estimates as the series' residuals are declared.
     pub covariance: DMatrix<f64>,
     /// Coefficient of determination (eq. 4.18), of the weighted rows.
     pub r2: f64,
@@ -36,7 +52,7 @@ pub struct Fit {
     pub condition: f64,
     /// Weighted residuals, per series.
     pub residuals: Vec<Vec<f64>>,
-    /// Degrees of freedom that correlated residuals leave (Bartlett 1946).
+    /// Degrees of freedom that the residuals leave.
     pub freedom: f64,
     /// Probability that white residuals look as coloured as these (Ljung and Box 1978, 20 lags).
     pub whiteness_p: f64,
@@ -67,57 +83,88 @@ const RANK_TOLERANCE: f64 = 1.0e-10;
 ///
 /// # Errors
 /// [`PidError::TooFewSamples`] unless there are more rows than parameters.
+///
+/// # Examples
+/// ```
+/// use windfall_pid::regress::{Outcome, Series, ols};
+/// let x = vec![0.0, 1.0, 2.0, 3.0];
+/// let line = Series { regressors: vec![vec![1.0; 4], x], response: vec![1.0, 3.0, 5.0, 7.0], ..Series::default() };
+/// let Outcome::Fit(fit) = ols(&[line])? else { panic!("two columns are independent") };
+/// assert!((fit.estimate[0] - 1.0).abs() < 1e-12 && (fit.estimate[1] - 2.0).abs() < 1e-12);
+/// # Ok::<(), windfall_pid::PidError>(())
+/// ```
 pub fn ols(series: &[Series]) -> Result<Outcome, PidError> {
-    let columns = series.first().map_or(0, |s| s.regressors.len());
+    let prepared: Vec<Prepared> = series.iter().cloned().map(Prepared::new).collect();
+    let columns: Vec<usize> = (0..series.first().map_or(0, |s| s.regressors.len())).collect();
+    fit(&prepared.iter().collect::<Vec<_>>(), &columns)
+}
+
+/// A series with the transforms that its colour needs, done once for all data sets that use it.
+#[derive(Clone, Debug)]
+pub(crate) struct Prepared {
+    series: Series,
+    cosines: Option<spectral::Cosines>,
+}
+
+impl Prepared {
+    pub(crate) fn new(series: Series) -> Self {
+        let cosines = match series.residuals {
+            Colour::Weighted(count) => Some(spectral::cosines(&series, count)),
+            Colour::White | Colour::Corrected(_) => None,
+        };
+        Self { series, cosines }
+    }
+}
+
+/// Least squares on some columns of prepared series.
+pub(crate) fn fit(prepared: &[&Prepared], columns: &[usize]) -> Result<Outcome, PidError> {
+    let series: Vec<&Series> = prepared.iter().map(|p| &p.series).collect();
     let rows = series.iter().map(|s| s.response.len()).sum::<usize>();
-    if columns == 0 || rows <= columns {
-        return Err(PidError::TooFewSamples { what: "regression".to_owned(), samples: rows, needed: columns.max(1) + 1 });
+    let count = columns.len();
+    if count == 0 || rows <= count {
+        return Err(PidError::TooFewSamples { what: "regression".to_owned(), samples: rows, needed: count.max(1) + 1 });
     }
-    let (mut x, y) = stack(series, rows, columns);
-    let scale: Vec<f64> = x.column_iter().map(|c| c.norm()).collect();
-    if let Some(column) = scale.iter().position(|s| *s <= f64::MIN_POSITIVE) {
-        return Ok(Outcome::Deficient { column, rank: columns - 1 });
-    }
-    for (mut c, s) in x.column_iter_mut().zip(&scale) {
-        c /= *s;
-    }
-    let (q_t_y, r) = {
-        let qr = x.clone().qr();
-        let mut z = DMatrix::from_column_slice(rows, 1, y.as_slice());
-        qr.q_tr_mul(&mut z);
-        (z.rows(0, columns).into_owned(), qr.r())
+    let (x, y) = stack(&series, columns, rows);
+    let white = match solve(x, &y) {
+        Solution::Found(white) => white,
+        Solution::Deficient { column, rank } => return Ok(Outcome::Deficient { column, rank }),
     };
-    let svd = r.clone().svd(false, true);
-    let singular = &svd.singular_values;
-    let (largest, smallest) = (singular.max(), singular.min());
-    if smallest <= RANK_TOLERANCE * largest {
-        let v_t = svd.v_t.expect("asked for");
-        let column =
-            v_t.row(singular.imin()).iter().map(|v| v.abs()).enumerate().fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a }).0;
-        return Ok(Outcome::Deficient { column, rank: singular.iter().filter(|s| **s > RANK_TOLERANCE * largest).count() });
-    }
-    let scaled = r.solve_upper_triangular(&q_t_y).expect("full rank");
-    let r_inverse = r.solve_upper_triangular(&DMatrix::identity(columns, columns)).expect("full rank");
-    // Columns back to their own size.
-    let unscale = DMatrix::from_diagonal(&DVector::from_iterator(columns, scale.iter().map(|s| 1.0 / s)));
-    let bread = &unscale * &r_inverse * r_inverse.transpose() * &unscale;
-    let fitted = &x * &scaled;
-    let residual = &y - fitted.column(0);
-    let s2 = residual.norm_squared() / (rows - columns) as f64;
-    let residuals = split(&residual, series);
-    let (covariance, freedom) = colour::covariance(series, &residuals, &bread);
+    let residuals_white = quality::residuals(&series, columns, &white.estimate);
+    let s2_white = residuals_white.iter().flatten().map(|e| e * e).sum::<f64>() / (rows - count) as f64;
+    let covariance_white = &white.bread * s2_white;
+    let own = colour(prepared, columns, &white, &residuals_white);
+    let residuals =
+        if own.estimate == white.estimate { residuals_white } else { quality::residuals(&series, columns, &own.estimate) };
+    let rss: f64 = residuals.iter().flatten().map(|e| e * e).sum();
     Ok(Outcome::Fit(Box::new(Fit {
-        estimate: (&unscale * scaled).as_slice().to_vec(),
-        covariance_white: &bread * s2,
-        covariance: covariance.unwrap_or_else(|| &bread * s2),
-        r2: determination(series, &y, &residual),
-        s2,
-        condition: largest / smallest,
-        freedom: (freedom - columns as f64).max(1.0),
-        whiteness_p: ljung_box(&residuals),
+        covariance: own.covariance.unwrap_or_else(|| covariance_white.clone()),
+        estimate: own.estimate,
+        covariance_white,
+        r2: quality::determination(&series, rss),
+        s2: rss / (rows - count) as f64,
+        condition: white.condition,
+        freedom: (own.freedom - count as f64).max(1.0),
+        whiteness_p: quality::ljung_box(&residuals),
         residuals,
         rows,
     })))
+}
+
+/// Estimates under the declared colour; no covariance: that of white residuals.
+struct Coloured {
+    estimate: Vec<f64>,
+    covariance: Option<DMatrix<f64>>,
+    freedom: f64,
+}
+
+fn colour(prepared: &[&Prepared], columns: &[usize], white: &White, residuals: &[Vec<f64>]) -> Coloured {
+    let cosines: Option<Vec<_>> = prepared.iter().map(|p| p.cosines.as_ref()).collect();
+    if let Some(found) = cosines.and_then(|c| spectral::weighted(&c, columns)) {
+        return found;
+    }
+    let series: Vec<&Series> = prepared.iter().map(|p| &p.series).collect();
+    let (covariance, freedom) = colour::covariance(&series, columns, residuals, &white.bread);
+    Coloured { estimate: white.estimate.clone(), covariance, freedom }
 }
 
 impl Fit {
@@ -137,59 +184,66 @@ fn weight(s: &Series, i: usize) -> f64 {
     s.weight.get(i).copied().unwrap_or(1.0)
 }
 
-fn stack(series: &[Series], rows: usize, columns: usize) -> (DMatrix<f64>, DVector<f64>) {
-    let (mut x, mut y) = (DMatrix::zeros(rows, columns), DVector::zeros(rows));
+fn stack(series: &[&Series], columns: &[usize], rows: usize) -> (DMatrix<f64>, DMatrix<f64>) {
+    let (mut x, mut y) = (DMatrix::zeros(rows, columns.len()), DMatrix::zeros(rows, 1));
     let mut start = 0;
     for s in series {
-        for i in 0..s.response.len() {
-            let w = weight(s, i);
-            y[start + i] = w * s.response[i];
-            for (c, regressor) in s.regressors.iter().enumerate() {
-                x[(start + i, c)] = w * regressor[i];
+        let n = s.response.len();
+        for (i, v) in s.response.iter().enumerate() {
+            y[(start + i, 0)] = weight(s, i) * v;
+        }
+        for (c, &column) in columns.iter().enumerate() {
+            for (i, v) in s.regressors[column].iter().enumerate() {
+                x[(start + i, c)] = weight(s, i) * v;
             }
         }
-        start += s.response.len();
+        start += n;
     }
     (x, y)
 }
 
-fn split(residual: &DVector<f64>, series: &[Series]) -> Vec<Vec<f64>> {
-    let mut start = 0;
-    series
-        .iter()
-        .map(|s| {
-            let part = residual.as_slice()[start..start + s.response.len()].to_vec();
-            start += s.response.len();
-            part
-        })
-        .collect()
+/// Estimate and (XᵀX)⁻¹ of ordinary least squares.
+struct White {
+    estimate: Vec<f64>,
+    bread: DMatrix<f64>,
+    condition: f64,
 }
 
-/// Share of the response's variance about its mean that the model explains (eq. 4.18).
-fn determination(series: &[Series], y: &DVector<f64>, residual: &DVector<f64>) -> f64 {
-    let pairs = || series.iter().flat_map(|s| (0..s.response.len()).map(move |i| (weight(s, i), s.response[i])));
-    let (w2, w2y) = pairs().fold((0.0, 0.0), |(a, b), (w, y)| (a + w * w, b + w * w * y));
-    let mean = w2y / w2;
-    let about_mean: f64 = y.norm_squared() - w2 * mean * mean;
-    if about_mean > 0.0 { 1.0 - residual.norm_squared() / about_mean } else { 0.0 }
+enum Solution {
+    Found(White),
+    Deficient { column: usize, rank: usize },
 }
 
-/// Portmanteau test over all series.
-fn ljung_box(residuals: &[Vec<f64>]) -> f64 {
-    const LAGS: usize = 20;
-    let mut q = 0.0;
-    let mut freedom = 0.0;
-    for v in residuals.iter().filter(|v| v.len() > 2 * LAGS) {
-        let n = v.len() as f64;
-        let r0 = v.iter().map(|x| x * x).sum::<f64>();
-        if r0 <= 0.0 {
-            continue;
-        }
-        for k in 1..=LAGS {
-            let r = v.iter().zip(&v[k..]).map(|(a, b)| a * b).sum::<f64>() / r0;
-            q += n * (n + 2.0) * r * r / (n - k as f64);
-        }
-        freedom += LAGS as f64;
+fn solve(mut x: DMatrix<f64>, y: &DMatrix<f64>) -> Solution {
+    let columns = x.ncols();
+    let scale: Vec<f64> = x.column_iter().map(|c| c.norm()).collect();
+    if let Some(column) = scale.iter().position(|s| !(*s > f64::MIN_POSITIVE)) {
+        return Solution::Deficient { column, rank: scale.iter().filter(|s| **s > f64::MIN_POSITIVE).count() };
     }
-    ChiSquared::new(freedom).map_or(1.0, |c| c.sf(q))
+    for (mut c, s) in x.column_iter_mut().zip(&scale) {
+        c /= *s;
+    }
+    let qr = x.qr();
+    let mut z = y.clone();
+    qr.q_tr_mul(&mut z);
+    let r = qr.r();
+    let svd = r.clone().svd(false, true);
+    let singular = &svd.singular_values;
+    let largest = singular.max();
+    let rank = singular.iter().filter(|s| **s > RANK_TOLERANCE * largest).count();
+    let undetermined = || {
+        let column = svd.v_t.as_ref().map_or(0, |v| v.row(singular.imin()).transpose().iamax());
+        Solution::Deficient { column, rank }
+    };
+    if rank < columns {
+        return undetermined();
+    }
+    let Some(r_inverse) = r.solve_upper_triangular(&DMatrix::identity(columns, columns)) else { return undetermined() };
+    // Columns back to their own size.
+    let unscaled = DMatrix::from_diagonal(&DVector::from_iterator(columns, scale.iter().map(|s| 1.0 / s))) * r_inverse;
+    Solution::Found(White {
+        estimate: (&unscaled * z.rows(0, columns)).as_slice().to_vec(),
+        bread: &unscaled * unscaled.transpose(),
+        condition: largest / singular.min(),
+    })
 }

@@ -4,30 +4,39 @@
 //! `Cov = (XᵀX)⁻¹ [Σ_i Σ_j R(i−j) x_i x_jᵀ] (XᵀX)⁻¹` with R the residuals' autocorrelation. The double sum is done by Fourier
 //! transform, and R is tapered (Parzen 1961) so that the sum cannot become negative.
 
-use super::{Series, weight};
+use super::{Colour, Series, weight};
 use nalgebra::DMatrix;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
 /// Covariance, or none when every series is declared white; and the effective number of independent residuals.
-pub(super) fn covariance(series: &[Series], residuals: &[Vec<f64>], bread: &DMatrix<f64>) -> (Option<DMatrix<f64>>, f64) {
+pub(super) fn covariance(
+    series: &[&Series],
+    columns: &[usize],
+    residuals: &[Vec<f64>],
+    bread: &DMatrix<f64>,
+) -> (Option<DMatrix<f64>>, f64) {
     let rows: usize = residuals.iter().map(Vec::len).sum();
-    if series.iter().all(|s| s.correlated_samples == 0) {
+    if series.iter().all(|s| s.residuals == Colour::White) {
         return (None, rows as f64);
     }
     let mut planner = RealFftPlanner::new();
     let mut meat = DMatrix::zeros(bread.nrows(), bread.ncols());
     let mut freedom = 0.0;
     for (s, v) in series.iter().zip(residuals) {
-        freedom += add_series(s, v, &mut meat, &mut planner);
+        freedom += add_series(s, columns, v, &mut meat, &mut planner);
     }
     (Some(bread * meat * bread), freedom)
 }
 
 /// Adds one series' double sum; returns its effective number of independent residuals.
-fn add_series(s: &Series, v: &[f64], meat: &mut DMatrix<f64>, planner: &mut RealFftPlanner<f64>) -> f64 {
+fn add_series(s: &Series, columns: &[usize], v: &[f64], meat: &mut DMatrix<f64>, planner: &mut RealFftPlanner<f64>) -> f64 {
     let n = v.len();
-    let lags = s.correlated_samples.min(n - 1).max(1);
+    let lags = match s.residuals {
+        Colour::Corrected(lags) | Colour::Weighted(lags) => lags,
+        Colour::White => 0,
+    };
+    let lags = lags.clamp(1, n - 1);
     let size = fast_length(n + lags);
     let mut transform = |x: &mut dyn Iterator<Item = f64>| -> Vec<Complex64> {
         let fft = planner.plan_fft_forward(size);
@@ -42,7 +51,7 @@ fn add_series(s: &Series, v: &[f64], meat: &mut DMatrix<f64>, planner: &mut Real
     let power: Vec<Complex64> =
         transform(&mut v.iter().copied()).iter().map(|z| Complex64::new(z.norm_sqr() / (n * size) as f64, 0.0)).collect();
     let columns: Vec<Vec<Complex64>> =
-        s.regressors.iter().map(|x| transform(&mut x.iter().enumerate().map(|(i, x)| weight(s, i) * x))).collect();
+        columns.iter().map(|&c| transform(&mut s.regressors[c].iter().enumerate().map(|(i, x)| weight(s, i) * x))).collect();
     let r = autocovariance(power, lags, size, planner);
     let square_sum = r[0] * r[0] + 2.0 * r[1..=lags].iter().map(|r| r * r).sum::<f64>();
     let spectrum = spectrum(&r, size, planner);
