@@ -10,9 +10,9 @@ pub(super) static EFFECT: Effect = Effect {
     separate_by: "a perturbed run with larger vertical acceleration (step of tunnel speed) at the same attitude",
     parameters: |_| {
         vec![
-            Parameter::strength("axial_kg", "kg", 0.3),
-            Parameter::strength("radial_kg", "kg", 0.3),
-            Parameter::strength("transverse_kg_m2", "kg m2", 0.01),
+            Parameter::positive("axial_kg", "kg", 0.3),
+            Parameter::positive("radial_kg", "kg", 0.3),
+            Parameter::positive("transverse_kg_m2", "kg m2", 0.01),
         ]
     },
     apply: |plant, v| {

@@ -14,7 +14,7 @@ pub(super) static EFFECT: Effect = Effect {
         let mut all = vec![
             Parameter { name: "run".to_owned(), unit: "-", low: 0.0, high: 1e6, null: 0.0, role: Role::Run },
             Parameter { name: "start_s".to_owned(), unit: "s", low: 0.0, high: 1e6, null: 0.0, role: Role::Instant },
-            Parameter::shape("duration_s", "s", 0.01, 2.0, 0.15, &[0.1, 0.2, 0.4]),
+            Parameter::shape("duration_s", "s", 0.01, 2.0, 0.15, &[0.15, 0.4]),
         ];
         all.extend(["impulse_x_n_s", "impulse_y_n_s", "impulse_z_n_s"].map(|n| Parameter::strength(n, "N s", 5.0)));
         all.extend(["angular_x_n_m_s", "angular_y_n_m_s", "angular_z_n_m_s"].map(|n| Parameter::strength(n, "N m s", 1.0)));

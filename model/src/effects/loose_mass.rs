@@ -11,7 +11,7 @@ pub(super) static EFFECT: Effect = Effect {
     separate_by: "the same run with the ballast clamped",
     parameters: |_| {
         vec![
-            Parameter::rms("mass_kg", "kg", 0.3),
+            Parameter::positive("mass_kg", "kg", 0.3),
             Parameter::shape("frequency_hz", "Hz", 0.3, 20.0, 2.0, &[0.7, 1.0, 1.4, 2.0, 2.8, 4.0]),
             Parameter::shape("damping_ratio", "-", 0.005, 1.0, 0.05, &[0.05]),
             Parameter::shape("x_cm_m", "m", -0.3, 0.3, 0.1, &[-0.1, 0.1]),

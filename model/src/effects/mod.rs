@@ -80,7 +80,8 @@ impl Parameter {
     fn strength(name: &str, unit: &'static str, limit: f64) -> Self {
         Self { name: name.to_owned(), unit, low: -limit, high: limit, null: 0.0, role: Role::Strength }
     }
-    fn rms(name: &str, unit: &'static str, limit: f64) -> Self {
+    /// A strength that is never negative.
+    fn positive(name: &str, unit: &'static str, limit: f64) -> Self {
         Self { name: name.to_owned(), unit, low: 0.0, high: limit, null: 0.0, role: Role::Strength }
     }
     fn shape(name: &str, unit: &'static str, low: f64, high: f64, null: f64, tried: &'static [f64]) -> Self {

@@ -10,8 +10,8 @@ pub(super) static EFFECT: Effect = Effect {
     separate_by: "a drop test in still air",
     parameters: |_| {
         vec![
-            Parameter::rms("axial_rms_m_s", "m/s", 2.0),
-            Parameter::rms("lateral_rms_m_s", "m/s", 2.0),
+            Parameter::positive("axial_rms_m_s", "m/s", 2.0),
+            Parameter::positive("lateral_rms_m_s", "m/s", 2.0),
             Parameter::shape("scale_m", "m", 0.05, 10.0, 0.6, &[0.15, 0.3, 0.6, 1.2, 2.4]),
         ]
     },

@@ -11,7 +11,7 @@ pub(super) static EFFECT: Effect = Effect {
     separate_by: "a run at another tunnel speed (lighter or heavier ballast): the band moves with V",
     parameters: |_| {
         vec![
-            Parameter::rms("moment_rms", "-", 1.0),
+            Parameter::positive("moment_rms", "-", 1.0),
             Parameter::shape("strouhal", "-", 0.003, 0.4, 0.04, &[0.012, 0.018, 0.025, 0.035, 0.05, 0.07, 0.1, 0.14]),
             Parameter::shape("bandwidth", "-", 0.02, 2.0, 0.2, &[0.1, 0.3, 0.8]),
         ]

@@ -1,0 +1,47 @@
+//! verify: what can go wrong. Out: one enum with the place, the value and what to try.
+
+use thiserror::Error;
+use windfall_pid::PidError;
+use windfall_sim::SimError;
+
+/// Errors of this room.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum VerifyError {
+    /// The identifier failed.
+    #[error(transparent)]
+    Identify(#[from] PidError),
+    /// The simulator failed.
+    #[error(transparent)]
+    Simulate(#[from] SimError),
+    /// A point-mass run where a tunnel run is needed.
+    #[error("run `{run}` has no attitude; this needs tunnel runs with R_x, R_y, R_z")]
+    NotTunnel {
+        /// Name of the run.
+        run: String,
+    },
+    /// A run with too few samples.
+    #[error("run {run} has {samples} samples, fewer than the {needed} that its smoothing windows need; use a longer window_s")]
+    TooShort {
+        /// Index of the run.
+        run: usize,
+        /// Samples.
+        samples: usize,
+        /// Needed.
+        needed: usize,
+    },
+    /// No run to work on.
+    #[error("the campaign has no run with use = \"{what}\"; mark at least one")]
+    NoRuns {
+        /// The use that is missing.
+        what: &'static str,
+    },
+    /// A fit that has no answer.
+    #[error("the declared model cannot be fitted to `{campaign}`: {reason}; check units, or declare fewer parameters")]
+    Fit {
+        /// Name of the campaign.
+        campaign: String,
+        /// Why.
+        reason: &'static str,
+    },
+}

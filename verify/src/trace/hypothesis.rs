@@ -1,0 +1,141 @@
+//! verify: a declared model with effects added. In: values. Out: the plant that they make, and which numbers are free.
+
+use windfall_model::{Acts, Effect, Parameter, Plant, Role};
+
+/// An effect with values for all its parameters.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// The effect.
+    pub effect: &'static Effect,
+    /// Its parameters.
+    pub parameters: Vec<Parameter>,
+    /// Their values.
+    pub values: Vec<f64>,
+    /// Which strengths are sizes of random inputs.
+    pub random: Vec<bool>,
+}
+
+impl Instance {
+    /// Instance at null.
+    #[must_use]
+    pub fn null(effect: &'static Effect, base: &Plant, inputs: &[String]) -> Self {
+        let parameters = (effect.parameters)(inputs);
+        let values: Vec<f64> = parameters.iter().map(|p| p.null).collect();
+        let random = (0..parameters.len())
+            .map(|i| {
+                let mut v = values.clone();
+                v[i] = 1.0;
+                let mut plant = base.clone();
+                (effect.apply)(&mut plant, &v);
+                parameters[i].role == Role::Strength && plant.disturbances(1.0) != base.disturbances(1.0)
+            })
+            .collect();
+        Self { effect, parameters, values, random }
+    }
+    /// Indices of strengths that enter the mean.
+    pub fn mean_strengths(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.values.len()).filter(|&i| self.parameters[i].role == Role::Strength && !self.random[i])
+    }
+    /// Indices of strengths of random inputs.
+    pub fn random_strengths(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.values.len()).filter(|&i| self.random[i])
+    }
+    /// Indices of shapes that can be refined.
+    pub fn shapes(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.values.len()).filter(|&i| matches!(self.parameters[i].role, Role::Shape(_) | Role::Instant))
+    }
+    /// True when the effect lives in one run only.
+    #[must_use]
+    pub fn is_local(&self) -> bool {
+        self.parameters.iter().any(|p| p.role == Role::Run)
+    }
+    /// True when every value is inside its plausible range, or within two standard errors of it (`std_error` by index).
+    #[must_use]
+    pub fn is_plausible(&self, std_error: impl Fn(usize) -> f64) -> bool {
+        self.values.iter().zip(&self.parameters).enumerate().all(|(i, (v, p))| {
+            let margin = 2.0 * std_error(i);
+            v.is_finite() && *v >= p.low - margin && *v <= p.high + margin
+        })
+    }
+}
+
+/// One number that a fit may change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Free {
+    /// Declared aerodynamic parameter by index.
+    Declared(usize),
+    /// Effect by position, parameter by index.
+    Effect(usize, usize),
+}
+
+/// Declared values and added effects.
+#[derive(Clone, Debug)]
+pub struct Hypothesis {
+    /// Values of the structure's parameters.
+    pub declared: Vec<f64>,
+    /// Added effects, in the order they were added.
+    pub effects: Vec<Instance>,
+    /// Sizes (variances) of the unmodelled residual, per generic component.
+    pub generic: Vec<f64>,
+}
+
+impl Hypothesis {
+    /// The plant that these values make of a base plant.
+    #[must_use]
+    pub fn plant(&self, base: &Plant) -> Plant {
+        let mut plant = base.clone();
+        plant.aero.values.clone_from(&self.declared);
+        for e in &self.effects {
+            (e.effect.apply)(&mut plant, &e.values);
+        }
+        plant
+    }
+    /// Value of a free number.
+    #[must_use]
+    pub fn get(&self, f: Free) -> f64 {
+        match f {
+            Free::Declared(i) => self.declared[i],
+            Free::Effect(e, i) => self.effects[e].values[i],
+        }
+    }
+    /// Changes a free number.
+    pub fn set(&mut self, f: Free, value: f64) {
+        match f {
+            Free::Declared(i) => self.declared[i] = value,
+            Free::Effect(e, i) => self.effects[e].values[i] = value,
+        }
+    }
+    /// Numbers that enter the mean: declared parameters, strengths, and shapes when asked for.
+    #[must_use]
+    pub fn free(&self, declared: &[bool], shapes: bool) -> Vec<Free> {
+        let mut free: Vec<Free> = (0..self.declared.len()).filter(|&i| declared[i]).map(Free::Declared).collect();
+        for (k, e) in self.effects.iter().enumerate() {
+            free.extend(e.mean_strengths().map(|i| Free::Effect(k, i)));
+            if shapes && e.mean_strengths().next().is_some() {
+                free.extend(e.shapes().map(|i| Free::Effect(k, i)));
+            }
+        }
+        free
+    }
+    /// Sensible step for a difference in a free number.
+    #[must_use]
+    pub fn step(&self, f: Free) -> f64 {
+        match f {
+            Free::Declared(i) => 1e-3 * self.declared[i].abs().max(1e-2),
+            Free::Effect(e, i) => {
+                let p = &self.effects[e].parameters[i];
+                match p.role {
+                    Role::Strength => 1e-3 * p.high.min(1e3),
+                    Role::Instant => 0.01,
+                    Role::Shape(_) | Role::Run => 0.02 * self.effects[e].values[i].abs().max(1e-6),
+                }
+            }
+        }
+    }
+}
+
+/// Bodies that a plant of a campaign is.
+#[must_use]
+pub fn acts(point_mass: bool) -> Acts {
+    if point_mass { Acts::PointMass } else { Acts::Lander }
+}

@@ -1,0 +1,14 @@
+//! verify: tracing a residual to an effect. In: evidence and a declared plant. Out: fits and weighed families.
+
+mod evidence;
+mod fit;
+mod hypothesis;
+mod likelihood;
+mod search;
+mod tunnel;
+
+pub use evidence::{BIN, Cov, Evidence, Residual};
+pub use fit::{Fit, Problem, StopReason};
+pub use hypothesis::{Free, Hypothesis, Instance, acts};
+pub use search::{Candidate, p_value, weigh};
+pub use tunnel::{BAND_HZ, TunnelEvidence};

@@ -1,0 +1,207 @@
+//! verify: which effect explains a residual. In: a fit and the catalogue. Out: every family's best form, its size and p-value.
+//!
+//! First every family is weighed by one step from the fit (score test with declared parameters free to absorb what they can;
+//! random inputs by their likelihood); then the best are fitted in full and compared by penalised likelihood.
+
+use super::evidence::Residual;
+use super::fit::{Columns, Fit, Normal, Point, Problem, Whitened};
+use super::hypothesis::{Free, Hypothesis, Instance};
+use super::likelihood::Whitening;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+use windfall_model::{Acts, CATALOGUE, Role};
+
+/// A family weighed against the data.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// Best form found, with one-step estimates.
+    pub instance: Instance,
+    /// Twice the gain of log-likelihood, in the one-step approximation.
+    pub statistic: f64,
+    /// Strengths.
+    pub degrees: usize,
+    /// Forms tried (values of shapes, instants, runs).
+    pub tried: usize,
+    /// Probability of such a gain from noise alone, corrected for the forms tried.
+    pub p_value: f64,
+    /// Standard error of each mean strength in the best form, by parameter index.
+    pub std_errors: Vec<(usize, f64)>,
+}
+
+/// Upper tail of χ², corrected for `tried` attempts (Šidák 1967).
+#[must_use]
+pub fn p_value(statistic: f64, degrees: usize, tried: usize) -> f64 {
+    if !(statistic > 0.0) || degrees == 0 {
+        return 1.0;
+    }
+    let one = ChiSquared::new(degrees as f64).map_or(1.0, |d| d.sf(statistic));
+    -f64::exp_m1(tried as f64 * f64::ln_1p(-one.min(1.0 - 1e-16)))
+}
+
+/// Weighs every family that can act and is not in the fit yet; best first.
+#[must_use]
+pub fn weigh(problem: &Problem<'_>, fit: &Fit, acts: Acts) -> Vec<Candidate> {
+    let h = &fit.hypothesis;
+    let plant = h.plant(problem.base);
+    problem.evidence.focus(&plant);
+    let at = problem.point(&plant);
+    let known = h.free(problem.declared, false);
+    let columns = problem.columns(h, &known, &at);
+    let Some(whitening) = Whitening::new(&fit.sigma) else { return Vec::new() };
+    let (point, columns) = (at.whitened(&whitening), Whitened::new(&whitening, &columns));
+    let normal = Normal::new(&point, &columns);
+    let context = Context { problem, fit, at, point, columns, normal, whitening };
+    let mut all: Vec<Candidate> = CATALOGUE
+        .into_par_iter()
+        .filter(|e| e.acts == acts && !h.effects.iter().any(|x| x.effect.family == e.family))
+        .filter_map(|e| context.family(&Instance::null(e, problem.base, problem.inputs)))
+        .collect();
+    all.sort_by(|a, b| (b.statistic - b.degrees as f64).total_cmp(&(a.statistic - a.degrees as f64)));
+    all
+}
+
+struct Context<'a> {
+    problem: &'a Problem<'a>,
+    fit: &'a Fit,
+    at: Point,
+    point: Whitened,
+    columns: Whitened,
+    normal: Normal,
+    whitening: Whitening,
+}
+
+impl Context<'_> {
+    fn family(&self, null: &Instance) -> Option<Candidate> {
+        let forms = self.forms(null);
+        let tried = forms.len();
+        let local = null.is_local();
+        let best = forms
+            .into_par_iter()
+            .filter_map(|form| {
+                if form.mean_strengths().next().is_none() {
+                    self.random(form)
+                } else if local {
+                    self.local(form)
+                } else {
+                    self.mean(form)
+                }
+            })
+            .max_by(|a, b| a.statistic.total_cmp(&b.statistic))?;
+        let p_value = p_value(best.statistic, best.degrees, tried);
+        Some(Candidate { tried, p_value, ..best })
+    }
+
+    /// All combinations of shapes, instants and runs that are tried.
+    fn forms(&self, null: &Instance) -> Vec<Instance> {
+        let (runs, durations) = (self.problem.evidence.run_indices(), self.problem.evidence.durations_s());
+        let mut forms = vec![null.clone()];
+        for (i, p) in null.parameters.iter().enumerate() {
+            let values = |form: &Instance| -> Vec<f64> {
+                match p.role {
+                    Role::Strength => vec![form.values[i]],
+                    Role::Shape(tried) => tried.to_vec(),
+                    Role::Run => runs.iter().map(|r| *r as f64).collect(),
+                    Role::Instant => {
+                        let run = null.parameters.iter().position(|q| q.role == Role::Run);
+                        let index = run.and_then(|r| runs.iter().position(|k| *k as f64 == form.values[r]));
+                        let end_s = index.map_or(0.0, |k| durations[k]);
+                        (0..).map(|k| f64::from(k) * INSTANT_STEP_S).take_while(|t| *t < end_s).collect()
+                    }
+                }
+            };
+            forms = forms
+                .iter()
+                .flat_map(|form| {
+                    values(form).into_iter().map(|v| {
+                        let mut next = form.clone();
+                        next.values[i] = v;
+                        next
+                    })
+                })
+                .collect();
+        }
+        forms
+    }
+
+    fn with(&self, form: &Instance) -> (Hypothesis, usize) {
+        let mut h = self.fit.hypothesis.clone();
+        h.effects.push(form.clone());
+        let k = h.effects.len() - 1;
+        (h, k)
+    }
+
+    fn mean(&self, form: Instance) -> Option<Candidate> {
+        let (h, k) = self.with(&form);
+        let strengths: Vec<usize> = form.mean_strengths().collect();
+        let free: Vec<Free> = strengths.iter().map(|&i| Free::Effect(k, i)).collect();
+        let own = self.problem.columns(&h, &free, &self.at);
+        self.judge(form, &strengths, own)
+    }
+
+    /// An effect within one run: columns from that run alone, without copies (a pulse's shape hardly depends on noise).
+    fn local(&self, form: Instance) -> Option<Candidate> {
+        let run_parameter = form.parameters.iter().position(|p| p.role == Role::Run)?;
+        let run = self.problem.evidence.run_indices().iter().position(|r| *r as f64 == form.values[run_parameter])?;
+        let (h, k) = self.with(&form);
+        let strengths: Vec<usize> = form.mean_strengths().collect();
+        let base = self.problem.evidence.residual_of(&self.fit.hypothesis.plant(self.problem.base), run);
+        let a: Vec<Residual> = strengths
+            .iter()
+            .map(|&i| {
+                let f = Free::Effect(k, i);
+                let step = h.step(f);
+                let mut moved = h.clone();
+                moved.set(f, step);
+                let z = self.problem.evidence.residual_of(&moved.plant(self.problem.base), run);
+                z.iter().zip(&base).map(|(x, y)| (x - y) / step).collect()
+            })
+            .collect();
+        let zero = vec![vec![0.0; self.at.z.len()]; strengths.len()];
+        self.judge(form, &strengths, Columns { a, da: vec![zero; self.at.dz.len()] })
+    }
+
+    fn judge(&self, mut form: Instance, strengths: &[usize], own: Columns) -> Option<Candidate> {
+        if own.a.iter().flatten().any(|x| !x.is_finite()) {
+            return None;
+        }
+        // Strengths that do nothing to these data are left out.
+        let live: Vec<usize> = (0..strengths.len()).filter(|&j| own.a[j].iter().any(|x| *x != 0.0)).collect();
+        if live.is_empty() {
+            return None;
+        }
+        let live_of = |all: &Vec<Residual>| live.iter().filter_map(|&j| all.get(j).cloned()).collect::<Vec<_>>();
+        let own = Columns { a: live_of(&own.a), da: own.da.iter().map(live_of).collect() };
+        let step = self.normal.with(&self.point, &self.columns, &Whitened::new(&self.whitening, &own)).solve()?;
+        let (n, m) = (self.normal.g.len(), live.len());
+        let estimate = DVector::from_fn(m, |i, _| step.delta[n + i]);
+        let covariance = DMatrix::from_fn(m, m, |i, k| step.covariance[(n + i, n + k)]);
+        let statistic = (estimate.transpose() * covariance.clone().cholesky()?.inverse() * &estimate)[0];
+        let mut std_errors = Vec::new();
+        for (i, &j) in live.iter().enumerate() {
+            form.values[strengths[j]] = estimate[i];
+            std_errors.push((strengths[j], covariance[(i, i)].sqrt()));
+        }
+        let error = |k: usize| std_errors.iter().find(|(i, _)| *i == k).map_or(0.0, |(_, s)| *s);
+        // A size that cannot be says that something else is at work.
+        let statistic = if form.is_plausible(error) { statistic } else { 0.0 };
+        Some(Candidate { instance: form, statistic, degrees: m, tried: 1, p_value: 1.0, std_errors })
+    }
+
+    fn random(&self, form: Instance) -> Option<Candidate> {
+        let (mut h, k) = self.with(&form);
+        let (l, _) = self.problem.fit_sizes(&mut h, &self.at.z);
+        let degrees = form.random_strengths().count();
+        l.is_finite().then(|| Candidate {
+            instance: h.effects[k].clone(),
+            statistic: 2.0 * (l - self.fit.log_likelihood),
+            degrees,
+            tried: 1,
+            p_value: 1.0,
+            std_errors: Vec::new(),
+        })
+    }
+}
+
+/// Spacing of instants tried, s: half the shortest pulse of the catalogue.
+const INSTANT_STEP_S: f64 = 0.2;

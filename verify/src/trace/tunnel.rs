@@ -1,0 +1,488 @@
+//! verify: evidence from tunnel runs. In: records and the declared plant. Out: residual coefficients per frequency.
+//!
+//! The residual of the six force and moment balances in coefficient form is projected on sinusoids under a taper that rises
+//! quickly at both ends, up to [`BAND_HZ`]. What the motion needs (accelerations) comes from a narrow window whose gain is
+//! divided out; everything that a plant predicts comes from a wide window, so that little sensor noise reaches it. What noise
+//! leaves in a bin, and what it does through the predictions, is measured on copies of the data with noise added again.
+
+use super::evidence::{BIN, Cov, Evidence, Residual};
+use crate::VerifyError;
+use nalgebra::{Matrix3, SVector, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+use realfft::{RealFftPlanner, RealToComplex};
+use std::sync::{Arc, RwLock};
+use windfall_model::frames::{EulerXyz, Vec3};
+use windfall_model::{AirState, Campaign, Data, Entry, Motion, Plant, Record, Sensors, Wrench};
+use windfall_pid::coefficients::{Row, coefficients};
+use windfall_pid::smooth::Smoothed;
+use windfall_pid::states::{State, states};
+use windfall_pid::window::{Kernels, Window};
+
+/// Highest frequency used, Hz.
+pub const BAND_HZ: f64 = 5.0;
+/// Rise of the taper at both ends, s.
+const RAMP_S: f64 = 0.4;
+/// Window for accelerations: flat to 1 % up to the band.
+const NARROW: Window = Window { half_width_s: 0.1, degree: 6 };
+/// Window for predictions.
+const WIDE: Window = Window { half_width_s: 0.2, degree: 6 };
+/// Lowest rate of predictions, Hz: five times the band.
+const PREDICTION_HZ: f64 = 25.0;
+
+/// Sine and cosine projections of a run at one sample rate.
+struct Projector {
+    taper: Vec<f64>,
+    fft: Arc<dyn RealToComplex<f64>>,
+    scale: f64,
+    bins: usize,
+}
+
+impl Projector {
+    fn new(samples: usize, interval_s: f64, bins: usize) -> Self {
+        let taper: Vec<f64> = (0..samples)
+            .map(|i| {
+                // A function of time alone, so that projections at two sample rates agree; sin⁴ keeps their aliases below 1e-8.
+                let edge = i.min(samples - i) as f64 * interval_s;
+                if edge >= RAMP_S { 1.0 } else { (std::f64::consts::FRAC_PI_2 * edge / RAMP_S).sin().powi(4) }
+            })
+            .collect();
+        let power: f64 = taper.iter().map(|w| w * w).sum();
+        // |Z|² is then the one-sided density per rad/s.
+        let scale = (interval_s / (std::f64::consts::PI * power)).sqrt();
+        Self { taper, fft: RealFftPlanner::new().plan_fft_forward(samples), scale, bins }
+    }
+    /// Projections of six series given by sample; zero frequency is scaled to the variance of a part.
+    fn project(&self, series: &[[f64; 6]]) -> Residual {
+        let mut out = vec![0.0; self.bins * BIN];
+        let mut input = self.fft.make_input_vec();
+        let mut output = self.fft.make_output_vec();
+        for c in 0..6 {
+            for ((x, s), w) in input.iter_mut().zip(series).zip(&self.taper) {
+                *x = s[c] * w;
+            }
+            if self.fft.process(&mut input, &mut output).is_err() {
+                return vec![f64::NAN; self.bins * BIN];
+            }
+            for (k, z) in output.iter().take(self.bins).enumerate() {
+                let s = if k == 0 { self.scale * std::f64::consts::FRAC_1_SQRT_2 } else { self.scale };
+                out[k * BIN + c] = z.re * s;
+                out[k * BIN + 6 + c] = z.im * s;
+            }
+        }
+        out
+    }
+}
+
+/// One run ready for any plant.
+struct Prepared {
+    index: usize,
+    inputs: Vec<f64>,
+    duration_s: f64,
+    bins: usize,
+    /// Wide smoothing of the data and of its noisy copies.
+    wide: Vec<Smoothed>,
+    /// What narrow smoothing says beyond wide smoothing under the declared plant, per copy.
+    beyond: Vec<Residual>,
+    project: Projector,
+    /// Dynamic pressure under the declared plant, Pa, at the samples of predictions.
+    q_declared_pa: Vec<f64>,
+}
+
+/// The latest plant without aerodynamics and contacts (both are added to its rows), and the rows it gives per run and copy.
+type Focus = (Plant, Vec<Vec<Vec<Row>>>);
+
+/// Evidence of tunnel runs.
+pub struct TunnelEvidence {
+    runs: Vec<Prepared>,
+    noise: Vec<Cov>,
+    generic: Vec<Vec<Cov>>,
+    copies: usize,
+    declared: Plant,
+    focus: RwLock<Option<Focus>>,
+}
+
+impl TunnelEvidence {
+    /// Prepares the runs of a campaign whose indices are given, with `copies` noisy copies drawn from `seed`.
+    ///
+    /// # Errors
+    /// Runs that are too short or whose states cannot be made under the declared plant.
+    pub fn new(campaign: &Campaign, indices: &[usize], declared: &Plant, copies: usize, seed: u64) -> Result<Self, VerifyError> {
+        let runs = indices
+            .par_iter()
+            .map(|&i| match &campaign.runs[i].data {
+                Data::Tunnel(record) => prepare(record, &campaign.runs[i].inputs, i, declared, copies, seed),
+                Data::Point(_) => Err(VerifyError::NotTunnel { run: campaign.runs[i].name.clone() }),
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut evidence =
+            Self { runs, noise: Vec::new(), generic: Vec::new(), copies, declared: declared.clone(), focus: RwLock::new(None) };
+        evidence.measure_noise(declared);
+        Ok(evidence)
+    }
+
+    /// Measures what sensor noise leaves in every bin under a plant: mean over copies and neighbouring frequencies.
+    pub fn measure_noise(&mut self, plant: &Plant) {
+        self.focus(plant);
+        let all: Vec<Residual> = (0..=self.copies).into_par_iter().map(|c| self.residual(plant, c)).collect();
+        let mut raw = vec![Cov::zeros(); self.bins()];
+        for copy in &all[1..] {
+            for ((m, a), b) in raw.iter_mut().zip(copy.chunks_exact(BIN)).zip(all[0].chunks_exact(BIN)) {
+                let part = |from: usize| SVector::<f64, 6>::from_fn(|c, _| a[from + c] - b[from + c]);
+                let (re, im) = (part(0), part(6));
+                *m += (re * re.transpose() + im * im.transpose()) * (0.5 / self.copies as f64);
+            }
+        }
+        self.noise.clear();
+        let mut start = 0;
+        for run in &self.runs {
+            self.noise.extend(averaged(&raw[start..start + run.bins]));
+            start += run.bins;
+        }
+        let bins = self.noise.len();
+        self.generic = (0..6)
+            .map(|c| {
+                let level = self.noise.iter().map(|m| m[(c, c)]).sum::<f64>() / bins as f64;
+                let mut unit = Cov::zeros();
+                unit[(c, c)] = level;
+                vec![unit; bins]
+            })
+            .collect();
+    }
+
+    fn rows(&self, plant: &Plant, run: usize, copy: usize) -> Option<Vec<Row>> {
+        let p = &self.runs[run];
+        let own = without_aero(plant).for_run(p.index, &p.inputs);
+        Some(coefficients(&states(&p.wide[copy], &own).ok()?, &own))
+    }
+
+    fn residual_run(&self, plant: &Plant, run: usize, copy: usize) -> Residual {
+        let p = &self.runs[run];
+        let focus = self.focus.read().ok();
+        let bare = without_aero(plant);
+        let kept =
+            focus.as_deref().and_then(|f| f.as_ref()).filter(|(known, _)| *known == bare).map(|(_, rows)| &rows[run][copy]);
+        let fresh;
+        let rows = match kept {
+            Some(rows) => rows,
+            None => match self.rows(plant, run, copy) {
+                Some(rows) => {
+                    fresh = rows;
+                    &fresh
+                }
+                None => return vec![f64::NAN; p.bins * BIN],
+            },
+        };
+        let unit = Unit::new(plant, &self.declared);
+        let contacts: Vec<_> = plant.contacts.iter().filter(|c| c.run == p.index).collect();
+        let start_s = rows.first().map_or(0.0, |r| r.t_s);
+        let series: Vec<[f64; 6]> = rows
+            .iter()
+            .zip(&p.q_declared_pa)
+            .map(|(row, q)| {
+                let mut c = plant.aero.coefficients(&row.flow);
+                for contact in &contacts {
+                    let load = load_coefficients(&contact.wrench(row.t_s - start_s), row.q_pa, plant);
+                    c.iter_mut().zip(load.iter()).for_each(|(c, l)| *c += l);
+                }
+                unit.convert(std::array::from_fn(|i| row.exp_origin[i] - c[i]), row.q_pa / q)
+            })
+            .collect();
+        let mut z = p.project.project(&series);
+        for (a, b) in z.iter_mut().zip(&p.beyond[copy]) {
+            *a += b;
+        }
+        z
+    }
+
+    /// Residual series of the data in time, per run: coefficients from wide smoothing, at 25 Hz or more.
+    #[must_use]
+    pub fn series(&self, plant: &Plant) -> Vec<Vec<(Row, [f64; 6])>> {
+        (0..self.runs.len())
+            .map(|r| {
+                let rows = self.rows(plant, r, 0).unwrap_or_default();
+                rows.into_iter()
+                    .map(|row| {
+                        let c = plant.aero.coefficients(&row.flow);
+                        (row, std::array::from_fn(|i| row.exp_origin[i] - c[i]))
+                    })
+                    .collect()
+            })
+            .collect()
+    }
+
+    /// Frequency of every bin, Hz, and its run.
+    #[must_use]
+    pub fn frequencies(&self) -> Vec<(usize, f64)> {
+        self.runs.iter().enumerate().flat_map(|(r, p)| (0..p.bins).map(move |k| (r, k as f64 / p.duration_s))).collect()
+    }
+}
+
+/// Residuals of every plant in one unit: that of the acceleration they miss, as a load on the declared vehicle at the declared
+/// dynamic pressure. Without it a plant could shrink its residual by claiming less inertia or more pressure.
+struct Unit {
+    force: Vector3<f64>,
+    moment: Matrix3<f64>,
+}
+
+impl Unit {
+    fn new(plant: &Plant, declared: &Plant) -> Self {
+        let mass = |p: &Plant| {
+            let (m, a) = (p.vehicle.mass_kg, &p.vehicle.apparent);
+            Vector3::new(m + a.axial_kg, m + a.radial_kg, m + a.radial_kg)
+        };
+        let inertia = |p: &Plant| {
+            let i = p.vehicle.apparent.transverse_kg_m2;
+            p.vehicle.inertia.matrix() + Matrix3::from_diagonal(&Vector3::new(0.0, i, i))
+        };
+        let back = inertia(plant).try_inverse().unwrap_or_else(Matrix3::zeros);
+        Self { force: mass(declared).component_div(&mass(plant)), moment: inertia(declared) * back }
+    }
+    fn convert(&self, e: [f64; 6], q_ratio: f64) -> [f64; 6] {
+        let f = self.force.component_mul(&Vector3::new(e[0], e[1], e[2])) * q_ratio;
+        let m = self.moment * Vector3::new(e[3], e[4], e[5]) * q_ratio;
+        [f.x, f.y, f.z, m.x, m.y, m.z]
+    }
+}
+
+/// The part of a plant that its rows depend on.
+fn without_aero(plant: &Plant) -> Plant {
+    let mut bare = plant.clone();
+    bare.aero.values.clear();
+    bare.aero.extra.clear();
+    bare.contacts.clear();
+    bare.turbulence = windfall_model::Turbulence::default();
+    bare.shedding = windfall_model::WakeShedding::default();
+    bare
+}
+
+impl Evidence for TunnelEvidence {
+    fn bins(&self) -> usize {
+        self.runs.iter().map(|r| r.bins).sum()
+    }
+    fn samples(&self) -> usize {
+        self.bins() * BIN
+    }
+    fn copies(&self) -> usize {
+        self.copies
+    }
+    fn residual(&self, plant: &Plant, copy: usize) -> Residual {
+        (0..self.runs.len()).flat_map(|r| self.residual_run(plant, r, copy)).collect()
+    }
+    fn residual_of(&self, plant: &Plant, run: usize) -> Residual {
+        let mut all = Vec::with_capacity(self.samples());
+        for (r, p) in self.runs.iter().enumerate() {
+            if r == run {
+                all.extend(self.residual_run(plant, r, 0));
+            } else {
+                all.extend(std::iter::repeat_n(0.0, p.bins * BIN));
+            }
+        }
+        all
+    }
+    fn noise(&self) -> &[Cov] {
+        &self.noise
+    }
+    fn generic(&self) -> &[Vec<Cov>] {
+        &self.generic
+    }
+    fn random(&self, plant: &Plant) -> Vec<Cov> {
+        let mut out = Vec::with_capacity(self.bins());
+        for run in &self.runs {
+            out.extend(random_of_run(run, plant));
+        }
+        out
+    }
+    fn focus(&self, plant: &Plant) {
+        let bare = without_aero(plant);
+        if self.focus.read().is_ok_and(|f| f.as_ref().is_some_and(|(known, _)| *known == bare)) {
+            return;
+        }
+        let rows: Option<Vec<Vec<Vec<Row>>>> = (0..self.runs.len())
+            .map(|r| (0..=self.copies).into_par_iter().map(|c| self.rows(plant, r, c)).collect::<Option<Vec<_>>>())
+            .collect();
+        if let (Ok(mut f), Some(rows)) = (self.focus.write(), rows) {
+            *f = Some((bare, rows));
+        }
+    }
+    fn durations_s(&self) -> Vec<f64> {
+        self.runs.iter().map(|r| r.duration_s).collect()
+    }
+    fn run_indices(&self) -> Vec<usize> {
+        self.runs.iter().map(|r| r.index).collect()
+    }
+}
+
+fn prepare(
+    record: &Record,
+    inputs: &[f64],
+    index: usize,
+    declared: &Plant,
+    copies: usize,
+    seed: u64,
+) -> Result<Prepared, VerifyError> {
+    let dt = record.interval_s();
+    let (narrow, wide) = (Kernels::new(NARROW, dt), Kernels::new(WIDE, dt));
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small positive ratio")]
+    let stride = ((1.0 / dt / PREDICTION_HZ) as usize).max(1);
+    // Whole strides only: both projections then cover the same time.
+    let n = record.len() / stride * stride;
+    if n < 2 * wide.len() {
+        return Err(VerifyError::TooShort { run: index, samples: n, needed: 2 * wide.len() });
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small counts")]
+    let bins = (BAND_HZ * n as f64 * dt) as usize + 1;
+    let plant = declared.for_run(index, inputs);
+    let fine = Projector::new(n, dt, bins);
+    let project = Projector::new(n / stride, dt * stride as f64, bins);
+    let gains: Vec<f64> = (0..bins).map(|k| narrow.second_gain(std::f64::consts::TAU * k as f64 / (n as f64 * dt), dt)).collect();
+    let mut smoothed = Vec::with_capacity(copies + 1);
+    let mut beyond = Vec::with_capacity(copies + 1);
+    let mut q_declared_pa = Vec::new();
+    for copy in 0..=copies {
+        let channels = noisy(record, &declared.sensors, seed, index, copy).map(|c| c[..n].to_vec());
+        let a = decimated(record, &narrow, &channels, 1);
+        let b = decimated(record, &wide, &channels, stride);
+        let rows = |s: &Smoothed| -> Result<Vec<Row>, VerifyError> { Ok(coefficients(&states(s, &plant)?, &plant)) };
+        let exp = |rows: &[Row]| rows.iter().map(|r| r.exp_origin).collect::<Vec<_>>();
+        let mut z = fine.project(&exp(&rows(&a)?));
+        let coarse = rows(&b)?;
+        if copy == 0 {
+            q_declared_pa = coarse.iter().map(|r| r.q_pa).collect();
+        }
+        for (bin, gain) in z.chunks_exact_mut(BIN).zip(&gains) {
+            bin.iter_mut().for_each(|x| *x /= gain);
+        }
+        for (x, y) in z.iter_mut().zip(project.project(&exp(&coarse))) {
+            *x -= y;
+        }
+        beyond.push(z);
+        smoothed.push(b);
+    }
+    Ok(Prepared {
+        index,
+        inputs: inputs.to_vec(),
+        duration_s: n as f64 * dt,
+        bins,
+        wide: smoothed,
+        beyond,
+        project,
+        q_declared_pa,
+    })
+}
+
+/// The seven channels, with sensor noise added again for copies above zero.
+fn noisy(record: &Record, sensors: &Sensors, seed: u64, run: usize, copy: usize) -> [Vec<f64>; 7] {
+    let (p, r, a, w) = (sensors.position_std_m, sensors.roll_std_rad, sensors.pitch_yaw_std_rad, sensors.wind_std_m_s);
+    let std = [p, p, p, r, a, a, w];
+    let channels = record.channels();
+    std::array::from_fn(|c| {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream((run as u64) << 32 | (copy as u64) << 8 | c as u64);
+        let scale = if copy == 0 { 0.0 } else { std[c] };
+        channels[c].iter().map(|x| x + scale * Distribution::<f64>::sample(&StandardNormal, &mut rng)).collect()
+    })
+}
+
+fn decimated(record: &Record, kernels: &Kernels, channels: &[Vec<f64>; 7], stride: usize) -> Smoothed {
+    let series: Vec<&[f64]> = channels.iter().map(Vec::as_slice).collect();
+    let mut signals = kernels.smooth(&series, stride).into_iter();
+    let every = |s: &[f64]| s.iter().step_by(stride).copied().collect::<Vec<_>>();
+    let samples = channels[0].len();
+    let t_s = every(&record.t_s[..samples]);
+    let kept = t_s.len();
+    Smoothed {
+        t_s,
+        interval_s: record.interval_s() * stride as f64,
+        channels: std::array::from_fn(|_| signals.next().unwrap_or_default()),
+        ps_pa: every(&record.ps_pa[..samples]),
+        ts_k: every(&record.ts_k[..samples]),
+        noise_std: [0.0; 7],
+        weight: vec![1.0; kept],
+        bandwidth_hz: [0.0; 7],
+    }
+}
+
+/// Mean over neighbouring bins, in units of each bin's own size so that a steep spectrum is not flattened: width grows with
+/// frequency (a sixth) and is at least three bins to each side.
+fn averaged(raw: &[Cov]) -> Vec<Cov> {
+    let n = raw.len();
+    let mean = |from: usize, to: usize| raw[from..to].iter().sum::<Cov>() / (to - from) as f64;
+    (0..n)
+        .map(|k| {
+            let w = (k / 6).max(3);
+            let m = mean(k.saturating_sub(w), (k + w + 1).min(n));
+            m + Cov::from_diagonal(&m.diagonal()) * 0.01
+        })
+        .collect()
+}
+
+/// Cross-spectra that random inputs leave in a run: the squared gain of the balance to each input, averaged along the run,
+/// times the input's density.
+fn random_of_run(run: &Prepared, plant: &Plant) -> Vec<Cov> {
+    let own = plant.for_run(run.index, &run.inputs);
+    let mut out = vec![Cov::zeros(); run.bins];
+    let Ok(all) = states(&run.wide[0], &own) else { return out };
+    let some: Vec<&State> = all.iter().step_by(4).collect();
+    let speed = some.iter().map(|s| s.speed).sum::<f64>() / some.len() as f64;
+    for d in own.disturbances(speed) {
+        let (mut steady, mut rate) = (Cov::zeros(), Cov::zeros());
+        for s in &some {
+            let (g, h) = gain(s, &own, d.entry);
+            steady += g * g.transpose() / some.len() as f64;
+            rate += h * h.transpose() / some.len() as f64;
+        }
+        for (k, m) in out.iter_mut().enumerate() {
+            let w = std::f64::consts::TAU * k as f64 / run.duration_s;
+            *m += (steady + rate * (w * w)) * (0.5 * d.density(w));
+        }
+    }
+    out
+}
+
+/// Change of the six coefficients at the origin per unit of a random input, and per unit of its rate.
+fn gain(s: &State, plant: &Plant, entry: Entry) -> (SVector<f64, 6>, SVector<f64, 6>) {
+    let axis = match entry {
+        Entry::Coefficient(i) => {
+            let mut g = SVector::<f64, 6>::zeros();
+            g[i] = 1.0;
+            return (g, SVector::zeros());
+        }
+        Entry::AirVelocity(axis) => axis,
+    };
+    let [rx_rad, ry_rad, rz_rad] = s.euler_rad;
+    let r = EulerXyz { rx_rad, ry_rad, rz_rad }.r_tunnel_body();
+    let w = Vec3::from_array(s.pqr);
+    let motion = Motion {
+        t_s: s.t_s,
+        p_tunnel_cm: Vec3::from_array(s.p_tunnel_cm),
+        v_tunnel_cm: r * Vec3::from_array(s.uvw),
+        r_tunnel_body: r,
+        w_tunnel_body: w,
+        a_tunnel_cm: r * (Vec3::from_array(s.uvw_rate) + w.cross(Vec3::from_array(s.uvw))),
+        w_tunnel_body_rate: Vec3::from_array(s.pqr_rate),
+    };
+    let still = AirState { vw_m_s: s.vw, vw_rate_m_s2: s.vw_rate, density_kg_m3: s.density, ..AirState::default() };
+    let unit = |x: f64| {
+        let mut v = [0.0; 3];
+        v[axis] = x;
+        Vec3::from_array(v)
+    };
+    let coefficients = |air: &AirState| load_coefficients(&plant.wrench(&motion, air), s.q_pa, plant);
+    let h = 1e-3;
+    let base = coefficients(&still);
+    (
+        (coefficients(&AirState { gust: unit(h), ..still }) - base) / h,
+        (coefficients(&AirState { gust_rate: unit(h), ..still }) - base) / h,
+    )
+}
+
+/// A force and moment at the c.m. as six coefficients at the origin.
+fn load_coefficients(w: &Wrench, q_pa: f64, plant: &Plant) -> SVector<f64, 6> {
+    let qs = q_pa * plant.vehicle.area_m2();
+    let m = w.m - w.f.cross(plant.vehicle.p_origin_cm);
+    let (f, qsd) = (w.f, qs * plant.vehicle.diameter_m);
+    SVector::<f64, 6>::new(-f.x() / qs, f.y() / qs, -f.z() / qs, m.x() / qsd, m.y() / qsd, m.z() / qsd)
+}
