@@ -1,0 +1,109 @@
+//! cli: the words of the command line. In: arguments. Out: commands as typed.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Verification-first simulator of a tethered lander in a vertical wind tunnel, and identifier of its aerodynamics.
+///
+/// Exit codes: 0 done; 1 done, and the verdict is no; 2 bad input or usage; 3 numerical failure.
+#[derive(Debug, Parser)]
+#[command(name = "windfall", version, arg_required_else_help = true, max_term_width = 110)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// One word each.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Fly a scenario; record and truth apart
+    Simulate(SimulateArgs),
+    /// Estimate parameters with intervals; each kind of run alone and combined
+    Identify(IdentifyArgs),
+    /// Read a file, validate it and print what was understood
+    Check(CheckArgs),
+    /// Print a shell's completion script
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}
+
+impl Command {
+    /// Flags that every command has.
+    pub(crate) fn common(&self) -> Option<&Common> {
+        match self {
+            Self::Simulate(a) => Some(&a.common),
+            Self::Identify(a) => Some(&a.common),
+            Self::Check(a) => Some(&a.common),
+            Self::Completions { .. } => None,
+        }
+    }
+}
+
+/// Flags of every command.
+#[derive(Args, Clone, Debug, Default)]
+pub(crate) struct Common {
+    /// Folder for results, made if missing [default: the current one; with --json alone nothing is written]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Overwrite results that exist
+    #[arg(long)]
+    pub(crate) force: bool,
+    /// Print the result as JSON on standard output
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Say nothing on standard error but errors and warnings
+    #[arg(long)]
+    pub(crate) quiet: bool,
+    /// Number of threads [default: one per processor]; results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) threads: Option<u16>,
+}
+
+/// `simulate`.
+#[derive(Args, Debug)]
+pub(crate) struct SimulateArgs {
+    /// Scenario file (.toml) or bundled scenario: appendix-c, sage-unperturbed, sage-perturbed, sage-combined, drop-test,
+    /// full-scale-venus-20km
+    pub(crate) scenario: PathBuf,
+    /// Seed of all chance, in place of the scenario's
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+/// How to identify.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum MethodWord {
+    /// The thesis to the letter, its errors included
+    Thesis,
+    /// Joint side and normal force, ends handled, errors for coloured residuals
+    EquationError,
+}
+
+/// `identify`.
+#[derive(Args, Debug)]
+pub(crate) struct IdentifyArgs {
+    /// Campaign file (.toml)
+    pub(crate) campaign: PathBuf,
+    /// How to identify
+    #[arg(long, value_enum, default_value = "equation-error")]
+    pub(crate) method: MethodWord,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+/// `check`.
+#[derive(Args, Debug)]
+pub(crate) struct CheckArgs {
+    /// Campaign, scenario, structure (.toml) or run file (.csv), or a bundled scenario
+    #[arg(required_unless_present = "keys")]
+    pub(crate) file: Option<PathBuf>,
+    /// Print every key of the files, with unit and range
+    #[arg(long)]
+    pub(crate) keys: bool,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}

@@ -1,0 +1,150 @@
+//! cli: `windfall check`. In: any file of the program. Out: what was understood, or every fault.
+
+use crate::args::CheckArgs;
+use crate::session::{Failure, Session, scenario};
+use anyhow::anyhow;
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::Path;
+use windfall_model::{Aero, Campaign, Data, Plant, TunnelSpeed, Use};
+use windfall_scenarios::{
+    ScenarioFile, key_reference, read_campaign_with_warnings, read_record_pieces, read_structure, sensors_of_table_a3,
+};
+
+/// What is printed with `--json`.
+#[derive(Default, Serialize)]
+struct Understood {
+    kind: &'static str,
+    name: String,
+    summary: Vec<String>,
+    warnings: Vec<String>,
+}
+
+pub(crate) fn run(args: &CheckArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
+    let Some(file) = &args.file else {
+        session.print(&key_reference())?;
+        return Ok(true);
+    };
+    let understood = understand(file)?;
+    understood.warnings.iter().for_each(|w| session.warn(w));
+    if session.common.json {
+        session.print_json(&understood)?;
+    } else {
+        let mut text = format!("{} {}\n", understood.kind, understood.name);
+        understood.summary.iter().for_each(|l| {
+            let _ = writeln!(text, "  {l}");
+        });
+        session.print(&text)?;
+    }
+    Ok(true)
+}
+
+fn understand(file: &Path) -> Result<Understood, Failure> {
+    let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+    match extension.as_str() {
+        "csv" => run_file(file),
+        "toml" => match toml_kind(file)? {
+            "campaign" => read_campaign_with_warnings(file).map(|(c, w)| campaign(&c, w)).map_err(Failure::from),
+            "structure" => Ok(structure(file)?),
+            _ => scenario(file).map(|s| scenario_summary(&s)),
+        },
+        "" => scenario(file).map(|s| scenario_summary(&s)),
+        other => {
+            Err(anyhow!("{}: .{other} is not a file of this program; try: .toml, .csv, or a bundled scenario", file.display())
+                .into())
+        }
+    }
+}
+
+/// Which of the three TOML files it looks like, by the tables that only one of them has.
+fn toml_kind(file: &Path) -> Result<&'static str, Failure> {
+    let text = std::fs::read_to_string(file).map_err(|e| anyhow!("{}: cannot be read ({e})", file.display()))?;
+    let has = |head: &str| text.lines().any(|l| l.trim_start().starts_with(head));
+    Ok(if has("[campaign]") || has("[[run]]") {
+        "campaign"
+    } else if has("[[term]]") {
+        "structure"
+    } else {
+        "scenario"
+    })
+}
+
+fn plant_lines(plant: &Plant, declared: &[bool]) -> Vec<String> {
+    let v = &plant.vehicle;
+    let mut all = vec![format!("vehicle: {} kg, d = {} m, S = {:.6} m2", v.mass_kg, v.diameter_m, v.area_m2())];
+    all.push(match &plant.tether {
+        Some(t) => format!("tether: drag area {} m2, effective weight {} N", t.drag_area_m2, t.weight_n),
+        None => "no tether: free flight".to_owned(),
+    });
+    all.push(aero_line(&plant.aero, declared));
+    all
+}
+
+fn aero_line(aero: &Aero, declared: &[bool]) -> String {
+    let parameters = aero.structure.parameters.iter().zip(&aero.values).zip(declared);
+    let list: Vec<String> = parameters.filter(|(_, d)| **d).map(|((n, v), _)| format!("{n} = {v}")).collect();
+    format!("aero {}: {}", aero.structure.name, if list.is_empty() { "nothing declared".to_owned() } else { list.join(", ") })
+}
+
+fn campaign(c: &Campaign, warnings: Vec<String>) -> Understood {
+    let mut summary = plant_lines(&c.plant, &c.declared);
+    for run in &c.runs {
+        let (samples, seconds) = match &run.data {
+            Data::Tunnel(r) => (r.len(), r.duration_s()),
+            Data::Point(p) => (p.t_s.len(), p.t_s.last().zip(p.t_s.first()).map_or(0.0, |(b, a)| b - a)),
+        };
+        let used = if run.used == Use::Identify { "identify" } else { "hold-out" };
+        summary.push(format!("run {}: {}, {used}, {samples} samples, {seconds:.3} s", run.name, run.kind));
+    }
+    Understood { kind: "campaign", name: c.name.clone(), summary, warnings }
+}
+
+fn scenario_summary(s: &ScenarioFile) -> Understood {
+    let mut summary = plant_lines(&s.declared_plant, &s.declared);
+    for e in &s.effects {
+        let values: Vec<String> = e.values.iter().map(|(n, v)| format!("{n} = {v}")).collect();
+        summary.push(format!("effect {}: {}", e.family, values.join(", ")));
+    }
+    for f in &s.scenario.flights {
+        let speed = match &f.speed {
+            TunnelSpeed::Operator(_) => "operator".to_owned(),
+            TunnelSpeed::History { vw_m_s, .. } => format!("history of {} speeds", vw_m_s.len()),
+            TunnelSpeed::Constant(v) => format!("constant {v} m/s"),
+        };
+        let noise = if f.sensor_noise { "with" } else { "without" };
+        summary.push(format!(
+            "flight {}: {}, {} s at {} Hz, {speed}, {noise} sensor noise",
+            f.name, f.kind, f.duration_s, f.rate_hz
+        ));
+    }
+    summary.push(format!("seed {}", s.scenario.seed));
+    Understood { kind: "scenario", name: s.scenario.name.clone(), summary, warnings: Vec::new() }
+}
+
+fn structure(file: &Path) -> Result<Understood, Failure> {
+    let s = read_structure(file)?;
+    let summary = s
+        .contributions
+        .iter()
+        .map(|k| format!("{}: {} x {:?}", k.coefficient.name(), s.parameters[k.parameter], k.term))
+        .collect();
+    Ok(Understood { kind: "structure", name: s.name, summary, warnings: Vec::new() })
+}
+
+fn run_file(file: &Path) -> Result<Understood, Failure> {
+    let pieces = read_record_pieces(file, &sensors_of_table_a3(), None)?;
+    let summary = pieces
+        .iter()
+        .map(|p| {
+            format!(
+                "{} samples from {} s, {:.3} s long, every {:.6} s",
+                p.record.len(),
+                p.record.t_s[0],
+                p.record.duration_s(),
+                p.record.interval_s()
+            )
+        })
+        .collect();
+    let warnings = pieces.into_iter().flat_map(|p| p.notes).collect();
+    Ok(Understood { kind: "run", name: file.display().to_string(), summary, warnings })
+}

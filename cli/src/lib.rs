@@ -1,0 +1,63 @@
+//! cli: words, paths and exit codes. In: arguments. Out: results on standard output and in files, talk on standard error.
+//!
+//! Nothing is decided here: commands check their input, open their outputs, call the rooms and print what they return.
+//! Exit codes: 0 done; 1 done, and the verdict is no; 2 bad input or usage; 3 numerical failure.
+
+mod args;
+mod check;
+mod identify;
+mod session;
+mod simulate;
+
+use args::{Cli, Command};
+use clap::{CommandFactory as _, Parser as _};
+use session::{Failure, Session};
+use std::ffi::OsString;
+use std::io::Write;
+
+/// Runs the program with these arguments (the first is its own name); returns the exit code.
+///
+/// ```
+/// let (mut out, mut err) = (Vec::new(), Vec::new());
+/// assert_eq!(windfall::run(["windfall", "check", "appendix-c"], &mut out, &mut err), 0);
+/// assert!(String::from_utf8_lossy(&out).contains("CA_T0"));
+/// ```
+pub fn run<I, T>(args: I, out: &mut dyn Write, err: &mut dyn Write) -> u8
+where
+    I: IntoIterator<Item = T>,
+    T: Into<OsString> + Clone,
+{
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(e) => {
+            let code = u8::try_from(e.exit_code()).unwrap_or(2);
+            let text = e.render();
+            // Nowhere is left to report a closed pipe to.
+            let _ = if code == 0 { write!(out, "{text}") } else { write!(err, "{text}") };
+            return code;
+        }
+    };
+    let common = cli.command.common().cloned().unwrap_or_default();
+    let mut session = Session { common, out, err };
+    match dispatch(&cli.command, &mut session) {
+        Ok(true) => 0,
+        Ok(false) => 1,
+        Err(failure) => {
+            session.complain(&failure);
+            failure.exit_code()
+        }
+    }
+}
+
+/// True when the verdict is yes.
+fn dispatch(command: &Command, session: &mut Session<'_>) -> Result<bool, Failure> {
+    match command {
+        Command::Simulate(a) => simulate::run(a, session),
+        Command::Identify(a) => identify::run(a, session),
+        Command::Check(a) => check::run(a, session),
+        Command::Completions { shell } => {
+            clap_complete::generate(*shell, &mut Cli::command(), "windfall", session.out);
+            Ok(true)
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! cli: what every command shares. In: common flags and streams. Out: messages, opened outputs, failures with their exit code.
+
+use crate::args::Common;
+use anyhow::{Context as _, anyhow};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{IsTerminal as _, Write};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+use windfall_scenarios::ScenarioFile;
+use windfall_sim::SimError;
+
+/// Why a command gave no result.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// Bad input or usage.
+    Input(anyhow::Error),
+    /// The numbers failed.
+    Numerical(anyhow::Error),
+}
+
+impl Failure {
+    pub(crate) fn exit_code(&self) -> u8 {
+        match self {
+            Self::Input(_) => 2,
+            Self::Numerical(_) => 3,
+        }
+    }
+    /// A simulator's error: a number that cannot be flown is bad input, the rest is numerical.
+    pub(crate) fn of_flight(name: &str, error: SimError) -> Self {
+        let input = matches!(error, SimError::Setup { .. });
+        let error = anyhow::Error::new(error).context(format!("flight {name}"));
+        if input { Self::Input(error) } else { Self::Numerical(error) }
+    }
+}
+
+impl<E: Into<anyhow::Error>> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self::Input(error.into())
+    }
+}
+
+/// Flags and streams of one command.
+pub(crate) struct Session<'w> {
+    pub(crate) common: Common,
+    pub(crate) out: &'w mut dyn Write,
+    pub(crate) err: &'w mut dyn Write,
+}
+
+impl Session<'_> {
+    /// One line of talk.
+    pub(crate) fn say(&mut self, line: &str) {
+        if !self.common.quiet {
+            // A closed standard error leaves nowhere to say so.
+            let _ = writeln!(self.err, "{line}");
+        }
+    }
+    /// A cause and a next step; printed even when quiet.
+    pub(crate) fn warn(&mut self, line: &str) {
+        let _ = writeln!(self.err, "warning: {line}");
+    }
+    pub(crate) fn complain(&mut self, failure: &Failure) {
+        let (Failure::Input(error) | Failure::Numerical(error)) = failure;
+        let _ = writeln!(self.err, "error: {error:#}");
+    }
+    /// Text on standard output.
+    pub(crate) fn print(&mut self, text: &str) -> Result<(), Failure> {
+        match self.out.write_all(text.as_bytes()).and_then(|()| self.out.flush()) {
+            // A reader that has seen enough (`| head`) is no failure.
+            Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+            other => Ok(other.context("standard output")?),
+        }
+    }
+    /// A result as JSON on standard output.
+    pub(crate) fn print_json(&mut self, value: &impl serde::Serialize) -> Result<(), Failure> {
+        let mut text = serde_json::to_string_pretty(value).context("result as JSON")?;
+        text.push('\n');
+        self.print(&text)
+    }
+    /// Opens the outputs before the work: makes the folder, refuses to overwrite. `None` when nothing is to be written.
+    pub(crate) fn outputs(&mut self, files: &[String]) -> Result<Option<PathBuf>, Failure> {
+        if self.common.out.is_none() && self.common.json {
+            return Ok(None);
+        }
+        let folder = self.common.out.clone().unwrap_or_else(|| PathBuf::from("."));
+        std::fs::create_dir_all(&folder).with_context(|| format!("--out {}: cannot be made a folder", folder.display()))?;
+        let taken: Vec<&str> = files.iter().filter(|f| folder.join(f).exists()).map(String::as_str).collect();
+        if !taken.is_empty() && !self.common.force {
+            let list = taken.join(", ");
+            return Err(anyhow!("{}: {list} exists and is not overwritten; try: --out DIR or --force", folder.display()).into());
+        }
+        Ok(Some(folder))
+    }
+    /// A spinner on a terminal; nothing elsewhere.
+    pub(crate) fn spinner(&self, what: &str) -> ProgressBar {
+        if self.common.quiet || !std::io::stderr().is_terminal() {
+            return ProgressBar::hidden();
+        }
+        let bar = ProgressBar::new_spinner().with_message(what.to_owned());
+        bar.enable_steady_tick(Duration::from_millis(100));
+        bar
+    }
+    /// A bar over `n` pieces of work on a terminal; nothing elsewhere.
+    pub(crate) fn bar(&self, what: &'static str, n: usize) -> ProgressBar {
+        if self.common.quiet || !std::io::stderr().is_terminal() {
+            return ProgressBar::hidden();
+        }
+        let style =
+            ProgressStyle::with_template("{prefix} {bar:30} {pos}/{len} {eta}").unwrap_or_else(|_| ProgressStyle::default_bar());
+        ProgressBar::new(n as u64).with_style(style).with_prefix(what)
+    }
+    /// Threads as many as were asked for.
+    pub(crate) fn pool(&self) -> Result<rayon::ThreadPool, Failure> {
+        let threads = usize::from(self.common.threads.unwrap_or(0));
+        Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("threads")?)
+    }
+}
+
+/// A scenario by path or bundled name: a word that is no file and looks like none is a name.
+pub(crate) fn scenario(word: &Path) -> Result<ScenarioFile, Failure> {
+    let name = word.to_str().filter(|w| !word.is_file() && !w.contains(['/', '\\', '.']));
+    Ok(match name {
+        Some(name) => windfall_scenarios::read_bundled(name)?,
+        None => windfall_scenarios::read_scenario_file(word)?,
+    })
+}
