@@ -132,7 +132,7 @@ fn window_of(t: &Table<'_>) -> Option<[f64; 2]> {
     let window = t.numbers::<2>("window_s");
     if window[0] >= window[1] {
         let what = "must run from an earlier to a later time";
-        t.source.fault(Some(t.span.clone()), t.full("window_s"), format!("{window:?}"), what, "[from, to] in s");
+        t.source.fault(t.at("window_s"), t.full("window_s"), format!("{window:?}"), what, "[from, to] in s");
     }
     Some(window)
 }

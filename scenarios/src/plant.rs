@@ -100,7 +100,7 @@ fn tether(file: &Table<'_>, point_mass: bool) -> Option<Tether> {
     let (hook, ring) = (t.numbers::<3>("attachment_m"), t.numbers::<3>("ring_m"));
     if hook.iter().chain(&ring).all(|x| x.is_finite()) && Vec3::<windfall_model::frames::Tunnel>::from_array(ring).norm() < 1e-6 {
         t.source.fault(
-            Some(t.span.clone()),
+            t.at("ring_m"),
             t.full("ring_m"),
             "",
             "must not be the tunnel origin: the line's direction is undefined",

@@ -171,7 +171,7 @@ fn effect_values(t: &Table<'_>, table: &DeTable<'_>, parameters: &[effects::Para
         None if p.role == Role::Strength => p.null,
         None => {
             let what = format!("is missing ({}); only strengths may be left out", allowed_range([p.low, p.high], p.unit));
-            t.source.fault(Some(t.span.clone()), t.full(&p.name), "", what, format!("{} = {}", p.name, p.null));
+            t.source.fault(t.at(&p.name), t.full(&p.name), "", what, format!("{} = {}", p.name, p.null));
             f64::NAN
         }
     };
@@ -205,7 +205,7 @@ fn section(file: &Table<'_>) -> Option<TestSection> {
     let s = TestSection { radius_m: t.number("radius_m"), top_x_m: t.number("top_x_m"), bottom_x_m: t.number("bottom_x_m") };
     if s.top_x_m >= s.bottom_x_m {
         let what = "must be above the lower net: X points down, so top_x_m < bottom_x_m";
-        t.source.fault(Some(t.span.clone()), t.full("top_x_m"), s.top_x_m.to_string(), what, "-3.81");
+        t.source.fault(t.at("top_x_m"), t.full("top_x_m"), s.top_x_m.to_string(), what, "-3.81");
     }
     Some(s)
 }
@@ -228,7 +228,7 @@ fn flight(t: &Table<'_>, common: &Common) -> Option<Flight> {
     let name = t.text("name");
     if !name.is_empty() && !name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c)) {
         let what = "must be of letters, digits, - _ . (it becomes a file name)";
-        t.source.fault(Some(t.span.clone()), t.full("name"), name.clone(), what, "perturbed-1");
+        t.source.fault(t.at("name"), t.full("name"), name.clone(), what, "perturbed-1");
     }
     let release = t.table("release", &keys::RELEASE).map(|r| Release {
         position_m: r.numbers("position_m"),
@@ -240,7 +240,7 @@ fn flight(t: &Table<'_>, common: &Common) -> Option<Flight> {
     let (duration_s, rate_hz) = (t.number("duration_s"), t.number("rate_hz"));
     if duration_s * rate_hz > 5e7 {
         let what = "gives more than fifty million samples";
-        t.source.fault(Some(t.span.clone()), t.full("rate_hz"), rate_hz.to_string(), what, "a lower rate or a shorter flight");
+        t.source.fault(t.at("rate_hz"), t.full("rate_hz"), rate_hz.to_string(), what, "a lower rate or a shorter flight");
     }
     Some(Flight {
         name,

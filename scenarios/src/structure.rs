@@ -131,7 +131,7 @@ fn values_of(t: &Table<'_>, structure: &Structure, declared: &[bool], zero_undec
     for (i, name) in structure.parameters.iter().enumerate() {
         if values[i].is_none() && (declared[i] || !zero_undeclared) {
             let what = "is missing (starting value of a declared parameter)";
-            t.source.fault(Some(t.span.clone()), t.full(name), "", what, format!("{name} = ..., or leave it out of `declared`"));
+            t.source.fault(t.at(name), t.full(name), "", what, format!("{name} = ..., or leave it out of `declared`"));
         }
     }
     values.iter().zip(declared).map(|(v, d)| if zero_undeclared && !d { 0.0 } else { v.unwrap_or(0.0) }).collect()
@@ -196,7 +196,7 @@ fn contribution(t: &Table<'_>, parameters: &[String]) -> Option<Contribution> {
         let list: Vec<&str> = parameters.iter().map(String::as_str).collect();
         let what = format!("is not in `parameters`: {}", list.join(", "));
         t.source.fault(
-            Some(t.span.clone()),
+            t.at("parameter"),
             t.full("parameter"),
             named.clone(),
             what,

@@ -151,6 +151,10 @@ impl<'a> Table<'a> {
         }
         found
     }
+    /// Where a key's value stands; the table when it is absent.
+    pub(crate) fn at(&self, name: &str) -> Option<Range<usize>> {
+        Some(self.table.get(name).map_or_else(|| self.span.clone(), Spanned::span))
+    }
     pub(crate) fn has(&self, name: &str) -> bool {
         self.table.contains_key(name)
     }
