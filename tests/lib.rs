@@ -1,1 +1,1 @@
-//! End-to-end tests.
+//! tests: end to end, one binary, see `end_to_end/main.rs`. Nothing is here, so that all tests link once.

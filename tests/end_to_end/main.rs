@@ -1,0 +1,6 @@
+//! tests: the program from outside. In: arguments and files. Out: exit codes, printed text and written files.
+
+mod arrows;
+mod commands;
+mod loop_closes;
+mod program;
