@@ -106,13 +106,19 @@ fn apparent(s: &State, plant: &Plant) -> Load {
     }
 }
 
-/// What a loose part does along the measured motion. Its oscillator starts at rest; the specific force that drives it is taken
-/// as linear between samples, for which the step is exact.
+/// What a loose part does along the measured motion. Its oscillator starts at rest; the specific force of its mount, which
+/// drives it, is taken as linear between samples, for which the step is exact.
 fn loose_loads(states: &[State], loose: &LooseMass, gravity_m_s2: f64) -> Vec<Load> {
     let force = |s: &State| {
         let ([u, v, w], [u_dot, v_dot, w_dot], [p, q, r]) = (s.uvw, s.uvw_rate, s.pqr);
         let g = transposed(&t_bef(s.euler_rad), [gravity_m_s2, 0.0, 0.0]);
-        [u_dot + q * w - r * v - g[0], v_dot + r * u - p * w - g[1], w_dot + p * v - q * u - g[2]]
+        let (x, [_, q_dot, r_dot]) = (loose.x_cm_m, s.pqr_rate);
+        // At the mount, x ahead of the c.m.: ω̇ × r + ω × (ω × r) besides.
+        [
+            u_dot + q * w - r * v - g[0] - x * (q * q + r * r),
+            v_dot + r * u - p * w - g[1] + x * (r_dot + p * q),
+            w_dot + p * v - q * u - g[2] + x * (p * r - q_dot),
+        ]
     };
     let mut xi = [[0.0; 2]; 2];
     let mut before: Option<(f64, [f64; 3])> = None;

@@ -6,6 +6,7 @@ use crate::identification::{CoefficientFit, DataSet, Estimate, Identification};
 use crate::regress::{Colour, Fit, Outcome, Prepared, Series, fit};
 use crate::smooth::{Smoother, TABLE_3_1_HZ, smooth};
 use crate::states::states;
+use realfft::RealFftPlanner;
 use windfall_model::{Campaign, Coefficient, Data, Plant, Record, Use};
 
 /// How to identify.
@@ -90,13 +91,16 @@ pub fn identify_with(campaign: &Campaign, method: Method, smoother: &Smoother) -
     if runs.is_empty() {
         return Err(PidError::NoRuns { campaign: campaign.name.clone() });
     }
-    let prepared: Vec<Group> =
-        groups(&campaign.plant, &campaign.declared).into_iter().map(|g| g.prepared(&runs, campaign, method)).collect();
+    let mut planner = RealFftPlanner::new();
+    let prepared: Vec<Group> = groups(&campaign.plant, &campaign.declared)
+        .into_iter()
+        .map(|g| g.prepared(&runs, campaign, method, &mut planner))
+        .collect();
     let mut warnings = Vec::new();
     let data_sets = sets(&runs)
         .into_iter()
         .map(|(name, members)| {
-            DataSetWork { name: &name, members: &members, runs: &runs, campaign, method }.solve(&prepared, &mut warnings)
+            DataSetWork { name: &name, members: &members, runs: &runs, campaign }.solve(&prepared, &mut warnings)
         })
         .collect::<Result<_, _>>()?;
     Ok(Identification { method: method.name().to_owned(), data_sets, warnings })
@@ -128,9 +132,9 @@ impl Group {
     fn label(&self) -> &'static str {
         self.coefficients.last().map_or("", |c| c.name())
     }
-    fn prepared(mut self, runs: &[RunRows], campaign: &Campaign, method: Method) -> Self {
-        let one = |run| run_series(&self, run, campaign, method).into_iter().map(Prepared::new).collect();
-        self.series = runs.iter().map(one).collect();
+    fn prepared(mut self, runs: &[RunRows], campaign: &Campaign, method: Method, planner: &mut RealFftPlanner<f64>) -> Self {
+        let mut one = |run| run_series(&self, run, campaign, method).into_iter().map(|s| Prepared::new(s, planner)).collect();
+        self.series = runs.iter().map(&mut one).collect();
         self
     }
 }
@@ -166,7 +170,6 @@ struct DataSetWork<'a> {
     members: &'a [usize],
     runs: &'a [RunRows],
     campaign: &'a Campaign,
-    method: Method,
 }
 
 impl<'a> DataSetWork<'a> {
@@ -281,7 +284,7 @@ fn cosines(run: &RunRows) -> usize {
 
 /// Fade of the rows at both ends, in periods of the smoothing's bandwidth (4 knot intervals): there the noise of derivatives is
 /// largest and does not cancel between neighbours.
-const FADE_PERIODS: f64 = 2.0;
+const FADE_PERIODS: f64 = 3.0;
 
 /// Row factors of a run, faded in and out as sin².
 fn faded(run: &RunRows) -> Vec<f64> {
@@ -294,19 +297,19 @@ fn faded(run: &RunRows) -> Vec<f64> {
 /// One coefficient of one run; what effects add to the plant and what undeclared parameters hold is taken off the response.
 fn series(group: &Group, run: &RunRows, campaign: &Campaign, coefficient: Coefficient) -> Series {
     let aero = &campaign.plant.aero;
-    let mine = || aero.structure.contributions.iter().filter(|k| k.coefficient == coefficient);
-    let fixed = |row: &Row| -> f64 {
-        let held = mine().filter(|k| !group.parameters.contains(&k.parameter) && !campaign.declared[k.parameter]);
-        let held: f64 = held.map(|k| aero.values[k.parameter] * k.term.value(&row.flow)).sum();
-        let extra: f64 = aero.extra.iter().filter(|(c, _, _)| *c == coefficient).map(|(_, v, t)| v * t.value(&row.flow)).sum();
-        held + extra
-    };
+    let mine: Vec<_> = aero.structure.contributions.iter().filter(|k| k.coefficient == coefficient).collect();
+    let held: Vec<_> =
+        mine.iter().filter(|k| !campaign.declared[k.parameter]).map(|k| (aero.values[k.parameter], &k.term)).collect();
+    let extra = aero.extra.iter().filter(|(c, _, _)| *c == coefficient).map(|(_, v, t)| (*v, t));
+    let fixed: Vec<_> = held.into_iter().chain(extra).filter(|(v, _)| *v != 0.0).collect();
+    let rest = |row: &Row| row.exp_origin[coefficient as usize] - fixed.iter().map(|(v, t)| v * t.value(&row.flow)).sum::<f64>();
     let regressor = |p: &usize| -> Vec<f64> {
-        run.rows.iter().map(|row| mine().filter(|k| k.parameter == *p).map(|k| k.term.value(&row.flow)).sum()).collect()
+        let terms: Vec<_> = mine.iter().filter(|k| k.parameter == *p).map(|k| &k.term).collect();
+        run.rows.iter().map(|row| terms.iter().map(|t| t.value(&row.flow)).sum()).collect()
     };
     Series {
         regressors: group.parameters.iter().map(regressor).collect(),
-        response: run.rows.iter().map(|row| row.exp_origin[coefficient as usize] - fixed(row)).collect(),
+        response: run.rows.iter().map(rest).collect(),
         ..Series::default()
     }
 }

@@ -6,6 +6,7 @@ mod spectral;
 
 use crate::PidError;
 use nalgebra::{DMatrix, DVector};
+use realfft::RealFftPlanner;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// One coefficient over one run: what the regression stacks. Residuals may be correlated within a series, never between two.
@@ -94,7 +95,8 @@ const RANK_TOLERANCE: f64 = 1.0e-10;
 /// # Ok::<(), windfall_pid::PidError>(())
 /// ```
 pub fn ols(series: &[Series]) -> Result<Outcome, PidError> {
-    let prepared: Vec<Prepared> = series.iter().cloned().map(Prepared::new).collect();
+    let mut planner = RealFftPlanner::new();
+    let prepared: Vec<Prepared> = series.iter().cloned().map(|s| Prepared::new(s, &mut planner)).collect();
     let columns: Vec<usize> = (0..series.first().map_or(0, |s| s.regressors.len())).collect();
     fit(&prepared.iter().collect::<Vec<_>>(), &columns)
 }
@@ -107,9 +109,9 @@ pub(crate) struct Prepared {
 }
 
 impl Prepared {
-    pub(crate) fn new(series: Series) -> Self {
+    pub(crate) fn new(series: Series, planner: &mut RealFftPlanner<f64>) -> Self {
         let cosines = match series.residuals {
-            Colour::Weighted(count) => Some(spectral::cosines(&series, count)),
+            Colour::Weighted(count) => Some(spectral::cosines(&series, count, planner)),
             Colour::White | Colour::Corrected(_) => None,
         };
         Self { series, cosines }
@@ -217,8 +219,8 @@ enum Solution {
 fn solve(mut x: DMatrix<f64>, y: &DMatrix<f64>) -> Solution {
     let columns = x.ncols();
     let scale: Vec<f64> = x.column_iter().map(|c| c.norm()).collect();
-    if let Some(column) = scale.iter().position(|s| !(*s > f64::MIN_POSITIVE)) {
-        return Solution::Deficient { column, rank: scale.iter().filter(|s| **s > f64::MIN_POSITIVE).count() };
+    if let Some(column) = scale.iter().position(|s| !s.is_normal()) {
+        return Solution::Deficient { column, rank: scale.iter().filter(|s| s.is_normal()).count() };
     }
     for (mut c, s) in x.column_iter_mut().zip(&scale) {
         c /= *s;

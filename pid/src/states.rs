@@ -163,7 +163,7 @@ fn wind_angles([u, v, w]: [f64; 3], [u_dot, v_dot, w_dot]: [f64; 3]) -> WindAngl
         alpha: w.atan2(u),
         beta: (v / speed).clamp(-1.0, 1.0).asin(),
         // B.47 as an arctangent: the same angle, without the arccosine's loss of digits near 0.
-        alpha_t: (v * v + w * w).sqrt().atan2(u),
+        alpha_t: v.hypot(w).atan2(u),
         phi: v.atan2(w),
         alpha_dot: (u * w_dot - u_dot * w) / uw2,
         beta_dot: (v_dot * speed2 - v * (u * u_dot + v * v_dot + w * w_dot)) / (speed2 * uw2.sqrt()),

@@ -79,6 +79,12 @@ impl Kernels {
             second.iter().enumerate().map(|(i, c)| c * (omega_rad_s * (i as f64 - self.half as f64) * interval_s).cos()).sum();
         -sum / w2
     }
+    /// Gain of the value at angular frequency ω.
+    #[must_use]
+    pub fn value_gain(&self, omega_rad_s: f64, interval_s: f64) -> f64 {
+        let [value, _, _] = self.weights(0.0);
+        value.iter().enumerate().map(|(i, c)| c * (omega_rad_s * (i as f64 - self.half as f64) * interval_s).cos()).sum()
+    }
     /// Smooths each series (same length, at least one window) at samples 0, stride, 2·stride, …
     #[must_use]
     pub fn smooth(&self, series: &[&[f64]], stride: usize) -> Vec<Signal> {

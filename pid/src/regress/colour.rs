@@ -111,7 +111,7 @@ fn cross_sum(spectrum: &[f64], a: &[Complex64], b: &[Complex64], size: usize) ->
 }
 
 /// Smallest even length at or above n that has no prime factor above 5.
-fn fast_length(n: usize) -> usize {
+pub(super) fn fast_length(n: usize) -> usize {
     let smooth = |mut m: usize| {
         for p in [2, 3, 5] {
             while m.is_multiple_of(p) {

@@ -8,6 +8,7 @@
 //! Aircraft System Identification, 2006, ch. 7). Rows should fade out smoothly at both ends, or what happens at the ends spreads
 //! over all cosines.
 
+use super::colour::fast_length;
 use super::{Coloured, Series, weight};
 use nalgebra::{DMatrix, DVector};
 use realfft::RealFftPlanner;
@@ -20,14 +21,15 @@ pub(super) struct Cosines {
     response: Vec<f64>,
 }
 
-/// The first `count` orthonormal cosine amplitudes (DCT-II) of a series' weighted rows.
-pub(super) fn cosines(s: &Series, count: usize) -> Cosines {
-    let n = s.response.len();
-    let fft = RealFftPlanner::new().plan_fft_forward(2 * n);
+/// The first `count` orthonormal cosine amplitudes (DCT-II) of a series' weighted rows, followed by a few zeros for a fast length.
+pub(super) fn cosines(s: &Series, count: usize, planner: &mut RealFftPlanner<f64>) -> Cosines {
+    let n = fast_length(s.response.len());
+    let fft = planner.plan_fft_forward(2 * n);
     let (mut even, mut out) = (fft.make_input_vec(), fft.make_output_vec());
     let shift: Vec<(f64, f64)> = (0..count.min(n)).map(|k| (PI * k as f64 / (2.0 * n as f64)).sin_cos()).collect();
     let unit = (2.0 * n as f64).sqrt().recip();
     let mut transform = |x: &[f64]| -> Vec<f64> {
+        even.fill(0.0);
         for (i, v) in x.iter().enumerate() {
             let v = weight(s, i) * v;
             even[i] = v;

@@ -45,10 +45,10 @@ impl Knots {
         n[0] = 1.0;
         for j in 1..=degree {
             let mut saved = 0.0;
-            for r in 0..j {
+            for (r, value) in n[..j].iter_mut().enumerate() {
                 let (low, high) = (i + r + 1 - j, i + r + 1);
-                let share = n[r] * self.reciprocal(low, high);
-                n[r] = saved + (self.knot(high) as f64 - x) * share;
+                let share = *value * self.reciprocal(low, high);
+                *value = saved + (self.knot(high) as f64 - x) * share;
                 saved = (x - self.knot(low) as f64) * share;
             }
             n[j] = saved;

@@ -19,7 +19,7 @@ const LONGEST_S: f64 = 0.6;
 /// of the knot interval, here to 8 %, noise of a parameter hardly grows.
 const UNDERSMOOTH: f64 = 0.65;
 /// Ratio of neighbouring intervals that the automatic choice tries.
-const RATIO: f64 = 0.75;
+const RATIO: f64 = 0.72;
 
 /// Smooths seven channels with a given knot interval (s), or with that of least generalised cross-validation.
 pub(super) fn smooth(raw: [&[f64]; 7], dt: f64, knot_s: Option<f64>) -> Result<Fit, PidError> {
@@ -33,7 +33,7 @@ pub(super) fn smooth(raw: [&[f64]; 7], dt: f64, knot_s: Option<f64>) -> Result<F
         None => choose(&samples, dt),
     };
     let grid = Grid::new(intervals, n);
-    let (coefficients, factor) = grid.fit(&samples, true).ok_or(PidError::TooFewSamples {
+    let (coefficients, factor) = grid.fit(&samples).ok_or(PidError::TooFewSamples {
         what: "spline through a run".to_owned(),
         samples: n,
         needed: intervals + ORDER,
@@ -70,8 +70,7 @@ fn cross_validate(samples: &[[f64; 7]], dt: f64) -> usize {
     let mut knot = LONGEST_S / dt;
     while knot >= SHORTEST {
         let grid = Grid::new(intervals_of(knot, n), n);
-        if let Some((c, _)) = grid.fit(samples, false) {
-            let rss = grid.residual(samples, &c);
+        if let Some(rss) = grid.residual(samples, size2) {
             let left = 1.0 - grid.knots.count() as f64 / n as f64;
             // A channel that is fitted to rounding error says nothing more.
             let score: f64 =
@@ -113,35 +112,45 @@ impl Grid {
         let x = i as f64 * self.per_sample;
         (self.knots.interval(x), x)
     }
-    /// Least-squares coefficients from normal equations; `refine` repeats on the residual, which restores what their squared
+    /// Least-squares coefficients from normal equations, once more on the residual, which restores the digits that their squared
     /// condition number costs.
-    fn fit(&self, samples: &[[f64; 7]], refine: bool) -> Option<(Vec<[f64; 7]>, Factor)> {
-        let mut gram = Banded::zeros(self.knots.count());
-        let mut c = vec![[0.0; 7]; self.knots.count()];
+    fn fit(&self, samples: &[[f64; 7]]) -> Option<(Vec<[f64; 7]>, Factor)> {
+        let (gram, mut c) = self.normal(samples);
+        let factor = gram.factor()?;
+        factor.solve(&mut c);
+        let mut more = vec![[0.0; 7]; c.len()];
         for (i, y) in samples.iter().enumerate() {
             let (first, x) = self.place(i);
             let b = self.knots.values(first, x);
-            gram.add_outer(first, &b);
-            scatter(&mut c[first..first + ORDER], &b, y);
+            let fit = gather(&c[first..first + ORDER], &b);
+            scatter(&mut more[first..first + ORDER], &b, &std::array::from_fn(|k| y[k] - fit[k]));
         }
-        let factor = gram.factor()?;
-        factor.solve(&mut c);
-        if refine {
-            let mut more = vec![[0.0; 7]; c.len()];
-            for (i, y) in samples.iter().enumerate() {
-                let (first, x) = self.place(i);
-                let b = self.knots.values(first, x);
-                let fit = gather(&c[first..first + ORDER], &b);
-                scatter(&mut more[first..first + ORDER], &b, &std::array::from_fn(|k| y[k] - fit[k]));
-            }
-            factor.solve(&mut more);
-            for (c, m) in c.iter_mut().flatten().zip(more.iter().flatten()) {
-                *c += m;
-            }
+        factor.solve(&mut more);
+        for (c, m) in c.iter_mut().flatten().zip(more.iter().flatten()) {
+            *c += m;
         }
         Some((c, factor))
     }
-    fn residual(&self, samples: &[[f64; 7]], c: &[[f64; 7]]) -> [f64; 7] {
+    /// Sums of squared residuals. From the normal equations, yᵀy − cᵀBᵀy; where that has lost its digits, sample by sample.
+    fn residual(&self, samples: &[[f64; 7]], size2: [f64; 7]) -> Option<[f64; 7]> {
+        let (gram, projection) = self.normal(samples);
+        let mut c = projection.clone();
+        gram.factor()?.solve(&mut c);
+        let mut explained = [0.0; 7];
+        for (c, b) in c.iter().zip(&projection) {
+            for k in 0..7 {
+                explained[k] += c[k] * b[k];
+            }
+        }
+        let rss: [f64; 7] = std::array::from_fn(|k| size2[k] - explained[k]);
+        // Cancellation leaves 1e-16/1e-9: seven digits.
+        if rss.iter().zip(size2).all(|(r, s)| *r > 1.0e-9 * s || s <= 0.0) {
+            Some(rss)
+        } else {
+            Some(self.residual_by_sample(samples, &c))
+        }
+    }
+    fn residual_by_sample(&self, samples: &[[f64; 7]], c: &[[f64; 7]]) -> [f64; 7] {
         let mut rss = [0.0; 7];
         for (i, y) in samples.iter().enumerate() {
             let (first, x) = self.place(i);
@@ -151,6 +160,17 @@ impl Grid {
             }
         }
         rss
+    }
+    fn normal(&self, samples: &[[f64; 7]]) -> (Banded, Vec<[f64; 7]>) {
+        let mut gram = Banded::zeros(self.knots.count());
+        let mut projection = vec![[0.0; 7]; self.knots.count()];
+        for (i, y) in samples.iter().enumerate() {
+            let (first, x) = self.place(i);
+            let b = self.knots.values(first, x);
+            gram.add_outer(first, &b);
+            scatter(&mut projection[first..first + ORDER], &b, y);
+        }
+        (gram, projection)
     }
     fn evaluate(&self, samples: &[[f64; 7]], c: &[[f64; 7]], dt: f64) -> ([Signal; 7], [f64; 7]) {
         let per_s = self.per_sample / dt;

@@ -9,10 +9,10 @@ use windfall_model::{
 };
 
 /// Table 5.5 with C_n's damping equal to C_m's, in the structure's order.
-pub const TABLE_5_5: [f64; 11] =
+pub(crate) const TABLE_5_5: [f64; 11] =
     [6.662, 3.5129, -2.0035, 0.0125, -5.6816, -2.0655, 2.5278, -3.3025, -205.4289, -3.3025, -205.4289];
 /// Noise of Table A.3 in channel order, m, rad, m/s.
-pub const NOISE: [f64; 7] = [
+pub(crate) const NOISE: [f64; 7] = [
     7.5e-4,
     7.5e-4,
     7.5e-4,
@@ -23,7 +23,7 @@ pub const NOISE: [f64; 7] = [
 ];
 
 /// The lander of the shared campaigns, with its declared starting values.
-pub fn lander() -> Plant {
+pub(crate) fn lander() -> Plant {
     Plant {
         vehicle: Vehicle {
             mass_kg: 0.7873,
@@ -51,11 +51,11 @@ pub fn lander() -> Plant {
     }
 }
 
-pub fn shared() -> PathBuf {
+pub(crate) fn shared() -> PathBuf {
     std::env::var_os("WINDFALL_SHARED").map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared"), PathBuf::from)
 }
 
-pub fn read_run(path: &Path) -> Option<Record> {
+pub(crate) fn read_run(path: &Path) -> Option<Record> {
     let mut reader = csv::Reader::from_path(path).ok()?;
     let headers = reader.headers().ok()?.clone();
     let mut columns = vec![Vec::new(); headers.len()];
@@ -86,7 +86,7 @@ fn unwrap(mut x: Vec<f64>) -> Vec<f64> {
     x
 }
 
-pub fn campaign_of(name: &str, runs: Vec<(String, String, Use, Record)>) -> Campaign {
+pub(crate) fn campaign_of(name: &str, runs: Vec<(String, String, Use, Record)>) -> Campaign {
     let plant = lander();
     Campaign {
         name: name.to_owned(),
@@ -108,7 +108,7 @@ pub fn campaign_of(name: &str, runs: Vec<(String, String, Use, Record)>) -> Camp
 }
 
 /// A shared campaign: its runs as its own file uses them. `None`, in words, when the data are not there.
-pub fn campaign(test: &str, name: &str) -> Option<Campaign> {
+pub(crate) fn campaign(test: &str, name: &str) -> Option<Campaign> {
     let folder = shared().join("data/campaigns").join(name);
     let files: &[(&str, &str, Use)] = if name == "exact" {
         &[("run", "perturbed", Use::Identify)]
@@ -135,6 +135,6 @@ pub fn campaign(test: &str, name: &str) -> Option<Campaign> {
 }
 
 /// Truth of a parameter of Table 5.5 by name.
-pub fn truth(name: &str) -> f64 {
+pub(crate) fn truth(name: &str) -> f64 {
     TABLE_5_5[Structure::axisymmetric().index(name).expect("a name of the structure")]
 }
