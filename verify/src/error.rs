@@ -44,4 +44,17 @@ pub enum VerifyError {
         /// Why.
         reason: &'static str,
     },
+    /// An identification without result.
+    #[error("the identification has no data set; identify the campaign again")]
+    NoDataSet,
+    /// An estimate that the campaign's structure does not know.
+    #[error(
+        "the identification has parameter `{name}`, which is not one of the campaign's structure: {allowed}; give the identification of this campaign"
+    )]
+    UnknownParameter {
+        /// The parameter.
+        name: String,
+        /// Parameters of the structure.
+        allowed: String,
+    },
 }

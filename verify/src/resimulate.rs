@@ -1,0 +1,282 @@
+//! verify: re-simulation (thesis §5.3.3). In: a campaign and a model. Out: how near its flights come to the measured runs.
+//!
+//! Each run is flown again from its own initial state with its recorded tunnel speed. Trajectories are compared without chance;
+//! the statistics of Θ and ω_q,r with all that the plant says is random, both sides through the same smoothing.
+
+mod initial;
+mod replay;
+mod statistics;
+
+use crate::VerifyError;
+use initial::estimate;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use statistics::{Squares, table_5_6};
+use windfall_model::frames::Vec3;
+use windfall_model::{Campaign, Data, Plant, Run, Use, wrench_at_cm};
+use windfall_pid::coefficients::coefficients;
+use windfall_pid::{DataSet, Identification, rates_and_angles};
+use windfall_sim::Seed;
+
+pub use initial::{Initial, InitialStop, estimate_initial};
+pub use replay::{Replay, fly_like};
+pub use statistics::{Statistic, Swing, TrajectoryError};
+
+/// A parameter's value as flown.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FlownParameter {
+    /// Name in the structure.
+    pub name: String,
+    /// Value. The static moment, which C_m and C_n give apart, is their mean weighted by inverse variance: the plant has one.
+    pub value: f64,
+    /// False where the identification has no estimate and the campaign's own value was flown.
+    pub identified: bool,
+}
+
+/// How one run compares.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunComparison {
+    /// Name of the run.
+    pub name: String,
+    /// Kind of the run.
+    pub kind: String,
+    /// `identify` or `hold-out`.
+    pub used: String,
+    /// rms errors, flown from the initial state that was estimated from the run.
+    pub trajectory: TrajectoryError,
+    /// rms errors, flown from the smoothed states at the first sample.
+    pub trajectory_from_first_sample: TrajectoryError,
+    /// Table 5.6 of this run.
+    pub statistics: Vec<Statistic>,
+    /// Mean of squared pose residuals over sensor variances: 1 for a right model.
+    pub misfit: f64,
+    /// How the estimation of the initial state ended.
+    pub initial: InitialStop,
+    /// Duration of the run, s.
+    pub duration_s: f64,
+    /// How far the model could be flown, s; shorter than the run when the flight failed.
+    pub flown_s: f64,
+    /// rms of the force residual over mass at the measured states, body x, y, z, m/s²; its sensor noise included.
+    pub specific_force_rms: [f64; 3],
+    /// rms of the moment residual over inertia at the measured states, body x, y, z, rad/s²; its sensor noise included.
+    pub specific_moment_rms: [f64; 3],
+    /// Samples of the measurement.
+    #[serde(skip)]
+    pub test: Swing,
+    /// Samples of the first simulation.
+    #[serde(skip)]
+    pub simulation: Swing,
+}
+
+/// Some runs' comparison, joined: every sample counts alike.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HoldOut {
+    /// rms errors over all runs.
+    pub trajectory: TrajectoryError,
+    /// Table 5.6 over all runs.
+    pub statistics: Vec<Statistic>,
+    /// rms of the force residual over mass, body x, y, z, m/s².
+    pub specific_force_rms: [f64; 3],
+    /// rms of the moment residual over inertia, body x, y, z, rad/s².
+    pub specific_moment_rms: [f64; 3],
+    /// Each run.
+    pub runs: Vec<RunComparison>,
+}
+
+/// Result of a re-simulation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Resimulation {
+    /// Method of the identification.
+    pub method: String,
+    /// Its data set.
+    pub data_set: String,
+    /// What was flown.
+    pub parameters: Vec<FlownParameter>,
+    /// Seeds.
+    pub seeds: usize,
+    /// rms errors over all runs.
+    pub trajectory: TrajectoryError,
+    /// Table 5.6 over all runs.
+    pub statistics: Vec<Statistic>,
+    /// Each run.
+    pub runs: Vec<RunComparison>,
+    /// What a user should know.
+    pub warnings: Vec<String>,
+}
+
+/// Flies an identified model (its combined data set) against every run of a campaign. With more than one seed the simulated
+/// statistics are means over seeds 0, 1, …, with their spread beside them.
+///
+/// # Errors
+/// A point-mass campaign, no run, an identification of another structure, or a record or flight that cannot be used.
+pub fn resimulate(campaign: &Campaign, identification: &Identification, seeds: usize) -> Result<Resimulation, VerifyError> {
+    let set = combined(identification)?;
+    let plant = identified_plant(campaign, set)?;
+    let all: Vec<usize> = (0..campaign.runs.len()).collect();
+    let joined = hold_out(campaign, &plant, &all, seeds)?;
+    let structure = &plant.aero.structure;
+    let parameters: Vec<FlownParameter> = structure
+        .parameters
+        .iter()
+        .zip(&plant.aero.values)
+        .map(|(name, &value)| FlownParameter { name: name.clone(), value, identified: set.value(name).is_some() })
+        .collect();
+    let warnings = warnings(campaign, &parameters, &joined.runs);
+    let HoldOut { trajectory, statistics, runs, .. } = joined;
+    let (method, data_set) = (identification.method.clone(), set.name.clone());
+    Ok(Resimulation { method, data_set, parameters, seeds: seeds.max(1), trajectory, statistics, runs, warnings })
+}
+
+fn combined(identification: &Identification) -> Result<&DataSet, VerifyError> {
+    identification.data_set("combined").or(identification.data_sets.last()).ok_or(VerifyError::NoDataSet)
+}
+
+/// The campaign's plant with the estimates of a data set put in. A parameter that two coefficients give (the static moment, from
+/// C_m and from C_n) gets their mean weighted by inverse variance; one without estimate keeps the campaign's value.
+///
+/// # Errors
+/// [`VerifyError::UnknownParameter`] when the data set is of another structure.
+pub fn identified_plant(campaign: &Campaign, set: &DataSet) -> Result<Plant, VerifyError> {
+    let structure = &campaign.plant.aero.structure;
+    if let Some(p) = set.parameters.iter().find(|p| structure.index(&p.name).is_none()) {
+        return Err(VerifyError::UnknownParameter { name: p.name.clone(), allowed: structure.parameters.join(", ") });
+    }
+    let mut plant = campaign.plant.clone();
+    plant.aero.values = set.values(structure, &plant.aero.values);
+    Ok(plant)
+}
+
+fn warnings(campaign: &Campaign, parameters: &[FlownParameter], runs: &[RunComparison]) -> Vec<String> {
+    let lost = parameters.iter().zip(&campaign.declared).filter(|(p, d)| !p.identified && **d);
+    let mut all: Vec<String> = lost
+        .map(|(p, _)| {
+            format!("{}: no estimate, flown with the campaign's value {}; identify it on runs that excite it", p.name, p.value)
+        })
+        .collect();
+    all.extend(runs.iter().filter(|r| r.flown_s < 0.999 * r.duration_s).map(|r| {
+        let (name, flown, whole) = (&r.name, r.flown_s, r.duration_s);
+        format!("run {name}: the model can be flown for {flown:.3} of {whole:.3} s only; look for an unstable parameter")
+    }));
+    all
+}
+
+/// Compares flights of a plant, effects included, with some runs of a campaign: parameters stay as they are, each run's initial
+/// state alone is estimated from it. Trajectories are those without chance (gusts and shedding have no recorded history);
+/// statistics are drawn with `seeds` seeds (at least one), instruments as noisy as the record.
+///
+/// # Errors
+/// A point-mass run, no run, or a record or flight that cannot be used.
+pub fn hold_out(campaign: &Campaign, plant: &Plant, runs: &[usize], seeds: usize) -> Result<HoldOut, VerifyError> {
+    if runs.is_empty() {
+        return Err(VerifyError::NoRuns { what: "hold-out" });
+    }
+    let all: Vec<Compared> = runs
+        .par_iter()
+        .map(|&i| compare(&campaign.runs[i], &campaign.plant_for(plant, i), i, seeds.max(1)))
+        .collect::<Result<_, _>>()?;
+    Ok(join(all))
+}
+
+/// One run's comparison and what joining needs.
+struct Compared {
+    run: RunComparison,
+    squares: Squares,
+    draws: Vec<Swing>,
+    samples: usize,
+}
+
+fn join(all: Vec<Compared>) -> HoldOut {
+    let mut squares = Squares::default();
+    let mut test = Swing::default();
+    let mut draws = vec![Swing::default(); all.first().map_or(0, |c| c.draws.len())];
+    let (mut force, mut moment, mut samples) = ([0.0; 3], [0.0; 3], 0.0);
+    for c in &all {
+        squares.add(&c.squares);
+        test.append(&c.run.test);
+        draws.iter_mut().zip(&c.draws).for_each(|(d, o)| d.append(o));
+        let n = c.samples as f64;
+        samples += n;
+        for k in 0..3 {
+            force[k] += n * c.run.specific_force_rms[k].powi(2);
+            moment[k] += n * c.run.specific_moment_rms[k].powi(2);
+        }
+    }
+    HoldOut {
+        trajectory: squares.error(),
+        statistics: table_5_6(&test, &draws),
+        specific_force_rms: force.map(|s| (s / samples).sqrt()),
+        specific_moment_rms: moment.map(|s| (s / samples).sqrt()),
+        runs: all.into_iter().map(|c| c.run).collect(),
+    }
+}
+
+fn compare(run: &Run, plant: &Plant, index: usize, seeds: usize) -> Result<Compared, VerifyError> {
+    let Data::Tunnel(record) = &run.data else { return Err(VerifyError::NotTunnel { run: run.name.clone() }) };
+    let replay = Replay::new(record, plant)?;
+    let initial = estimate(&replay, record, &plant.sensors)?;
+    let measured = rates_and_angles(record, replay.smoother())?;
+    let errors = |release| -> Result<(Squares, f64), VerifyError> {
+        let flown = replay.fly_as_far_as_it_goes(release)?;
+        let simulated = rates_and_angles(&flown.record, replay.smoother())?;
+        let squares = Squares::new(record, &measured.pqr_rad_s, &flown.record, &simulated.pqr_rad_s);
+        Ok((squares, flown.truth.t_s.last().copied().unwrap_or(0.0)))
+    };
+    let (squares, flown_s) = errors(initial.release)?;
+    let (from_first, _) = errors(replay.first())?;
+    let draws = draws(&replay, &initial, index, seeds)?;
+    let test = swing(&measured);
+    let (specific_force_rms, specific_moment_rms) = specific_residual(&replay, plant);
+    let comparison = RunComparison {
+        name: run.name.clone(),
+        kind: run.kind.clone(),
+        used: if run.used == Use::Identify { "identify" } else { "hold-out" }.to_owned(),
+        trajectory: squares.error(),
+        trajectory_from_first_sample: from_first.error(),
+        statistics: table_5_6(&test, &draws),
+        misfit: initial.misfit.min(f64::MAX),
+        initial: initial.stop,
+        duration_s: record.duration_s(),
+        flown_s,
+        specific_force_rms,
+        specific_moment_rms,
+        test,
+        simulation: draws.first().cloned().unwrap_or_default(),
+    };
+    Ok(Compared { run: comparison, squares, draws, samples: record.len() })
+}
+
+/// Θ and ω_q,r of one draw per seed, through instruments and smoothing as the measurement.
+fn draws(replay: &Replay, initial: &Initial, run: usize, seeds: usize) -> Result<Vec<Swing>, VerifyError> {
+    (0..seeds)
+        .into_par_iter()
+        .map(|seed| {
+            let flown = replay.draw(initial.release, Seed { campaign: seed as u64, run: run as u64 })?;
+            Ok(swing(&rates_and_angles(&flown.record, replay.smoother())?))
+        })
+        .collect()
+}
+
+fn swing(a: &windfall_pid::Angles) -> Swing {
+    let degrees = |x: &[f64]| x.iter().map(|v| v.to_degrees()).collect();
+    Swing { theta_deg: degrees(&a.theta_rad), omega_qr_deg_s: degrees(&a.omega_qr_rad_s) }
+}
+
+/// rms of what the plant leaves of force over mass (m/s²) and moment over inertia (rad/s²), at the measured states.
+fn specific_residual(replay: &Replay, plant: &Plant) -> ([f64; 3], [f64; 3]) {
+    let v = &plant.vehicle;
+    let inverse = v.inertia.matrix().try_inverse().unwrap_or_default();
+    let rows = coefficients(replay.states(), plant);
+    let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+    for row in &rows {
+        let model = plant.aero.coefficients(&row.flow);
+        let left: [f64; 6] = std::array::from_fn(|k| row.exp_origin[k] - model[k]);
+        let w = wrench_at_cm(&left, row.q_pa, v.area_m2(), v.diameter_m, v.p_origin_cm);
+        let specific: Vec3<windfall_model::frames::Body> = (inverse * w.m.xyz).into();
+        for k in 0..3 {
+            force[k] += (w.f.xyz[k] / v.mass_kg).powi(2);
+            moment[k] += specific.xyz[k].powi(2);
+        }
+    }
+    let n = rows.len().max(1) as f64;
+    (force.map(|s| (s / n).sqrt()), moment.map(|s| (s / n).sqrt()))
+}

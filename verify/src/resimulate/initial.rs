@@ -1,0 +1,246 @@
+//! verify: the state from which a run began. In: a run made ready and its record. Out: the twelve numbers that bring the
+//! simulated pose nearest to the measured one.
+
+use super::replay::{Replay, turned};
+use crate::VerifyError;
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+use windfall_model::{Plant, Record, Release, Sensors};
+
+/// Why the estimation of an initial state ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum InitialStop {
+    /// A further step would gain next to nothing.
+    Converged,
+    /// No step, however small, made the misfit smaller.
+    NoDescent,
+    /// Iterations used up; the state is the best found.
+    Iterations,
+    /// The flight from the smoothed first state fails before the run's end, so nothing was estimated.
+    FlightFails,
+}
+
+/// An estimated initial state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Initial {
+    /// State at the first sample.
+    pub release: Release,
+    /// Standard errors for white sensor noise: position (m), velocity (m/s), rotation about body axes (rad), rates (rad/s).
+    pub std_error: [f64; 12],
+    /// Mean of squared pose residuals over their variances: 1 when the model is right.
+    pub misfit: f64,
+    /// Steps taken.
+    pub iterations: usize,
+    /// Why it ended.
+    pub stop: InitialStop,
+}
+
+/// Number of state numbers.
+const N: usize = 12;
+/// Steps at most.
+const ITERATIONS: usize = 20;
+/// A step is not worth taking when it lowers the sum of squares by less than this part of it.
+const GAIN: f64 = 1e-6;
+/// Steps of the differences: m, m/s, rad, rad/s. Ten thousand times the integrator's error, a thousandth of what bends.
+const STEPS: [f64; N] = [1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3, 1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3];
+/// Largest step in one iteration, same units: beyond it a linearisation means nothing.
+const TRUST: [f64; N] = [0.3, 0.3, 0.3, 1.0, 1.0, 1.0, 0.3, 0.3, 0.3, 1.5, 1.5, 1.5];
+
+/// Estimates the initial state of a run from its record: nonlinear least squares (Levenberg 1944, Marquardt 1963) of simulated
+/// minus measured position and Euler angles, each over its sensor's standard deviation as the plant has it, all parameters
+/// of the plant held. The plant must already be the one of this run.
+///
+/// # Errors
+/// A record that cannot be smoothed, or a flight that cannot even start.
+pub fn estimate_initial(record: &Record, plant: &Plant) -> Result<Initial, VerifyError> {
+    estimate(&Replay::new(record, plant)?, record, &plant.sensors)
+}
+
+/// [`estimate_initial`] of a run made ready.
+pub(crate) fn estimate(replay: &Replay, record: &Record, sensors: &Sensors) -> Result<Initial, VerifyError> {
+    let problem = Problem { replay, record, weights: weights(sensors) };
+    let start = replay.first();
+    let Some(mut residual) = problem.residual(start) else {
+        // A flight that fails midway still has a beginning; one that cannot be flown at all is an error.
+        replay.fly_as_far_as_it_goes(start)?;
+        return Ok(failed(start));
+    };
+    let mut release = start;
+    let mut damping = 1e-6;
+    let mut stop = InitialStop::Iterations;
+    let mut iterations = 0;
+    let mut square = problem.square(release, &residual);
+    while iterations < ITERATIONS {
+        iterations += 1;
+        match problem.step(release, &residual, &square, &mut damping) {
+            Stepped::Taken { release: next, residual: r, gain } => {
+                (release, residual) = (next, r);
+                if gain < GAIN {
+                    stop = InitialStop::Converged;
+                    break;
+                }
+            }
+            Stepped::NotWorth => {
+                stop = InitialStop::Converged;
+                break;
+            }
+            Stepped::None => {
+                stop = InitialStop::NoDescent;
+                break;
+            }
+        }
+        square = problem.square(release, &residual);
+    }
+    let misfit = residual.norm_squared() / residual.len() as f64;
+    Ok(Initial { release, std_error: square.std_error(), misfit, iterations, stop })
+}
+
+fn failed(release: Release) -> Initial {
+    Initial { release, std_error: [f64::INFINITY; N], misfit: f64::INFINITY, iterations: 0, stop: InitialStop::FlightFails }
+}
+
+/// One over the standard deviation of X, Y, Z, R_x, R_y, R_z; one over that of thesis Table A.3 where a plant states none.
+fn weights(s: &Sensors) -> [f64; 6] {
+    let or = |std: f64, table: f64| 1.0 / if std > 0.0 { std } else { table };
+    let p = or(s.position_std_m, 7.5e-4);
+    let (roll, a) = (or(s.roll_std_rad, 0.0623_f64.to_radians()), or(s.pitch_yaw_std_rad, 0.110_f64.to_radians()));
+    [p, p, p, roll, a, a]
+}
+
+struct Problem<'a> {
+    replay: &'a Replay,
+    record: &'a Record,
+    weights: [f64; 6],
+}
+
+enum Stepped {
+    Taken { release: Release, residual: DVector<f64>, gain: f64 },
+    NotWorth,
+    None,
+}
+
+impl Problem<'_> {
+    /// Weighted residuals, six a sample; `None` when the flight fails before the end.
+    fn residual(&self, release: Release) -> Option<DVector<f64>> {
+        let flown = self.replay.fly(release).ok()?;
+        let n = self.record.len();
+        if flown.record.len() < n {
+            return None;
+        }
+        let (simulated, measured) = (flown.record.channels(), self.record.channels());
+        let mut r = DVector::zeros(6 * n);
+        for c in 0..6 {
+            for i in 0..n {
+                let mut d = simulated[c][i] - measured[c][i];
+                if c >= 3 {
+                    d -= TAU * (d / TAU).round();
+                }
+                r[c * n + i] = d * self.weights[c];
+            }
+        }
+        r.iter().all(|v| v.is_finite()).then_some(r)
+    }
+
+    /// Triangle and right-hand side of the linearised problem, columns by forward differences.
+    fn square(&self, release: Release, residual: &DVector<f64>) -> Square {
+        let columns: Vec<DVector<f64>> = (0..N)
+            .into_par_iter()
+            .map(|k| {
+                let mut by = [0.0; N];
+                by[k] = STEPS[k];
+                match self.residual(moved(release, &by)) {
+                    Some(r) => (r - residual) / STEPS[k],
+                    None => DVector::zeros(residual.len()),
+                }
+            })
+            .collect();
+        let mut j = DMatrix::from_columns(&columns);
+        let scale = SVector::<f64, N>::from_fn(|k, _| match j.column(k).norm() {
+            s if s > 0.0 => 1.0 / s,
+            _ => 0.0,
+        });
+        for k in 0..N {
+            j.column_mut(k).scale_mut(scale[k]);
+        }
+        let qr = j.qr();
+        let mut rhs = residual.clone();
+        qr.q_tr_mul(&mut rhs);
+        let r = qr.r();
+        Square { r: SMatrix::from_fn(|a, b| r[(a, b)]), rhs: SVector::from_fn(|a, _| -rhs[a]), scale }
+    }
+
+    /// The first damped step that lowers the sum of squares.
+    fn step(&self, release: Release, residual: &DVector<f64>, square: &Square, damping: &mut f64) -> Stepped {
+        let before = residual.norm_squared();
+        for _ in 0..12 {
+            let Some(delta) = square.solve(*damping) else {
+                *damping *= 10.0;
+                continue;
+            };
+            if square.predicted_gain(&delta) < 1e-9 * before {
+                return Stepped::NotWorth;
+            }
+            let shrink = (0..N).map(|k| delta[k].abs() / TRUST[k]).fold(1.0, f64::max);
+            let next = moved(release, &std::array::from_fn(|k| delta[k] / shrink));
+            if let Some(r) = self.residual(next) {
+                let gain = 1.0 - r.norm_squared() / before;
+                if gain > 0.0 {
+                    *damping = (*damping * 0.1).max(1e-12);
+                    return Stepped::Taken { release: next, residual: r, gain };
+                }
+            }
+            *damping *= 10.0;
+        }
+        Stepped::None
+    }
+}
+
+/// The linearised problem `min |r x − rhs|`, with columns scaled to unit length.
+struct Square {
+    r: SMatrix<f64, N, N>,
+    rhs: SVector<f64, N>,
+    scale: SVector<f64, N>,
+}
+
+impl Square {
+    /// Step in state units, by QR of the triangle with the damping below it.
+    fn solve(&self, damping: f64) -> Option<SVector<f64, N>> {
+        let mut a = SMatrix::<f64, 24, N>::zeros();
+        a.fixed_view_mut::<N, N>(0, 0).copy_from(&self.r);
+        for k in 0..N {
+            a[(N + k, k)] = damping.sqrt();
+        }
+        let mut b = SVector::<f64, 24>::zeros();
+        b.fixed_rows_mut::<N>(0).copy_from(&self.rhs);
+        let qr = a.qr();
+        qr.q_tr_mul(&mut b);
+        let x = qr.r().solve_upper_triangular(&b.fixed_rows::<N>(0).into_owned())?;
+        Some(x.component_mul(&self.scale))
+    }
+    /// What a step in state units takes off the sum of squares, were the problem linear.
+    fn predicted_gain(&self, delta: &SVector<f64, N>) -> f64 {
+        let x = delta.zip_map(&self.scale, |d, s| if s > 0.0 { d / s } else { 0.0 });
+        self.rhs.norm_squared() - (self.r * x - self.rhs).norm_squared()
+    }
+    fn std_error(&self) -> [f64; N] {
+        match self.r.try_inverse() {
+            Some(inverse) => std::array::from_fn(|k| inverse.row(k).norm() * self.scale[k]),
+            None => [f64::INFINITY; N],
+        }
+    }
+}
+
+/// A release moved by position, velocity, rotation about body axes and rates.
+fn moved(r: Release, by: &[f64; N]) -> Release {
+    let add = |x: [f64; 3], from: usize| std::array::from_fn(|k| x[k] + by[from + k]);
+    Release {
+        position_m: add(r.position_m, 0),
+        velocity_m_s: add(r.velocity_m_s, 3),
+        attitude_rad: turned(r.attitude_rad, [by[6], by[7], by[8]]),
+        rates_rad_s: add(r.rates_rad_s, 9),
+    }
+}

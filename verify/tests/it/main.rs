@@ -1,0 +1,4 @@
+//! verify tests: one binary. In: nothing. Out: verdicts.
+
+mod common;
+mod resimulate;
