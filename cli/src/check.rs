@@ -1,14 +1,13 @@
 //! cli: `windfall check`. In: any file of the program. Out: what was understood, or every fault.
 
 use crate::args::CheckArgs;
-use crate::session::{Failure, Session, scenario};
-use anyhow::anyhow;
+use crate::session::{Failure, Session, is_bundled, scenario};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
 use windfall_model::{Aero, Campaign, Data, Plant, TunnelSpeed, Use};
 use windfall_scenarios::{
-    ScenarioFile, key_reference, read_campaign_with_warnings, read_record_pieces, read_structure, sensors_of_table_a3,
+    FileKind, ScenarioFile, key_reference, kind_of, read_campaign_with_warnings, read_record_pieces, read_structure, sensors_of_table_a3,
 };
 
 /// What is printed with `--json`.
@@ -40,33 +39,15 @@ pub(crate) fn run(args: &CheckArgs, session: &mut Session<'_>) -> Result<bool, F
 }
 
 fn understand(file: &Path) -> Result<Understood, Failure> {
-    let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-    match extension.as_str() {
-        "csv" => run_file(file),
-        "toml" => match toml_kind(file)? {
-            "campaign" => read_campaign_with_warnings(file).map(|(c, w)| campaign(&c, w)).map_err(Failure::from),
-            "structure" => Ok(structure(file)?),
-            _ => scenario(file).map(|s| scenario_summary(&s)),
-        },
-        "" => scenario(file).map(|s| scenario_summary(&s)),
-        other => {
-            Err(anyhow!("{}: .{other} is not a file of this program; try: .toml, .csv, or a bundled scenario", file.display())
-                .into())
-        }
+    if is_bundled(file) {
+        return scenario(file).map(|s| scenario_summary(&s));
     }
-}
-
-/// Which of the three TOML files it looks like, by the tables that only one of them has.
-fn toml_kind(file: &Path) -> Result<&'static str, Failure> {
-    let text = std::fs::read_to_string(file).map_err(|e| anyhow!("{}: cannot be read ({e})", file.display()))?;
-    let has = |head: &str| text.lines().any(|l| l.trim_start().starts_with(head));
-    Ok(if has("[campaign]") || has("[[run]]") {
-        "campaign"
-    } else if has("[[term]]") {
-        "structure"
-    } else {
-        "scenario"
-    })
+    match kind_of(file)? {
+        FileKind::Run => run_file(file),
+        FileKind::Campaign => Ok(read_campaign_with_warnings(file).map(|(c, w)| campaign(&c, w))?),
+        FileKind::Structure => structure(file),
+        FileKind::Scenario => scenario(file).map(|s| scenario_summary(&s)),
+    }
 }
 
 fn plant_lines(plant: &Plant, declared: &[bool]) -> Vec<String> {

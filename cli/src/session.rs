@@ -115,9 +115,14 @@ impl Session<'_> {
     }
 }
 
-/// A scenario by path or bundled name: a word that is no file and looks like none is a name.
+/// True for a word that is no file and looks like none: then it is a bundled scenario's name, right or wrong.
+pub(crate) fn is_bundled(word: &Path) -> bool {
+    !word.is_file() && word.to_str().is_some_and(|w| !w.contains(['/', '\\', '.']))
+}
+
+/// A scenario by path or bundled name.
 pub(crate) fn scenario(word: &Path) -> Result<ScenarioFile, Failure> {
-    let name = word.to_str().filter(|w| !word.is_file() && !w.contains(['/', '\\', '.']));
+    let name = word.to_str().filter(|_| is_bundled(word));
     Ok(match name {
         Some(name) => windfall_scenarios::read_bundled(name)?,
         None => windfall_scenarios::read_scenario_file(word)?,

@@ -108,3 +108,59 @@ pub enum WriteError {
 pub(crate) fn text_of(path: &Path) -> Result<String, ReadError> {
     std::fs::read_to_string(path).map_err(|reason| ReadError::Open { path: path.to_owned(), reason })
 }
+
+/// Reads a result that this program wrote as JSON.
+///
+/// # Errors
+/// [`ReadError`] when the file cannot be read or does not hold such a result; the fault names the line.
+pub fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, ReadError> {
+    let text = text_of(path)?;
+    serde_json::from_str(&text).map_err(|e| {
+        ReadError::Faults(vec![Fault {
+            file: path.to_owned(),
+            line: Some(e.line()),
+            key: String::new(),
+            value: String::new(),
+            allowed: format!("is not the result that is needed here: {e}"),
+            remedy: "the JSON file that the command before this one wrote, unchanged".to_owned(),
+        }])
+    })
+}
+
+/// What a file of this program is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// A campaign.
+    Campaign,
+    /// A scenario.
+    Scenario,
+    /// An aerodynamic structure.
+    Structure,
+    /// A run.
+    Run,
+}
+
+/// What a file looks like, by its ending and by the tables that only one kind of TOML file has; TOML that fits none is taken for a
+/// scenario, whose reader then says what is missing.
+///
+/// # Errors
+/// [`ReadError`] when the file cannot be read or has another ending.
+pub fn kind_of(path: &Path) -> Result<FileKind, ReadError> {
+    match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("toml") => {}
+        Some("csv") => return Ok(FileKind::Run),
+        _ => {
+            let what = "is not a file of this program; read: .toml, .csv";
+            return Err(ReadError::Faults(vec![crate::columns::fault(path, None, "", "", what, "a path with one of these endings")]));
+        }
+    }
+    let text = text_of(path)?;
+    let has = |head: &str| text.lines().any(|l| l.trim_start().starts_with(head));
+    Ok(if has("[campaign]") || has("[[run]]") {
+        FileKind::Campaign
+    } else if has("[[term]]") {
+        FileKind::Structure
+    } else {
+        FileKind::Scenario
+    })
+}

@@ -23,7 +23,7 @@ mod write;
 pub use bundled::{NAMES as BUNDLED, bundled};
 pub use campaign::{read_campaign, read_campaign_with_warnings};
 pub use columns::write_columns_csv;
-pub use error::{Fault, ReadError, WriteError};
+pub use error::{Fault, FileKind, ReadError, WriteError, kind_of, read_json};
 pub use point::{Down, read_track};
 pub use record::{
     FEWEST_SAMPLES, LONGEST_BRIDGE_S, Piece, SHORTEST_PIECE_S, read_record_csv, read_record_pieces, sensors_of_table_a3,

@@ -103,12 +103,13 @@ fn law_bad_input_ends_with_two_and_a_message() {
     assert_eq!(windfall(&["simulate", "appendix-c", "--out", &text(&file.join("below"))]).code, 2);
 }
 
+/// Drag that pushes makes the speed infinite in finite time.
 #[test]
 fn law_numerical_failure_ends_with_three() {
     let dir = folder();
     let path = dir.path().join("s.toml");
     let scenario = windfall_scenarios::bundled("drop-test").expect("bundled");
-    std::fs::write(&path, scenario.replace("Cm_1 = -3.3025", "Cm_1 = 9e8")).expect("writable");
+    std::fs::write(&path, scenario.replace("CA_T0 = 6.6620", "CA_T0 = -60.0")).expect("writable");
     let ran = windfall(&["simulate", &text(&path), "--json"]);
     assert!(ran.code == 3 && ran.err.contains("flight run"), "{} {}", ran.code, ran.err);
 }
