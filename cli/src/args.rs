@@ -20,6 +20,8 @@ pub(crate) enum Command {
     Simulate(SimulateArgs),
     /// Estimate parameters with intervals; each kind of run alone and combined
     Identify(IdentifyArgs),
+    /// Fly the identified model against each run
+    Resimulate(ResimulateArgs),
     /// Read a file, validate it and print what was understood
     Check(CheckArgs),
     /// Print a shell's completion script
@@ -35,6 +37,7 @@ impl Command {
         match self {
             Self::Simulate(a) => Some(&a.common),
             Self::Identify(a) => Some(&a.common),
+            Self::Resimulate(a) => Some(&a.common),
             Self::Check(a) => Some(&a.common),
             Self::Completions { .. } => None,
         }
@@ -91,6 +94,21 @@ pub(crate) struct IdentifyArgs {
     /// How to identify
     #[arg(long, value_enum, default_value = "equation-error")]
     pub(crate) method: MethodWord,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+/// `resimulate`.
+#[derive(Args, Debug)]
+pub(crate) struct ResimulateArgs {
+    /// Campaign file (.toml)
+    pub(crate) campaign: PathBuf,
+    /// Result of `windfall identify`
+    #[arg(long, value_name = "identification.json")]
+    pub(crate) model: PathBuf,
+    /// Number of seeds over which simulated statistics are averaged
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) seeds: u16,
     #[command(flatten)]
     pub(crate) common: Common,
 }

@@ -7,7 +7,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 use windfall_model::{Aero, Campaign, Data, Plant, TunnelSpeed, Use};
 use windfall_scenarios::{
-    FileKind, ScenarioFile, key_reference, kind_of, read_campaign_with_warnings, read_record_pieces, read_structure, sensors_of_table_a3,
+    FileKind, ScenarioFile, key_reference, kind_of, read_campaign_with_warnings, read_record_pieces, read_structure,
+    sensors_of_table_a3,
 };
 
 /// What is printed with `--json`.

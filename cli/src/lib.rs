@@ -6,6 +6,7 @@
 mod args;
 mod check;
 mod identify;
+mod resimulate;
 mod session;
 mod simulate;
 
@@ -54,6 +55,7 @@ fn dispatch(command: &Command, session: &mut Session<'_>) -> Result<bool, Failur
     match command {
         Command::Simulate(a) => simulate::run(a, session),
         Command::Identify(a) => identify::run(a, session),
+        Command::Resimulate(a) => resimulate::run(a, session),
         Command::Check(a) => check::run(a, session),
         Command::Completions { shell } => {
             clap_complete::generate(*shell, &mut Cli::command(), "windfall", session.out);

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use windfall_scenarios::ScenarioFile;
 use windfall_sim::SimError;
+use windfall_verify::VerifyError;
 
 /// Why a command gave no result.
 #[derive(Debug)]
@@ -27,10 +28,20 @@ impl Failure {
     }
     /// A simulator's error: a number that cannot be flown is bad input, the rest is numerical.
     pub(crate) fn of_flight(name: &str, error: SimError) -> Self {
-        let input = matches!(error, SimError::Setup { .. });
-        let error = anyhow::Error::new(error).context(format!("flight {name}"));
-        if input { Self::Input(error) } else { Self::Numerical(error) }
+        let numerical = is_numerical(&error);
+        Self::of(numerical, anyhow::Error::new(error).context(format!("flight {name}")))
     }
+    /// An error of the loop: numerical when a flight failed, bad input otherwise.
+    pub(crate) fn of_verification(error: VerifyError) -> Self {
+        Self::of(matches!(&error, VerifyError::Simulate(e) if is_numerical(e)), error.into())
+    }
+    fn of(numerical: bool, error: anyhow::Error) -> Self {
+        if numerical { Self::Numerical(error) } else { Self::Input(error) }
+    }
+}
+
+fn is_numerical(error: &SimError) -> bool {
+    !matches!(error, SimError::Setup { .. })
 }
 
 impl<E: Into<anyhow::Error>> From<E> for Failure {

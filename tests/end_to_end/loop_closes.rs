@@ -1,6 +1,6 @@
 //! tests: simulate, identify, compare. In: bundled scenarios and shared campaigns. Out: parameters that were put in.
 
-use crate::program::{TABLE_5_5, done, estimate, folder, shared, text};
+use crate::program::{TABLE_5_5, done, estimate, folder, shared, text, windfall};
 use serde_json::Value;
 
 fn identified(campaign: &str, method: &str) -> Value {
@@ -80,4 +80,42 @@ fn law_identification_json_is_as_the_contract_says() {
         assert!(set["fits"][0].get(key).is_some(), "{key}");
     }
     assert!(set["condition_number"].is_number() && set["n_samples"].is_number());
+}
+
+/// Simulate, identify, fly the identified model: attitude and position part by little more than the instruments' noise, which alone gives
+/// √(2·0.110² + 0.0623²) = 0.168° and √3·0.75 mm = 1.3 mm; the errors of thirteen well-determined parameters may add half as much again.
+#[test]
+fn law_the_loop_closes_on_its_own_flights() {
+    let dir = folder();
+    let out = text(dir.path());
+    let campaign = text(&dir.path().join("campaign.toml"));
+    let model = text(&dir.path().join("identification.json"));
+    done(&["simulate", "sage-combined", "--out", &out]);
+    done(&["identify", &campaign, "--out", &out]);
+    let ran = done(&["resimulate", &campaign, "--model", &model, "--out", &out, "--seeds", "2"]);
+    assert!(ran.out.contains("theta_deg") && ran.out.contains("perturbed-3"), "{}", ran.out);
+    let json: Value =
+        serde_json::from_str(&std::fs::read_to_string(dir.path().join("resimulation.json")).expect("written")).expect("JSON");
+    assert_eq!(json["seeds"], 2);
+    let held: Vec<&Value> = json["runs"].as_array().expect("a list").iter().filter(|r| r["used"] == "hold-out").collect();
+    assert_eq!(held.len(), 2);
+    for run in held {
+        let error = |key: &str| run["trajectory"][key].as_f64().expect("a number");
+        assert!(error("attitude_rms_deg") < 1.5 * 0.168, "{run}");
+        assert!(error("position_rms_m") < 1.5 * 0.0013, "{run}");
+    }
+}
+
+#[test]
+fn law_resimulate_refuses_what_is_no_identification() {
+    let dir = folder();
+    let out = text(dir.path());
+    done(&["simulate", "appendix-c", "--out", &out]);
+    let campaign = text(&dir.path().join("campaign.toml"));
+    let model = dir.path().join("model.json");
+    std::fs::write(&model, "{ \"method\": 3 }").expect("writable");
+    let ran = windfall(&["resimulate", &campaign, "--model", &text(&model)]);
+    assert!(ran.code == 2 && ran.err.contains("model.json:1"), "{}", ran.err);
+    assert_eq!(windfall(&["resimulate", &campaign]).code, 2, "--model is needed");
+    assert_eq!(windfall(&["resimulate", &campaign, "--model", &text(&model), "--seeds", "0"]).code, 2);
 }

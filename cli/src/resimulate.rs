@@ -1,0 +1,70 @@
+//! cli: `windfall resimulate`. In: a campaign and an identification. Out: how near its flights come, in the layout of Table 5.6.
+
+use crate::args::ResimulateArgs;
+use crate::session::{Failure, Session};
+use std::fmt::Write as _;
+use windfall_pid::Identification;
+use windfall_scenarios::{read_campaign_with_warnings, read_json, write_json_atomically};
+use windfall_verify::{Resimulation, RunComparison, Statistic, resimulate};
+
+/// Name of the result file.
+const FILE: &str = "resimulation.json";
+
+pub(crate) fn run(args: &ResimulateArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
+    let (campaign, notes) = read_campaign_with_warnings(&args.campaign)?;
+    notes.iter().for_each(|n| session.warn(n));
+    let model: Identification = read_json(&args.model)?;
+    let folder = session.outputs(&[FILE.to_owned()])?;
+    let spinner = session.spinner("flying the identified model");
+    let result = session.pool()?.install(|| resimulate(&campaign, &model, usize::from(args.seeds)));
+    spinner.finish_and_clear();
+    let result = result.map_err(Failure::of_verification)?;
+    result.warnings.iter().for_each(|w| session.warn(w));
+    if let Some(folder) = &folder {
+        write_json_atomically(&folder.join(FILE), &result)?;
+    }
+    if session.common.json {
+        session.print_json(&result)?
+    } else {
+        session.print(&table(&campaign.name, &result))?
+    }
+    if let Some(folder) = &folder {
+        session.say(&format!("written: {}", folder.join(FILE).display()));
+    }
+    Ok(true)
+}
+
+fn table(campaign: &str, r: &Resimulation) -> String {
+    let mut text = format!("{campaign}, parameters of {} by {}, {} seeds\n\n", r.data_set, r.method, r.seeds);
+    let _ = writeln!(
+        text,
+        "{:<24}{:<10}{:>16}{:>16}{:>16}{:>10}",
+        "run", "use", "attitude (deg)", "position (m)", "rates (deg/s)", "misfit"
+    );
+    for run in &r.runs {
+        run_line(&mut text, run);
+    }
+    let all = &r.trajectory;
+    let _ = writeln!(
+        text,
+        "{:<24}{:<10}{:>16.4}{:>16.5}{:>16.4}\n",
+        "all, rms", "", all.attitude_rms_deg, all.position_rms_m, all.rate_rms_deg_s
+    );
+    let _ = writeln!(text, "{:<18}{:<10}{:>12}{:>14}{:>18}", "quantity", "statistic", "test", "simulation", "std over seeds");
+    r.statistics.iter().for_each(|s| statistic_line(&mut text, s));
+    text
+}
+
+fn run_line(text: &mut String, run: &RunComparison) {
+    let t = &run.trajectory;
+    let _ = writeln!(
+        text,
+        "{:<24}{:<10}{:>16.4}{:>16.5}{:>16.4}{:>10.3}",
+        run.name, run.used, t.attitude_rms_deg, t.position_rms_m, t.rate_rms_deg_s, run.misfit
+    );
+}
+
+fn statistic_line(text: &mut String, s: &Statistic) {
+    let spread = s.simulation_std.map_or_else(String::new, |x| format!("{x:.4}"));
+    let _ = writeln!(text, "{:<18}{:<10}{:>12.4}{:>14.4}{spread:>18}", s.quantity, s.statistic, s.test, s.simulation);
+}
