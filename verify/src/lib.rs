@@ -1,10 +1,14 @@
 //! The loop: recovery, re-simulation, tracing and closing, and the verdicts. No physics and no files of its own.
 
+mod checks;
 mod error;
+mod recovery;
 mod resimulate;
 pub mod trace;
 
+pub use checks::{Bound, Check, Kind, Setups, Verdict, all_pass, checks};
 pub use error::VerifyError;
+pub use recovery::{Reconstructed, Recovered, Recovery, TABLE_C_1, campaign_of, recover};
 pub use resimulate::{
     FlownParameter, HoldOut, Initial, InitialStop, Replay, Resimulation, RunComparison, Statistic, Swing, TrajectoryError,
     estimate_initial, fly_like, hold_out, identified_plant, resimulate,

@@ -1,4 +1,5 @@
 //! verify tests: one binary. In: nothing. Out: verdicts.
 
+mod checks;
 mod common;
 mod resimulate;
