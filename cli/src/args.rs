@@ -22,6 +22,8 @@ pub(crate) enum Command {
     Identify(IdentifyArgs),
     /// Fly the identified model against each run
     Resimulate(ResimulateArgs),
+    /// Every check of the program's own truth; figure beside bound
+    Verify(VerifyArgs),
     /// Read a file, validate it and print what was understood
     Check(CheckArgs),
     /// Print a shell's completion script
@@ -38,6 +40,7 @@ impl Command {
             Self::Simulate(a) => Some(&a.common),
             Self::Identify(a) => Some(&a.common),
             Self::Resimulate(a) => Some(&a.common),
+            Self::Verify(a) => Some(&a.common),
             Self::Check(a) => Some(&a.common),
             Self::Completions { .. } => None,
         }
@@ -109,6 +112,13 @@ pub(crate) struct ResimulateArgs {
     /// Number of seeds over which simulated statistics are averaged
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) seeds: u16,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+/// `verify`.
+#[derive(Args, Debug)]
+pub(crate) struct VerifyArgs {
     #[command(flatten)]
     pub(crate) common: Common,
 }

@@ -9,6 +9,7 @@ mod identify;
 mod resimulate;
 mod session;
 mod simulate;
+mod verify;
 
 use args::{Cli, Command};
 use clap::{CommandFactory as _, Parser as _};
@@ -56,6 +57,7 @@ fn dispatch(command: &Command, session: &mut Session<'_>) -> Result<bool, Failur
         Command::Simulate(a) => simulate::run(a, session),
         Command::Identify(a) => identify::run(a, session),
         Command::Resimulate(a) => resimulate::run(a, session),
+        Command::Verify(a) => verify::run(a, session),
         Command::Check(a) => check::run(a, session),
         Command::Completions { shell } => {
             clap_complete::generate(*shell, &mut Cli::command(), "windfall", session.out);

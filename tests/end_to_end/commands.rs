@@ -131,3 +131,19 @@ fn law_completions_are_scripts() {
         assert!(done(&["completions", shell]).out.contains("simulate"), "{shell}");
     }
 }
+
+#[test]
+fn law_verify_prints_figure_bound_source_and_the_thesis_own() {
+    let ran = done(&["verify", "--threads", "2"]);
+    for word in ["PASS", "bound <= ", "thesis", "CN_sin3", "[thesis Table 2.3"] {
+        assert!(ran.out.contains(word), "{word}");
+    }
+    let dir = folder();
+    let ran = done(&["verify", "--json", "--out", &text(dir.path()), "--quiet"]);
+    let json: Value = serde_json::from_str(&ran.out).expect("JSON and nothing else");
+    assert_eq!(json["verdict"], "pass");
+    let written: Value =
+        serde_json::from_str(&std::fs::read_to_string(dir.path().join("verify.json")).expect("written")).expect("JSON");
+    assert_eq!(written, json);
+    assert!(json["checks"].as_array().is_some_and(|c| c.len() > 40));
+}
