@@ -194,3 +194,50 @@ pub(crate) fn unwrap_deg(x: &mut [f64]) {
         last = *value;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cubic is reproduced to rounding: sums of ten products of size one, a condition of the basis below 100.
+    #[test]
+    fn exact_fits_reproduce_their_degree() {
+        let cubic = |t: f64| 1.0 - 2.0 * t + 3.0 * t * t - 0.5 * t * t * t;
+        let points: Vec<(f64, f64)> = [-0.9, -0.5, -0.2, 0.1, 0.4, 0.8, 1.3].map(|t| (t, cubic(t))).to_vec();
+        let (value, weights2) = fit_at_zero(&points, 3);
+        assert!((value - 1.0).abs() < 1e-13);
+        assert!(weights2 > 1.0 / 7.0, "no fit is better than the mean of all");
+    }
+
+    #[test]
+    fn exact_bridges_reproduce_the_fifth_degree() {
+        let quintic = |t: f64| 1.0 + t - t.powi(2) + 0.3 * t.powi(3) - 0.2 * t.powi(4) + 0.1 * t.powi(5);
+        let t: Vec<f64> = (0..40).map(|i| f64::from(i) * 0.05 - 1.0).collect();
+        let mut x: Vec<f64> = t.iter().map(|t| quintic(*t)).collect();
+        x[15..22].fill(f64::NAN);
+        assert_eq!(bridge(&t, &mut x), 7);
+        let worst = t.iter().zip(&x).fold(0.0_f64, |m, (t, x)| m.max((x - quintic(*t)).abs()));
+        assert!(worst < 1e-11, "{worst}: rounding of a basis of sixth order");
+    }
+
+    #[test]
+    fn law_pieces_start_and_end_with_whole_rows() {
+        let mut a = vec![1.0; 30];
+        let mut b = vec![1.0; 30];
+        a[..2].fill(f64::NAN);
+        a[10..14].fill(f64::NAN);
+        b[14] = f64::NAN;
+        b[20] = f64::NAN;
+        assert_eq!(pieces(&[&a, &b], 3), [2..10, 15..30]);
+        assert_eq!(pieces(&[&a, &b], 4), std::slice::from_ref(&(2..30)));
+        assert_eq!(pieces(&[&[f64::NAN; 5]], 1), Vec::<std::ops::Range<usize>>::new());
+    }
+
+    #[test]
+    fn law_unwrapping_takes_out_turns_only() {
+        let mut x = [170.0, 179.0, f64::NAN, -178.0, -170.0, 179.0];
+        unwrap_deg(&mut x);
+        let expected = [170.0, 179.0, f64::NAN, 182.0, 190.0, 179.0];
+        assert!(x.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12 || (a.is_nan() && b.is_nan())), "{x:?}");
+    }
+}

@@ -151,7 +151,14 @@ pub fn kind_of(path: &Path) -> Result<FileKind, ReadError> {
         Some("csv") => return Ok(FileKind::Run),
         _ => {
             let what = "is not a file of this program; read: .toml, .csv";
-            return Err(ReadError::Faults(vec![crate::columns::fault(path, None, "", "", what, "a path with one of these endings")]));
+            return Err(ReadError::Faults(vec![crate::columns::fault(
+                path,
+                None,
+                "",
+                "",
+                what,
+                "a path with one of these endings",
+            )]));
         }
     }
     let text = text_of(path)?;

@@ -88,3 +88,25 @@ pub fn read_track(
         down.tunnel_from_file().map(|(axis, sign)| file_axes[axis].as_ref().map(|x| x.iter().map(|v| sign * v).collect()));
     Ok((PointRecord { t_s, position_m }, notes))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Down;
+
+    /// Rows of the mapping are orthonormal with determinant +1 for each of the six axes, and the first points down.
+    #[test]
+    fn law_tunnel_axes_stay_right_handed() {
+        for place in 0..6 {
+            let down = Down::from_choice(place);
+            let rows = down.tunnel_from_file().map(|(axis, sign)| {
+                let mut row = [0.0; 3];
+                row[axis] = sign;
+                row
+            });
+            let [a, b, c] = rows;
+            let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+            assert!(cross.iter().zip(c).all(|(a, b)| (a - b).abs() < 1e-15), "{down:?}");
+            assert_eq!(a[down.axis].is_sign_negative(), down.negative);
+        }
+    }
+}

@@ -460,3 +460,15 @@ fn law_another_vehicle_is_another_file() {
     assert_eq!(campaign.plant.aero.structure.parameters, ["CA_0", "Cl_fin", "bump"]);
     assert_eq!(campaign.plant.aero.structure.contributions.len(), 3);
 }
+
+#[test]
+fn law_windows_cut_the_run_in_its_own_time() {
+    let window =
+        |text: &str| Folder::with(|t| t.replace("use = \"identify\"", &format!("use = \"identify\"\nwindow_s = {text}")), keep);
+    let (campaign, _) = window("[2.0, 5.0]").read().expect("valid");
+    let r = tunnel(&campaign, 0);
+    assert_eq!((r.len(), r.t_s[0]), (451, 2.0));
+    let message = window("[20.0, 25.0]").read().expect_err("outside").to_string();
+    assert!(message.contains("the file runs from 0 to 10 s"), "{message}");
+    assert!(window("[2.0, 2.5]").read().is_err(), "half a second is too short");
+}
