@@ -36,7 +36,7 @@ fn later(s: &Signal, dt: f64, i: usize, delay: f64) -> [f64; 3] {
         return taylor(node(last), (x - last as f64) * dt);
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "x is in (0, last)")]
-    let left = (x as usize).min(last - 1);
+    let left = x as usize;
     hermite(node(left), node(left + 1), dt, x - left as f64)
 }
 
