@@ -87,3 +87,57 @@ fn turn(x: &mut Sample, misalignment_rad: [f64; 3]) {
         x[3 + k] = [true_euler[k], true_rate[k], true_second[k]];
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Sample, hermite, later, taylor, turn};
+    use crate::smooth::Signal;
+
+    /// A quintic with its derivatives.
+    fn quintic(t: f64) -> [f64; 3] {
+        const C: [f64; 6] = [0.4, -1.3, 2.1, 0.8, -1.7, 0.6];
+        let p = |k: i32, d: i32| if k < d { 0.0 } else { t.powi(k - d) };
+        let sum = |f: &dyn Fn(i32) -> f64| (0..6).map(|k| C[k as usize] * f(k)).sum::<f64>();
+        [sum(&|k| p(k, 0)), sum(&|k| f64::from(k) * p(k, 1)), sum(&|k| f64::from(k * (k - 1)) * p(k, 2))]
+    }
+
+    fn assert_close(found: [f64; 3], truth: [f64; 3]) {
+        for (a, b) in found.into_iter().zip(truth) {
+            // Rounding of numbers of order 10 through divisions by h³ = 0.027 and h² = 0.09.
+            assert!((a - b).abs() < 1e-11, "{found:?} {truth:?}");
+        }
+    }
+
+    #[test]
+    fn exact_hermite_reproduces_a_quintic() {
+        let h = 0.3;
+        for x in [0.0, 0.2, 0.5, 0.9, 1.0] {
+            assert_close(hermite(quintic(0.5), quintic(0.5 + h), h, x), quintic(0.5 + x * h));
+        }
+    }
+
+    #[test]
+    fn exact_delay_looks_later_between_samples_and_extrapolates_beyond_both_ends() {
+        let t = |i: usize| 0.5 + 0.3 * i as f64;
+        let at = |k: usize| (0..4).map(|i| quintic(t(i))[k]).collect();
+        let s = Signal { value: at(0), rate: at(1), second: at(2) };
+        assert_close(later(&s, 0.3, 1, 0.4), quintic(t(1) + 0.4));
+        assert_close(later(&s, 0.3, 2, -0.37), quintic(t(2) - 0.37));
+        assert_close(later(&s, 0.3, 2, 0.5), taylor(quintic(t(3)), 0.2));
+        assert_close(later(&s, 0.3, 1, -0.5), taylor(quintic(t(0)), -0.2));
+    }
+
+    #[test]
+    fn law_turning_keeps_the_turn_count_of_roll_and_yaw() {
+        let euler = [13.1, 0.2, -0.3];
+        let mut x: Sample = [[0.0; 3]; 7];
+        for k in 0..3 {
+            x[3 + k][0] = euler[k];
+        }
+        turn(&mut x, [1e-3, 0.0, 0.0]);
+        // A small turn moves the angles by about as much: no jump by 2π.
+        for k in 0..3 {
+            assert!((x[3 + k][0] - euler[k]).abs() < 2e-3, "{} {}", x[3 + k][0], euler[k]);
+        }
+    }
+}
