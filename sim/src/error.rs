@@ -38,4 +38,12 @@ pub enum SimError {
         /// Time of the run, s.
         t_s: f64,
     },
+    /// The body spins faster and faster.
+    #[error("body rate above {limit_rad_s} rad/s at t = {t_s} s; look for a damping parameter of the wrong sign or size")]
+    Runaway {
+        /// The limit, rad/s.
+        limit_rad_s: f64,
+        /// Time of the run, s.
+        t_s: f64,
+    },
 }

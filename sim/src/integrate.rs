@@ -17,8 +17,17 @@ const BEYOND: f64 = 1e-3;
 /// Steps at most.
 const STEPS_MAX: u32 = 50_000_000;
 
-/// First thing that was not finite in the right-hand side: its name and time.
-type Fault = Cell<Option<(&'static str, f64)>>;
+/// Body rate, rad/s, at which a flight is given up: 160 turns a second are no lander's, and steps would shrink without end.
+const RUNAWAY_RAD_S: f64 = 1000.0;
+
+/// What went wrong on the way.
+#[derive(Default)]
+struct Fault {
+    /// First thing that was not finite in the right-hand side: its name and time.
+    first: Cell<Option<(&'static str, f64)>>,
+    /// When body rates ran away.
+    runaway: Cell<Option<f64>>,
+}
 
 struct Rhs<'a, const N: usize> {
     setup: &'a Setup<'a>,
@@ -31,12 +40,16 @@ impl<const N: usize> System<f64, SVector<f64, N>> for Rhs<'_, N> {
     fn system(&self, _t: f64, y: &SVector<f64, N>, dy: &mut SVector<f64, N>) {
         self.setup.rate(y, dy);
         // A sum is finite only when every part is (overflow of finite parts aside, which is as bad).
-        if !dy.sum().is_finite() && self.fault.get().is_none() {
-            self.fault.set(Some((self.setup.not_finite(y, dy), y[crate::dynamics::TIME])));
+        if !dy.sum().is_finite() && self.fault.first.get().is_none() {
+            self.fault.first.set(Some((self.setup.not_finite(y, dy), y[crate::dynamics::TIME])));
         }
     }
-    /// Called with the last sample so far: stop once it is outside the test section.
-    fn solout(&mut self, _t: f64, y: &SVector<f64, N>, _dy: &SVector<f64, N>) -> bool {
+    /// Called with the last sample so far: stop once it is outside the test section or spins beyond reason.
+    fn solout(&mut self, t: f64, y: &SVector<f64, N>, _dy: &SVector<f64, N>) -> bool {
+        if y[10] * y[10] + y[11] * y[11] + y[12] * y[12] > RUNAWAY_RAD_S * RUNAWAY_RAD_S {
+            self.fault.runaway.set(Some(t));
+            return true;
+        }
         self.section.is_some_and(|s| outside(&s, [y[0], y[1], y[2]]))
     }
 }
@@ -126,15 +139,18 @@ fn finished<const N: usize, T>(
     look: impl FnOnce(&[SVector<f64, N>]) -> T,
 ) -> Result<(T, u64), SimError> {
     let stats = outcome.map_err(|e| explain(&e, fault))?;
+    if let Some(t_s) = fault.runaway.get() {
+        return Err(SimError::Runaway { limit_rad_s: RUNAWAY_RAD_S, t_s });
+    }
     if states.iter().all(|y| y.sum().is_finite()) {
         return Ok((look(states), u64::from(stats.accepted_steps)));
     }
-    let (what, t_s) = fault.get().unwrap_or(("state", 0.0));
+    let (what, t_s) = fault.first.get().unwrap_or(("state", 0.0));
     Err(SimError::NotFinite { what, t_s })
 }
 
 fn explain(e: &IntegrationError, fault: &Fault) -> SimError {
-    match (fault.get(), e) {
+    match (fault.first.get(), e) {
         (Some((what, t_s)), _) => SimError::NotFinite { what, t_s },
         (None, IntegrationError::MaxNumStepReached { x, n_step }) => SimError::TooManySteps { steps: *n_step, t_s: *x },
         (None, IntegrationError::StepSizeUnderflow { x } | IntegrationError::StiffnessDetected { x }) => {

@@ -144,12 +144,11 @@ impl Check {
 /// # Errors
 /// A flight or an identification that fails, or a scenario without flights.
 pub fn checks(setups: &Setups<'_>) -> Result<Vec<Check>, VerifyError> {
-    let parts: [fn(&Setups<'_>) -> Result<Vec<Check>, VerifyError>; 5] =
-        [exact::rigid_body, exact::air, published::checks, recovered::checks, loops::checks];
-    let mut all = Vec::new();
-    for part in parts {
-        all.extend(part(setups)?);
-    }
+    let mut all = exact::rigid_body(setups)?;
+    all.extend(exact::air(setups)?);
+    all.extend(published::checks(setups)?);
+    all.extend(recovered::checks(setups)?);
+    all.extend(loops::checks(setups)?);
     Ok(all)
 }
 
@@ -160,6 +159,6 @@ pub fn all_pass(checks: &[Check]) -> bool {
 }
 
 /// The first flight of a scenario.
-fn first<'a>(scenario: &'a Scenario) -> Result<(&'a Plant, &'a Flight), VerifyError> {
+fn first(scenario: &Scenario) -> Result<(&Plant, &Flight), VerifyError> {
     scenario.flights.first().map(|f| (&scenario.plant, f)).ok_or(VerifyError::NoRuns { what: "identify" })
 }

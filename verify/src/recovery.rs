@@ -188,8 +188,8 @@ fn compare_coefficients(seen: &[State], plant: &Plant, flight: &Flight, flown: &
     let rows = coefficients(seen, plant);
     for (row, flow) in rows.iter().zip(true_flow(plant, flight, &flown.truth)) {
         let truth = plant.aero.coefficients(&flow);
-        for k in 0..6 {
-            w.see(k, row.exp_origin[k], truth[k]);
+        for (k, (found, truth)) in row.exp_origin.iter().zip(truth).enumerate() {
+            w.see(k, *found, truth);
         }
     }
     w.all

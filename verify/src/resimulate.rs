@@ -48,8 +48,11 @@ pub struct RunComparison {
     pub trajectory_from_first_sample: TrajectoryError,
     /// Table 5.6 of this run.
     pub statistics: Vec<Statistic>,
-    /// Mean of squared pose residuals over sensor variances: 1 for a right model.
+    /// Mean of squared pose residuals over sensor variances, in the span that the initial state was estimated on: 1 for a right
+    /// model.
     pub misfit: f64,
+    /// That span from the first sample, s: the run's duration for a model that follows the run to the end.
+    pub initial_span_s: f64,
     /// How the estimation of the initial state ended.
     pub initial: InitialStop,
     /// Duration of the run, s.
@@ -234,6 +237,7 @@ fn compare(run: &Run, plant: &Plant, index: usize, seeds: usize) -> Result<Compa
         trajectory_from_first_sample: from_first.error(),
         statistics: table_5_6(&test, &draws),
         misfit: initial.misfit.min(f64::MAX),
+        initial_span_s: initial.span_s,
         initial: initial.stop,
         duration_s: record.duration_s(),
         flown_s,

@@ -31,14 +31,22 @@ pub struct Initial {
     pub release: Release,
     /// Standard errors for white sensor noise: position (m), velocity (m/s), rotation about body axes (rad), rates (rad/s).
     pub std_error: [f64; 12],
-    /// Mean of squared pose residuals over their variances: 1 when the model is right.
+    /// Mean of squared pose residuals over their variances in the span used: 1 when the model is right.
     pub misfit: f64,
+    /// Span from the first sample that was used, s.
+    pub span_s: f64,
     /// Steps taken.
     pub iterations: usize,
     /// Why it ended.
     pub stop: InitialStop,
 }
 
+/// Shortest span used, s: even a wrong model errs little in it, and 37 samples at 150 Hz give rates to 0.3 deg/s.
+const FIRST_SPAN_S: f64 = 0.25;
+/// Fewest samples used: two a state number and more.
+const FEWEST: usize = 8;
+/// Misfit up to which residuals look like sensor noise: 1, and as much again for noise of V_W and errors of estimation.
+const LIKE_NOISE: f64 = 2.0;
 /// Number of state numbers.
 const N: usize = 12;
 /// Steps at most.
@@ -54,6 +62,10 @@ const TRUST: [f64; N] = [0.3, 0.3, 0.3, 1.0, 1.0, 1.0, 0.3, 0.3, 0.3, 1.5, 1.5, 
 /// minus measured position and Euler angles, each over its sensor's standard deviation as the plant has it, all parameters
 /// of the plant held. The plant must already be the one of this run.
 ///
+/// The span begins with [`FIRST_SPAN_S`] and doubles, up to the whole run, as long as what is left looks like sensor noise. A
+/// model that does not follow the run further is not bent to do so: over a long span its errors, not the run's beginning,
+/// would decide on the state.
+///
 /// # Errors
 /// A record that cannot be smoothed, or a flight that cannot even start.
 pub fn estimate_initial(record: &Record, plant: &Plant) -> Result<Initial, VerifyError> {
@@ -62,45 +74,27 @@ pub fn estimate_initial(record: &Record, plant: &Plant) -> Result<Initial, Verif
 
 /// [`estimate_initial`] of a run made ready.
 pub(crate) fn estimate(replay: &Replay, record: &Record, sensors: &Sensors) -> Result<Initial, VerifyError> {
-    let problem = Problem { replay, record, weights: weights(sensors) };
-    let start = replay.first();
-    let Some(mut residual) = problem.residual(start) else {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of samples")]
+    let first = ((FIRST_SPAN_S / record.interval_s()).ceil() as usize).max(FEWEST).min(record.len());
+    let mut problem = Problem { replay, record, weights: weights(sensors), samples: first };
+    let Some(mut best) = problem.solve(replay.first()) else {
         // A flight that fails midway still has a beginning; one that cannot be flown at all is an error.
-        replay.fly_as_far_as_it_goes(start)?;
-        return Ok(failed(start));
+        replay.fly_as_far_as_it_goes(replay.first())?;
+        return Ok(failed(replay.first()));
     };
-    let mut release = start;
-    let mut damping = 1e-6;
-    let mut stop = InitialStop::Iterations;
-    let mut iterations = 0;
-    let mut square = problem.square(release, &residual);
-    while iterations < ITERATIONS {
-        iterations += 1;
-        match problem.step(release, &residual, &square, &mut damping) {
-            Stepped::Taken { release: next, residual: r, gain } => {
-                (release, residual) = (next, r);
-                if gain < GAIN {
-                    stop = InitialStop::Converged;
-                    break;
-                }
-            }
-            Stepped::NotWorth => {
-                stop = InitialStop::Converged;
-                break;
-            }
-            Stepped::None => {
-                stop = InitialStop::NoDescent;
-                break;
-            }
+    while problem.samples < record.len() && best.misfit < LIKE_NOISE {
+        problem.samples = (2 * problem.samples).min(record.len());
+        match problem.solve(best.release) {
+            Some(longer) if longer.misfit < LIKE_NOISE => best = longer,
+            _ => break,
         }
-        square = problem.square(release, &residual);
     }
-    let misfit = residual.norm_squared() / residual.len() as f64;
-    Ok(Initial { release, std_error: square.std_error(), misfit, iterations, stop })
+    Ok(best)
 }
 
 fn failed(release: Release) -> Initial {
-    Initial { release, std_error: [f64::INFINITY; N], misfit: f64::INFINITY, iterations: 0, stop: InitialStop::FlightFails }
+    let stop = InitialStop::FlightFails;
+    Initial { release, std_error: [f64::INFINITY; N], misfit: f64::INFINITY, span_s: 0.0, iterations: 0, stop }
 }
 
 /// One over the standard deviation of X, Y, Z, R_x, R_y, R_z; one over that of thesis Table A.3 where a plant states none.
@@ -115,6 +109,8 @@ struct Problem<'a> {
     replay: &'a Replay,
     record: &'a Record,
     weights: [f64; 6],
+    /// Samples used, from the first.
+    samples: usize,
 }
 
 enum Stepped {
@@ -124,10 +120,36 @@ enum Stepped {
 }
 
 impl Problem<'_> {
+    /// Least squares over the samples used; `None` when the flight from the start fails in them.
+    fn solve(&self, start: Release) -> Option<Initial> {
+        let mut release = start;
+        let mut residual = self.residual(start)?;
+        let mut square = self.square(release, &residual);
+        let mut damping = 1e-6;
+        let (mut stop, mut iterations) = (InitialStop::Iterations, 0);
+        while iterations < ITERATIONS && stop == InitialStop::Iterations {
+            iterations += 1;
+            match self.step(release, &residual, &square, &mut damping) {
+                Stepped::Taken { release: next, residual: r, gain } => {
+                    (release, residual) = (next, r);
+                    square = self.square(release, &residual);
+                    if gain < GAIN {
+                        stop = InitialStop::Converged;
+                    }
+                }
+                Stepped::NotWorth => stop = InitialStop::Converged,
+                Stepped::None => stop = InitialStop::NoDescent,
+            }
+        }
+        let misfit = residual.norm_squared() / residual.len() as f64;
+        let span_s = (self.samples - 1) as f64 * self.record.interval_s();
+        Some(Initial { release, std_error: square.std_error(), misfit, span_s, iterations, stop })
+    }
+
     /// Weighted residuals, six a sample; `None` when the flight fails before the end.
     fn residual(&self, release: Release) -> Option<DVector<f64>> {
-        let flown = self.replay.fly(release).ok()?;
-        let n = self.record.len();
+        let n = self.samples;
+        let flown = self.replay.fly_beginning(release, n).ok()?;
         if flown.record.len() < n {
             return None;
         }

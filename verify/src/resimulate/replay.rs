@@ -63,6 +63,11 @@ impl Replay {
     pub fn fly(&self, release: Release) -> Result<Flown, SimError> {
         fly(&self.still, &Flight { release, ..self.flight.clone() }, Seed::default())
     }
+    /// The beginning of [`Replay::fly`], of so many samples.
+    pub(crate) fn fly_beginning(&self, release: Release, samples: usize) -> Result<Flown, SimError> {
+        let duration_s = (samples - 1) as f64 / self.flight.rate_hz;
+        fly(&self.still, &Flight { release, duration_s, ..self.flight.clone() }, Seed::default())
+    }
     /// [`Replay::fly`], and when the flight fails the part of it before that.
     ///
     /// # Errors
@@ -86,9 +91,12 @@ impl Replay {
     fn as_far_as_it_goes(&self, plant: &Plant, mut flight: Flight, seed: Seed) -> Result<Flown, SimError> {
         loop {
             match fly(plant, &flight, seed) {
-                Err(SimError::NotFinite { t_s, .. } | SimError::StepTooSmall { t_s } | SimError::TooManySteps { t_s, .. })
-                    if t_s.min(flight.duration_s) > 2.0 / flight.rate_hz =>
-                {
+                Err(
+                    SimError::NotFinite { t_s, .. }
+                    | SimError::StepTooSmall { t_s }
+                    | SimError::TooManySteps { t_s, .. }
+                    | SimError::Runaway { t_s, .. },
+                ) if t_s.min(flight.duration_s) > 2.0 / flight.rate_hz => {
                     let samples = (0.9 * t_s.min(flight.duration_s) * flight.rate_hz).floor();
                     flight.duration_s = samples / flight.rate_hz;
                 }

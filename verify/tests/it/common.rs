@@ -1,8 +1,8 @@
 //! verify tests: shared data and the plant of the thesis. In: names. Out: campaigns.
 
 use std::path::PathBuf;
-use windfall_model::Campaign;
-use windfall_scenarios::read_campaign;
+use windfall_model::{Campaign, Plant, Scenario};
+use windfall_scenarios::{read_bundled, read_campaign};
 
 /// Thesis Table 5.5, with the yaw damping equal to that of pitch.
 pub(crate) const TABLE_5_5: [f64; 11] =
@@ -23,4 +23,16 @@ pub(crate) fn shared(test: &str) -> Option<PathBuf> {
 pub(crate) fn campaign(test: &str, name: &str) -> Option<Campaign> {
     let path = shared(test)?.join("data/campaigns").join(name).join("campaign.toml");
     Some(read_campaign(&path).expect("a shared campaign is well-formed"))
+}
+
+/// The campaign's plant with the true parameters of the shared data.
+pub(crate) fn with_table_5_5(campaign: &Campaign) -> Plant {
+    let mut plant = campaign.plant.clone();
+    plant.aero.values = TABLE_5_5.to_vec();
+    plant
+}
+
+/// A bundled scenario.
+pub(crate) fn bundled(name: &str) -> Scenario {
+    read_bundled(name).expect("bundled scenarios are well-formed").scenario
 }
