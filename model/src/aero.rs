@@ -48,7 +48,7 @@ pub enum Factor {
     CosClock(u8),
     /// sin(n φ_αT).
     SinClock(u8),
-    /// exp(−(variable/width)²); width in the variable's unit, positive.
+    /// sech²(variable/width): 1 at zero, falling smoothly; width in the variable's unit, positive.
     Bump(Variable, f64),
 }
 
@@ -64,7 +64,7 @@ impl Factor {
             Self::Power(v, n) => f.get(v).powi(i32::from(n)),
             Self::CosClock(n) => (f64::from(n) * clock_rad(f)).cos(),
             Self::SinClock(n) => (f64::from(n) * clock_rad(f)).sin(),
-            Self::Bump(v, width) => (-(f.get(v) / width).powi(2)).exp(),
+            Self::Bump(v, width) => (f.get(v) / width).cosh().powi(-2),
         }
     }
 }

@@ -11,8 +11,10 @@ pub struct Turbulence {
     pub axial_rms_m_s: f64,
     /// rms across it, each axis, m/s.
     pub lateral_rms_m_s: f64,
-    /// Longitudinal integral scale L, m.
-    pub scale_m: f64,
+    /// Integral scale of the longitudinal component, m.
+    pub axial_scale_m: f64,
+    /// Scale L of the lateral components in the Dryden form, m.
+    pub lateral_scale_m: f64,
 }
 
 /// Moment from vortices shed by the wake: narrow-band about f = St V/d. Zero rms in a declared model.
@@ -118,14 +120,16 @@ impl Turbulence {
     /// The three gust components at mean airspeed `speed`; empty when there is no turbulence.
     #[must_use]
     pub fn disturbances(&self, speed_m_s: f64) -> Vec<Disturbance> {
-        let time_s = self.scale_m / speed_m_s;
         let lateral = |axis| Disturbance {
             entry: Entry::AirVelocity(axis),
             rms: self.lateral_rms_m_s,
-            shape: Shape::DrydenLateral { time_s },
+            shape: Shape::DrydenLateral { time_s: self.lateral_scale_m / speed_m_s },
         };
-        let axial =
-            Disturbance { entry: Entry::AirVelocity(0), rms: self.axial_rms_m_s, shape: Shape::DrydenLongitudinal { time_s } };
+        let axial = Disturbance {
+            entry: Entry::AirVelocity(0),
+            rms: self.axial_rms_m_s,
+            shape: Shape::DrydenLongitudinal { time_s: self.axial_scale_m / speed_m_s },
+        };
         [axial, lateral(1), lateral(2)].into_iter().filter(|d| d.rms > 0.0).collect()
     }
 }

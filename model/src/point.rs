@@ -9,6 +9,8 @@ pub struct PointMass {
     /// Lift coefficient per unit of each run input, in the order of the campaign's input names. The lift is
     /// `q S C_L (h × v)/|v|` with h the horizontal unit vector across the launch, so that positive lifts.
     pub lift_per_input: Vec<f64>,
+    /// Increment of the drag coefficient per unit of each run input, in the same order.
+    pub drag_per_input: Vec<f64>,
     /// Lift coefficient that does not depend on inputs.
     pub lift_constant: f64,
     /// Constant acceleration, m/s², tunnel axes.
@@ -34,7 +36,8 @@ impl Plant {
         let speed = v.norm();
         let half_rho_s = 0.5 * density_kg_m3 * self.vehicle.area_m2();
         let cd =
-            self.aero.values.first().copied().unwrap_or(0.0) + self.aero.extra.iter().map(|(_, value, _)| value).sum::<f64>();
+            self.aero.values.first().copied().unwrap_or(0.0) + self.aero.extra.iter().map(|(_, value, _)| value).sum::<f64>()
+                + p.drag_per_input.iter().zip(&p.inputs).map(|(k, u)| k * u).sum::<f64>();
         let drag = v * (-half_rho_s * cd * speed);
         let horizontal = v.y().hypot(v.z());
         let lift = if horizontal > 0.0 {

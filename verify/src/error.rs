@@ -20,6 +20,28 @@ pub enum VerifyError {
         /// Name of the run.
         run: String,
     },
+    /// A tunnel run where a flight of a point mass is needed.
+    #[error("run `{run}` has attitude; this needs flights of a point mass, with t_s and positions only")]
+    NotPoint {
+        /// Name of the run.
+        run: String,
+    },
+    /// A track with too few samples.
+    #[error("run {run} has a track of {samples} samples; its initial state takes two per axis: give at least {needed}")]
+    ShortTrack {
+        /// Index of the run.
+        run: usize,
+        /// Samples.
+        samples: usize,
+        /// Needed.
+        needed: usize,
+    },
+    /// A track that the declared model cannot follow.
+    #[error("run {run} cannot be flown by the declared model (mass, diameter, density, CD); check their units")]
+    NotFlown {
+        /// Index of the run.
+        run: usize,
+    },
     /// A run with too few samples.
     #[error("run {run} has {samples} samples, fewer than the {needed} that its smoothing windows need; use a longer window_s")]
     TooShort {

@@ -1,9 +1,12 @@
 //! The loop: recovery, re-simulation, tracing and closing, and the verdicts. No physics and no files of its own.
 
+pub mod close;
 mod checks;
 mod error;
 mod recovery;
 mod resimulate;
+pub mod statistics;
+pub mod tether_trace;
 pub mod trace;
 
 pub use checks::{Bound, Check, Kind, Setups, Verdict, all_pass, checks};

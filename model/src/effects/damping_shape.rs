@@ -7,7 +7,7 @@ use crate::flow::Variable as V;
 pub(super) static EFFECT: Effect = Effect {
     family: "damping-shape",
     acts: Acts::Lander,
-    physics: "Pitch and yaw damping vary with angle otherwise than declared: a bump exp(−(α_T/width)²) around zero angle (positive: less stable, the low-angle instability of blunt bodies) on top of the declared even polynomial.",
+    physics: "Pitch and yaw damping vary with angle otherwise than declared: a bump sech²(α_T/width) around zero angle (positive: less stable, the low-angle instability of blunt bodies) on top of the declared even polynomial.",
     source: "Mitcheltree, Wilmoth, Cheatwood, Brauckmann and Greene, AIAA 97-3539, 1997; thesis §4.1.1 and §6.1",
     separate_by: "an unperturbed run long enough to hold the limit cycle, and perturbations that decay through the bump",
     parameters: |_| {

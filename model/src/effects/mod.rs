@@ -74,18 +74,30 @@ pub struct Parameter {
     pub null: f64,
     /// How it is looked for.
     pub role: Role,
+    /// Step of a strength for differences: small against what matters, large against rounding.
+    pub step: f64,
 }
 
 impl Parameter {
+    /// How far a value lies outside the plausible range, in units of that range; 0 inside.
+    #[must_use]
+    pub fn beyond(&self, value: f64) -> f64 {
+        (self.low - value).max(value - self.high).max(0.0) / (self.high - self.low)
+    }
     fn strength(name: &str, unit: &'static str, limit: f64) -> Self {
-        Self { name: name.to_owned(), unit, low: -limit, high: limit, null: 0.0, role: Role::Strength }
+        Self { name: name.to_owned(), unit, low: -limit, high: limit, null: 0.0, role: Role::Strength, step: 1e-3 * limit.min(1e3) }
     }
     /// A strength that is never negative.
     fn positive(name: &str, unit: &'static str, limit: f64) -> Self {
-        Self { name: name.to_owned(), unit, low: 0.0, high: limit, null: 0.0, role: Role::Strength }
+        Self { name: name.to_owned(), unit, low: 0.0, high: limit, null: 0.0, role: Role::Strength, step: 1e-3 * limit.min(1e3) }
     }
     fn shape(name: &str, unit: &'static str, low: f64, high: f64, null: f64, tried: &'static [f64]) -> Self {
-        Self { name: name.to_owned(), unit, low, high, null, role: Role::Shape(tried) }
+        Self { name: name.to_owned(), unit, low, high, null, role: Role::Shape(tried), step: 0.0 }
+    }
+    /// A strength per unit of a run input. Settings come in any unit, from fractions to thousands of revolutions, so the step
+    /// is tiny; flights are simulated to 1e-11, which bears it.
+    fn per_input(name: &str, input: &str, limit: f64) -> Self {
+        Self { step: 1e-6, ..Self::strength(&format!("{name}_per_{input}"), "1/input", limit) }
     }
 }
 

@@ -9,7 +9,7 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Briggs, Am. J. Phys. 27, 1959; Mehta, Ann. Rev. Fluid Mech. 17, 1985",
     separate_by: "launches with the settings reversed",
     parameters: |inputs| {
-        let mut all: Vec<_> = inputs.iter().map(|i| Parameter::strength(&format!("CL_per_{i}"), "-", 10.0)).collect();
+        let mut all: Vec<_> = inputs.iter().map(|i| Parameter::per_input("CL", i, 10.0)).collect();
         all.push(Parameter::strength("CL_constant", "-", 5.0));
         all
     },

@@ -1,15 +1,17 @@
 //! verify: what the tracer weighs. In: a plant. Out: residuals in bins, their noise, and how random inputs would colour them.
 //!
-//! A bin holds up to twelve real numbers: two vectors (real and imaginary part) of six channels that share one covariance.
-//! Tunnel runs use one bin per frequency, point masses one per sample with unused entries zero.
+//! A bin holds up to twelve real numbers with one covariance. Tunnel runs use one bin per frequency (real, then imaginary part
+//! of six channels); unused entries are zero with unit variance.
 
+use super::fit::Fit;
+use crate::close::ChannelResidual;
 use nalgebra::SMatrix;
 use windfall_model::Plant;
 
-/// Covariance or its part within a bin, per real part.
-pub type Cov = SMatrix<f64, 6, 6>;
 /// Numbers in a bin.
 pub const BIN: usize = 12;
+/// Covariance of a bin, or a part of it.
+pub type Cov = SMatrix<f64, BIN, BIN>;
 
 /// Residual of all bins, `BIN` numbers each.
 pub type Residual = Vec<f64>;
@@ -31,6 +33,36 @@ pub trait Evidence: Sync {
     fn generic(&self) -> &[Vec<Cov>];
     /// Covariance per bin that the random inputs of a plant cause.
     fn random(&self, plant: &Plant) -> Vec<Cov>;
+    /// What the score `aᵀΣ⁻¹z` of each change of plant has at the truth because the motion answers to the random inputs: twice
+    /// the real part of `tr(L' L⁻¹ P)` summed over bins, with `L` the map from measured motion to residual, `L'` its change per
+    /// step, and `P` the share of the covariance (`sigma`, per bin) that is not sensor noise. The log-determinant of `L` belongs
+    /// to the likelihood of what was measured; leaving it out biases every fit of data in closed loop.
+    fn closed_loop(&self, _sigma: &[Cov], _plant: &Plant, moved: &[(Plant, f64)]) -> Vec<f64> {
+        vec![0.0; moved.len()]
+    }
+    /// Time at both ends of a run in which a pulse cannot be seen, s.
+    fn margin_s(&self) -> f64 {
+        0.0
+    }
+    /// Measures noise again at a better plant.
+    fn settle(&mut self, _plant: &Plant) {}
+    /// Residual per channel against what is expected of it (covariance per bin), with `fitted` parameters.
+    fn channel_residuals(&self, z: &[f64], _expected: &[Cov], _fitted: usize) -> Vec<ChannelResidual> {
+        let _ = z;
+        Vec::new()
+    }
+    /// Position rms of a point mass over these runs, m; none for bodies with attitude.
+    fn rms_m(&self, _plant: &Plant) -> Option<f64> {
+        None
+    }
+    /// Residual in time beside what it may vary with.
+    fn lead_table(&self, _plant: &Plant) -> LeadTable {
+        LeadTable::default()
+    }
+    /// Frequency at which a channel's residual stands highest over its noise, Hz.
+    fn peak_hz(&self, _fit: &Fit, _channel: usize) -> Option<f64> {
+        None
+    }
     /// Tells that many residuals near this plant will be asked for.
     fn focus(&self, _plant: &Plant) {}
     /// Residual of the data (copy 0) in one run, all other bins zero.
@@ -39,4 +71,13 @@ pub trait Evidence: Sync {
     fn durations_s(&self) -> Vec<f64>;
     /// Index in the campaign of each run.
     fn run_indices(&self) -> Vec<usize>;
+}
+
+/// Residual series of all runs in a row, and variables at the same samples.
+#[derive(Clone, Debug, Default)]
+pub struct LeadTable {
+    /// Per channel.
+    pub residuals: Vec<Vec<f64>>,
+    /// Name with unit, and values.
+    pub variables: Vec<(String, Vec<f64>)>,
 }

@@ -5,8 +5,8 @@
 //! unmodelled residual by maximum likelihood; shapes of random inputs by line search.
 
 use super::evidence::{Cov, Evidence, Residual};
-use super::hypothesis::{Free, Hypothesis};
-use super::likelihood::{Whitening, components, total};
+use super::hypothesis::{Free, Hypothesis, Instance};
+use super::likelihood::{Effort, Whitening, components, total};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use windfall_model::Plant;
@@ -36,6 +36,19 @@ pub enum StopReason {
     NotFinite,
 }
 
+impl StopReason {
+    /// In words.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::IterationLimit => "the iterations did not settle",
+            Self::NotExcited => "a declared parameter is not excited beyond noise in these runs",
+            Self::NotFinite => "a state or residual is not a number under the declared model",
+        }
+    }
+}
+
 /// A fitted hypothesis.
 #[derive(Clone, Debug)]
 pub struct Fit {
@@ -51,12 +64,19 @@ pub struct Fit {
     pub residual: Residual,
     /// Covariance per bin at the fit.
     pub sigma: Vec<Cov>,
+    /// Standard errors of numbers that are not in the mean: sizes and shapes of random inputs.
+    pub random_errors: Vec<(Free, f64)>,
     /// Why it stopped.
     pub stop: StopReason,
 }
 
 impl Fit {
-    /// Standard error of a free number; infinite when it was not free.
+    /// Standard error of any number of the hypothesis; infinite when the data do not give one.
+    #[must_use]
+    pub fn error_of(&self, f: Free) -> f64 {
+        self.random_errors.iter().find(|(g, _)| *g == f).map_or_else(|| self.std_error(f), |(_, s)| *s)
+    }
+    /// Standard error of a free number of the mean; infinite when it was not free.
     #[must_use]
     pub fn std_error(&self, f: Free) -> f64 {
         self.free.iter().position(|g| *g == f).map_or(f64::INFINITY, |i| self.covariance[(i, i)].max(0.0).sqrt())
@@ -71,7 +91,7 @@ pub(crate) struct Point {
 
 impl Point {
     pub(crate) fn whitened(&self, w: &Whitening) -> Whitened {
-        Whitened { a: vec![w.whiten(&self.z)], da: self.dz.iter().map(|d| vec![w.whiten(d)]).collect() }
+        Whitened { a: vec![w.whiten(&self.z)], da: self.dz.iter().map(|d| vec![w.whiten(d)]).collect(), looped: vec![0.0] }
     }
 }
 
@@ -79,6 +99,8 @@ impl Point {
 pub(crate) struct Columns {
     pub(crate) a: Vec<Residual>,
     pub(crate) da: Vec<Vec<Residual>>,
+    /// What the closed loop gives each score at the truth.
+    pub(crate) looped: Vec<f64>,
 }
 
 fn minus(a: &[f64], b: &[f64], scale: f64) -> Residual {
@@ -94,22 +116,29 @@ impl Problem<'_> {
         Point { z, dz }
     }
 
-    /// Linearisation in `free` around a hypothesis whose residuals are `at`.
-    pub(crate) fn columns(&self, h: &Hypothesis, free: &[Free], at: &Point) -> Columns {
-        let all: Vec<Point> = free
-            .par_iter()
+    /// Linearisation in `free` around a hypothesis whose residuals are `at`, for covariance `sigma`.
+    pub(crate) fn columns(&self, h: &Hypothesis, free: &[Free], at: &Point, sigma: &[Cov]) -> Columns {
+        let moved: Vec<(Plant, f64)> = free
+            .iter()
             .map(|f| {
                 let step = h.step(*f);
                 let mut moved = h.clone();
                 moved.set(*f, h.get(*f) + step);
-                let p = self.point(&moved.plant(self.base));
+                (moved.plant(self.base), step)
+            })
+            .collect();
+        let all: Vec<Point> = moved
+            .par_iter()
+            .map(|(plant, step)| {
+                let p = self.point(plant);
                 Point {
                     z: minus(&p.z, &at.z, 1.0 / step),
                     dz: p.dz.iter().zip(&at.dz).map(|(q, r)| minus(q, r, 1.0 / step)).collect(),
                 }
             })
             .collect();
-        let mut columns = Columns { a: Vec::new(), da: vec![Vec::new(); self.evidence.copies()] };
+        let looped = self.evidence.closed_loop(sigma, &h.plant(self.base), &moved);
+        let mut columns = Columns { a: Vec::new(), da: vec![Vec::new(); self.evidence.copies()], looped };
         for p in all {
             columns.a.push(p.z);
             for (c, d) in p.dz.into_iter().enumerate() {
@@ -117,6 +146,18 @@ impl Problem<'_> {
             }
         }
         columns
+    }
+
+    /// Gain of log-likelihood of one fit over another, with the determinant of the map from motion to residual.
+    #[must_use]
+    pub fn gain(&self, over: &Fit, fit: &Fit) -> f64 {
+        let (p0, p1) = (over.hypothesis.plant(self.base), fit.hypothesis.plant(self.base));
+        let way = |sigma: &[Cov], from: &Plant, to: &Plant| -> f64 {
+            self.evidence.closed_loop(sigma, from, &[(to.clone(), 1.0)]).iter().sum()
+        };
+        let there = way(&fit.sigma, &p0, &p1);
+        let back = way(&fit.sigma, &p1, &p0);
+        fit.log_likelihood - over.log_likelihood + 0.5 * (there - back)
     }
 
     /// Covariance parts of the random inputs of a hypothesis, in order of effect and strength.
@@ -138,7 +179,7 @@ impl Problem<'_> {
     }
 
     /// Fits sizes of random inputs and of the unmodelled residual to `z`; returns log-likelihood and covariance.
-    pub(crate) fn fit_sizes(&self, h: &mut Hypothesis, z: &[f64]) -> (f64, Vec<Cov>) {
+    pub(crate) fn fit_sizes(&self, h: &mut Hypothesis, z: &[f64], effort: Effort) -> (f64, Vec<Cov>) {
         let random = self.random_parts(h);
         let generic = self.evidence.generic();
         let parts: Vec<&[Cov]> = random.iter().map(|(_, m)| m.as_slice()).chain(generic.iter().map(Vec::as_slice)).collect();
@@ -147,7 +188,7 @@ impl Problem<'_> {
             .map(|(f, _)| h.get(*f).powi(2).max(1e-8))
             .chain(h.generic.iter().map(|v| v.max(GENERIC_START)))
             .collect();
-        let (sizes, l) = components(self.evidence.noise(), &parts, z, &start, 0.02);
+        let (sizes, l) = components(self.evidence.noise(), &parts, z, &start, effort);
         for ((f, _), v) in random.iter().zip(&sizes) {
             h.set(*f, v.sqrt());
         }
@@ -155,11 +196,37 @@ impl Problem<'_> {
         (l, total(self.evidence.noise(), &parts, &sizes))
     }
 
-    /// Fits everything together from the hypothesis' values; `shapes` says whether shapes of mean effects move too.
+    /// Fits everything together from the hypothesis' values; `shapes` says whether shapes move too. Strengths that would leave
+    /// their plausible range are held at its edge.
     #[must_use]
     pub fn fit(&self, start: &Hypothesis, shapes: bool) -> Fit {
+        let mut pinned = Vec::new();
+        loop {
+            let fit = self.fit_with(start, shapes, &pinned);
+            let h = &fit.hypothesis;
+            let out = |f: &Free| match *f {
+                Free::Effect(e, i) => h.effects[e].parameters[i].beyond(h.effects[e].values[i]),
+                Free::Declared(_) => 0.0,
+            };
+            match fit.free.iter().filter(|f| out(f) > 1e-9).max_by(|a, b| out(a).total_cmp(&out(b))) {
+                Some(worst) => pinned.push(*worst),
+                None => return fit,
+            }
+        }
+    }
+
+    /// One fit with some strengths held at the edge of their range.
+    fn fit_with(&self, start: &Hypothesis, shapes: bool, pinned: &[Free]) -> Fit {
         let mut h = start.clone();
-        let free = h.free(self.declared, shapes);
+        for f in pinned {
+            if let Free::Effect(e, i) = *f {
+                let p = &h.effects[e].parameters[i];
+                let edge = h.effects[e].values[i].clamp(p.low, p.high);
+                h.set(*f, edge);
+            }
+        }
+        let mut free = h.free(self.declared, shapes);
+        free.retain(|f| !pinned.contains(f));
         let mut fit = Fit {
             hypothesis: h.clone(),
             free: free.clone(),
@@ -167,18 +234,21 @@ impl Problem<'_> {
             log_likelihood: f64::NEG_INFINITY,
             residual: Vec::new(),
             sigma: Vec::new(),
+            random_errors: Vec::new(),
             stop: StopReason::IterationLimit,
         };
-        for _ in 0..ITERATIONS {
+        for iteration in 0..ITERATIONS {
             self.evidence.focus(&h.plant(self.base));
             let at = self.point(&h.plant(self.base));
             if at.z.iter().any(|x| !x.is_finite()) {
                 fit.stop = StopReason::NotFinite;
                 return fit;
             }
-            self.refine_random_shapes(&mut h, &at.z, shapes);
-            let (_, sigma) = self.fit_sizes(&mut h, &at.z);
-            let columns = self.columns(&h, &free, &at);
+            if shapes && iteration < 2 {
+                self.refine_random_shapes(&mut h, &at.z, if iteration == 0 { 0.6 } else { 0.15 });
+            }
+            let (_, sigma) = self.fit_sizes(&mut h, &at.z, Effort::FULL);
+            let columns = self.columns(&h, &free, &at, &sigma);
             let Some(step) = Step::solve(&sigma, &at, &columns) else {
                 fit.stop = StopReason::NotExcited;
                 return fit;
@@ -194,38 +264,130 @@ impl Problem<'_> {
             }
         }
         fit.residual = self.evidence.residual(&h.plant(self.base), 0);
-        let (l, sigma) = self.fit_sizes(&mut h, &fit.residual);
+        let (l, sigma) = self.fit_sizes(&mut h, &fit.residual, Effort::FULL);
         fit.log_likelihood = if l.is_finite() { l } else { f64::NEG_INFINITY };
         fit.sigma = sigma;
+        fit.random_errors = self.random_errors(&h, &fit.residual);
         fit.hypothesis = h;
         fit
     }
 
-    /// Line search of each shape of purely random effects, on the likelihood with sizes refitted.
-    fn refine_random_shapes(&self, h: &mut Hypothesis, z: &[f64], shapes: bool) {
-        if !shapes {
-            return;
+    /// Standard errors of sizes and shapes of random inputs from the curvature of the likelihood in their logarithms, all
+    /// together; a size at zero has none.
+    fn random_errors(&self, h: &Hypothesis, z: &[f64]) -> Vec<(Free, f64)> {
+        let mut free = Vec::new();
+        for (k, e) in h.effects.iter().enumerate() {
+            if e.random_strengths().next().is_some() {
+                free.extend(e.random_strengths().chain(e.shapes()).map(|i| Free::Effect(k, i)));
+            }
         }
+        free.retain(|f| h.get(*f) > 0.0);
+        let n = free.len();
+        let likelihood = |change: &[f64]| -> f64 {
+            let mut moved = h.clone();
+            for (f, c) in free.iter().zip(change) {
+                moved.set(*f, h.get(*f) * c.exp());
+            }
+            self.likelihood(&moved, z)
+        };
+        let step = 0.05;
+        let at = |i: usize, a: f64, k: usize, b: f64| {
+            let mut c = vec![0.0; n];
+            c[i] += a;
+            c[k] += b;
+            likelihood(&c)
+        };
+        let curvature = DMatrix::from_fn(n, n, |i, k| {
+            let d = at(i, step, k, step) - at(i, step, k, -step) - at(i, -step, k, step) + at(i, -step, k, -step);
+            -d / (4.0 * step * step)
+        });
+        let Some(inverse) = curvature.cholesky().map(|c| c.inverse()) else { return Vec::new() };
+        free.iter().enumerate().map(|(i, f)| (*f, h.get(*f) * inverse[(i, i)].sqrt())).collect()
+    }
+
+    /// Log-likelihood of a residual with all sizes as they are.
+    fn likelihood(&self, h: &Hypothesis, z: &[f64]) -> f64 {
+        let (_, sigma) = self.sigma(h);
+        Whitening::new(&sigma).map_or(f64::NEG_INFINITY, |w| w.log_likelihood(z))
+    }
+
+    /// Covariance per bin with all sizes as they are, and the parts of random inputs.
+    fn sigma(&self, h: &Hypothesis) -> (Vec<(Free, Vec<Cov>)>, Vec<Cov>) {
+        let random = self.random_parts(h);
+        let generic = self.evidence.generic();
+        let parts: Vec<&[Cov]> =
+            random.iter().map(|(_, m)| m.as_slice()).chain(generic.iter().map(Vec::as_slice)).collect();
+        let sizes: Vec<f64> = random.iter().map(|(f, _)| h.get(*f).powi(2)).chain(h.generic.iter().copied()).collect();
+        let sigma = total(self.evidence.noise(), &parts, &sizes);
+        (random, sigma)
+    }
+
+    /// Covariance per bin that noise and the random inputs of a hypothesis explain, without the unmodelled residual.
+    #[must_use]
+    pub fn explained(&self, h: &Hypothesis) -> Vec<Cov> {
+        let mut known = h.clone();
+        known.generic.fill(0.0);
+        self.sigma(&known).1
+    }
+
+    /// Log-likelihood of this evidence with every number as it stands.
+    #[must_use]
+    pub fn predict(&self, h: &Hypothesis) -> f64 {
+        let z = self.evidence.residual(&h.plant(self.base), 0);
+        if z.iter().all(|x| x.is_finite()) { self.likelihood(h, &z) } else { f64::NEG_INFINITY }
+    }
+
+    /// Size that a random strength of an effect stays under with 95 % confidence: where the likelihood, other sizes refitted to
+    /// nothing better, has fallen by 1.35 (one-sided, χ² of one degree) from its maximum over that size.
+    #[must_use]
+    pub fn random_bound(&self, fit: &Fit, instance: &Instance, i: usize) -> f64 {
+        let mut h = fit.hypothesis.clone();
+        h.effects.push(instance.clone());
+        let k = h.effects.len() - 1;
+        let likelihood = |size: f64| {
+            let mut trial = h.clone();
+            trial.effects[k].values[i] = size;
+            self.likelihood(&trial, &fit.residual)
+        };
+        let best = likelihood(h.effects[k].values[i]).max(likelihood(0.0));
+        let (mut low, mut high) = (h.effects[k].values[i], instance.parameters[i].high);
+        for _ in 0..30 {
+            let middle = (low.max(1e-6 * high) * high).sqrt();
+            if likelihood(middle) < best - 1.35 { high = middle } else { low = middle }
+            if high / low.max(1e-12) < 1.02 {
+                break;
+            }
+        }
+        high
+    }
+
+    /// Line search of each shape of purely random effects, on the likelihood with sizes refitted, from steps of `width` in the
+    /// logarithm down to a thirtieth of that.
+    fn refine_random_shapes(&self, h: &mut Hypothesis, z: &[f64], width: f64) {
+        self.fit_sizes(h, z, Effort::QUICK);
         for k in 0..h.effects.len() {
             if h.effects[k].mean_strengths().next().is_some() {
                 continue;
             }
             for i in h.effects[k].shapes().collect::<Vec<_>>() {
                 let p = h.effects[k].parameters[i].clone();
-                let centre = h.effects[k].values[i];
-                let mut width = 0.5_f64;
-                let mut best = (self.fit_sizes(&mut h.clone(), z).0, centre);
-                for _ in 0..6 {
-                    for sign in [-1.0, 1.0] {
-                        let mut trial = h.clone();
-                        trial.effects[k].values[i] = (best.1 * (sign * width).exp()).clamp(p.low, p.high);
-                        let l = self.fit_sizes(&mut trial, z).0;
-                        if l > best.0 {
-                            best = (l, trial.effects[k].values[i]);
-                            break;
-                        }
+                let likelihood = |value: f64| {
+                    let mut trial = h.clone();
+                    trial.effects[k].values[i] = value;
+                    self.fit_sizes(&mut trial, z, Effort::QUICK).0
+                };
+                let mut best = (likelihood(h.effects[k].values[i]), h.effects[k].values[i]);
+                let mut step = width;
+                while step > width / 30.0 {
+                    let better = [-step, step]
+                        .map(|s| (best.1 * s.exp()).clamp(p.low, p.high))
+                        .into_par_iter()
+                        .map(|v| (likelihood(v), v))
+                        .max_by(|a, b| a.0.total_cmp(&b.0));
+                    match better {
+                        Some(b) if b.0 > best.0 => best = b,
+                        _ => step *= 0.4,
                     }
-                    width *= 0.55;
                 }
                 h.effects[k].values[i] = best.1;
             }
@@ -268,12 +430,13 @@ pub(crate) struct Step {
 pub(crate) struct Whitened {
     a: Vec<Residual>,
     da: Vec<Vec<Residual>>,
+    looped: Vec<f64>,
 }
 
 impl Whitened {
     pub(crate) fn new(w: &Whitening, columns: &Columns) -> Self {
         let all = |c: &Vec<Residual>| c.iter().map(|x| w.whiten(x)).collect::<Vec<_>>();
-        Self { a: all(&columns.a), da: columns.da.iter().map(all).collect() }
+        Self { a: all(&columns.a), da: columns.da.iter().map(all).collect(), looped: columns.looped.clone() }
     }
 }
 
@@ -284,7 +447,7 @@ fn dot(x: &[f64], y: &[f64]) -> f64 {
 /// Whitened normal equations with the correction for noise in the regressors.
 #[derive(Clone)]
 pub(crate) struct Normal {
-    /// Score `aᵀz` less what noise alone gives.
+    /// Score `aᵀz` less what noise and the closed loop give at the truth.
     pub(crate) g: DVector<f64>,
     /// Information `aᵀa` less what noise alone gives.
     pub(crate) j: DMatrix<f64>,
@@ -296,7 +459,7 @@ impl Normal {
     /// Equations of some columns.
     pub(crate) fn new(at: &Whitened, columns: &Whitened) -> Self {
         let empty = Self { g: DVector::zeros(0), j: DMatrix::zeros(0, 0), v: DMatrix::zeros(0, 0) };
-        empty.with(at, &Whitened { a: Vec::new(), da: vec![Vec::new(); at.da.len()] }, columns)
+        empty.with(at, &Whitened { a: Vec::new(), da: vec![Vec::new(); at.da.len()], looped: Vec::new() }, columns)
     }
     /// Equations of known columns (these) and more; `at` holds the residual and its copies as its only column.
     pub(crate) fn with(&self, at: &Whitened, known: &Whitened, more: &Whitened) -> Self {
@@ -309,7 +472,7 @@ impl Normal {
         let weight = 1.0 / at.da.len().max(1) as f64;
         for i in 0..m {
             let noise: f64 = more.da.iter().zip(&at.da).map(|(d, z)| dot(&d[i], &z[0])).sum();
-            all.g[n + i] = dot(&more.a[i], &at.a[0]) - weight * noise;
+            all.g[n + i] = dot(&more.a[i], &at.a[0]) - weight * noise - more.looped[i];
             for k in 0..=n + i {
                 let (other, dother): (&Residual, Vec<&Residual>) = if k < n {
                     (&known.a[k], known.da.iter().map(|d| &d[k]).collect())

@@ -49,13 +49,10 @@ impl Instance {
     pub fn is_local(&self) -> bool {
         self.parameters.iter().any(|p| p.role == Role::Run)
     }
-    /// True when every value is inside its plausible range, or within two standard errors of it (`std_error` by index).
+    /// True when every value is inside its plausible range.
     #[must_use]
-    pub fn is_plausible(&self, std_error: impl Fn(usize) -> f64) -> bool {
-        self.values.iter().zip(&self.parameters).enumerate().all(|(i, (v, p))| {
-            let margin = 2.0 * std_error(i);
-            v.is_finite() && *v >= p.low - margin && *v <= p.high + margin
-        })
+    pub fn is_plausible(&self) -> bool {
+        self.values.iter().zip(&self.parameters).all(|(v, p)| v.is_finite() && p.beyond(*v) < 1e-9)
     }
 }
 
@@ -111,7 +108,7 @@ impl Hypothesis {
         let mut free: Vec<Free> = (0..self.declared.len()).filter(|&i| declared[i]).map(Free::Declared).collect();
         for (k, e) in self.effects.iter().enumerate() {
             free.extend(e.mean_strengths().map(|i| Free::Effect(k, i)));
-            if shapes && e.mean_strengths().next().is_some() {
+            if shapes && e.mean_strengths().next().is_some() && !e.is_local() {
                 free.extend(e.shapes().map(|i| Free::Effect(k, i)));
             }
         }
@@ -125,7 +122,7 @@ impl Hypothesis {
             Free::Effect(e, i) => {
                 let p = &self.effects[e].parameters[i];
                 match p.role {
-                    Role::Strength => 1e-3 * p.high.min(1e3),
+                    Role::Strength => p.step,
                     Role::Instant => 0.01,
                     Role::Shape(_) | Role::Run => 0.02 * self.effects[e].values[i].abs().max(1e-6),
                 }

@@ -4,11 +4,13 @@ mod evidence;
 mod fit;
 mod hypothesis;
 mod likelihood;
+mod point;
 mod search;
 mod tunnel;
 
-pub use evidence::{BIN, Cov, Evidence, Residual};
+pub use evidence::{BIN, Cov, Evidence, LeadTable, Residual};
 pub use fit::{Fit, Problem, StopReason};
 pub use hypothesis::{Free, Hypothesis, Instance, acts};
+pub use point::{PointEvidence, TrackResidual};
 pub use search::{Candidate, p_value, weigh};
 pub use tunnel::{BAND_HZ, TunnelEvidence};

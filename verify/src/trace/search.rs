@@ -6,7 +6,7 @@
 use super::evidence::Residual;
 use super::fit::{Columns, Fit, Normal, Point, Problem, Whitened};
 use super::hypothesis::{Free, Hypothesis, Instance};
-use super::likelihood::Whitening;
+use super::likelihood::{Effort, Whitening};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -47,7 +47,7 @@ pub fn weigh(problem: &Problem<'_>, fit: &Fit, acts: Acts) -> Vec<Candidate> {
     problem.evidence.focus(&plant);
     let at = problem.point(&plant);
     let known = h.free(problem.declared, false);
-    let columns = problem.columns(h, &known, &at);
+    let columns = problem.columns(h, &known, &at, &fit.sigma);
     let Some(whitening) = Whitening::new(&fit.sigma) else { return Vec::new() };
     let (point, columns) = (at.whitened(&whitening), Whitened::new(&whitening, &columns));
     let normal = Normal::new(&point, &columns);
@@ -105,8 +105,10 @@ impl Context<'_> {
                     Role::Instant => {
                         let run = null.parameters.iter().position(|q| q.role == Role::Run);
                         let index = run.and_then(|r| runs.iter().position(|k| *k as f64 == form.values[r]));
-                        let end_s = index.map_or(0.0, |k| durations[k]);
-                        (0..).map(|k| f64::from(k) * INSTANT_STEP_S).take_while(|t| *t < end_s).collect()
+                        let margin_s = self.problem.evidence.margin_s();
+                        let end_s = index.map_or(0.0, |k| durations[k]) - margin_s - 2.0 * INSTANT_STEP_S;
+                        let at = |k: i32| margin_s + f64::from(k) * INSTANT_STEP_S;
+                        (0..).map(at).take_while(|t| *t < end_s).collect()
                     }
                 }
             };
@@ -135,7 +137,7 @@ impl Context<'_> {
         let (h, k) = self.with(&form);
         let strengths: Vec<usize> = form.mean_strengths().collect();
         let free: Vec<Free> = strengths.iter().map(|&i| Free::Effect(k, i)).collect();
-        let own = self.problem.columns(&h, &free, &self.at);
+        let own = self.problem.columns(&h, &free, &self.at, &self.fit.sigma);
         self.judge(form, &strengths, own)
     }
 
@@ -158,39 +160,48 @@ impl Context<'_> {
             })
             .collect();
         let zero = vec![vec![0.0; self.at.z.len()]; strengths.len()];
-        self.judge(form, &strengths, Columns { a, da: vec![zero; self.at.dz.len()] })
+        self.judge(form, &strengths, Columns { looped: vec![0.0; a.len()], a, da: vec![zero; self.at.dz.len()] })
     }
 
     fn judge(&self, mut form: Instance, strengths: &[usize], own: Columns) -> Option<Candidate> {
         if own.a.iter().flatten().any(|x| !x.is_finite()) {
             return None;
         }
-        // Strengths that do nothing to these data are left out.
-        let live: Vec<usize> = (0..strengths.len()).filter(|&j| own.a[j].iter().any(|x| *x != 0.0)).collect();
-        if live.is_empty() {
-            return None;
+        // Strengths that do nothing to these data are left out, and then, one at a time, those that would leave their range.
+        let mut live: Vec<usize> = (0..strengths.len()).filter(|&j| own.a[j].iter().any(|x| *x != 0.0)).collect();
+        let n = self.normal.g.len();
+        loop {
+            if live.is_empty() {
+                return None;
+            }
+            let some = |all: &[Residual]| live.iter().map(|&j| all[j].clone()).collect::<Vec<_>>();
+            let columns = Columns {
+                a: some(&own.a),
+                da: own.da.iter().map(|d| some(d)).collect(),
+                looped: live.iter().map(|&j| own.looped[j]).collect(),
+            };
+            let step = self.normal.with(&self.point, &self.columns, &Whitened::new(&self.whitening, &columns)).solve()?;
+            let beyond = |i: usize| form.parameters[strengths[live[i]]].beyond(step.delta[n + i]);
+            if let Some(worst) = (0..live.len()).filter(|&i| beyond(i) > 0.0).max_by(|a, b| beyond(*a).total_cmp(&beyond(*b))) {
+                live.remove(worst);
+                continue;
+            }
+            let m = live.len();
+            let estimate = DVector::from_fn(m, |i, _| step.delta[n + i]);
+            let covariance = DMatrix::from_fn(m, m, |i, k| step.covariance[(n + i, n + k)]);
+            let statistic = (estimate.transpose() * covariance.clone().cholesky()?.inverse() * &estimate)[0];
+            let mut std_errors = Vec::new();
+            for (i, &j) in live.iter().enumerate() {
+                form.values[strengths[j]] = estimate[i];
+                std_errors.push((strengths[j], covariance[(i, i)].sqrt()));
+            }
+            return Some(Candidate { instance: form, statistic, degrees: m, tried: 1, p_value: 1.0, std_errors });
         }
-        let live_of = |all: &Vec<Residual>| live.iter().filter_map(|&j| all.get(j).cloned()).collect::<Vec<_>>();
-        let own = Columns { a: live_of(&own.a), da: own.da.iter().map(live_of).collect() };
-        let step = self.normal.with(&self.point, &self.columns, &Whitened::new(&self.whitening, &own)).solve()?;
-        let (n, m) = (self.normal.g.len(), live.len());
-        let estimate = DVector::from_fn(m, |i, _| step.delta[n + i]);
-        let covariance = DMatrix::from_fn(m, m, |i, k| step.covariance[(n + i, n + k)]);
-        let statistic = (estimate.transpose() * covariance.clone().cholesky()?.inverse() * &estimate)[0];
-        let mut std_errors = Vec::new();
-        for (i, &j) in live.iter().enumerate() {
-            form.values[strengths[j]] = estimate[i];
-            std_errors.push((strengths[j], covariance[(i, i)].sqrt()));
-        }
-        let error = |k: usize| std_errors.iter().find(|(i, _)| *i == k).map_or(0.0, |(_, s)| *s);
-        // A size that cannot be says that something else is at work.
-        let statistic = if form.is_plausible(error) { statistic } else { 0.0 };
-        Some(Candidate { instance: form, statistic, degrees: m, tried: 1, p_value: 1.0, std_errors })
     }
 
     fn random(&self, form: Instance) -> Option<Candidate> {
         let (mut h, k) = self.with(&form);
-        let (l, _) = self.problem.fit_sizes(&mut h, &self.at.z);
+        let (l, _) = self.problem.fit_sizes(&mut h, &self.at.z, Effort::QUICK);
         let degrees = form.random_strengths().count();
         l.is_finite().then(|| Candidate {
             instance: h.effects[k].clone(),

@@ -5,17 +5,20 @@
 //! divided out; everything that a plant predicts comes from a wide window, so that little sensor noise reaches it. What noise
 //! leaves in a bin, and what it does through the predictions, is measured on copies of the data with noise added again.
 
-use super::evidence::{BIN, Cov, Evidence, Residual};
+use super::evidence::{BIN, Cov, Evidence, LeadTable, Residual};
+use super::fit::Fit;
 use crate::VerifyError;
-use nalgebra::{Matrix3, SVector, Vector3};
+use crate::close::ChannelResidual;
+use nalgebra::{Complex, Matrix3, Matrix6, SMatrix, SVector, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use realfft::{RealFftPlanner, RealToComplex};
 use std::sync::{Arc, RwLock};
-use windfall_model::frames::{EulerXyz, Vec3};
-use windfall_model::{AirState, Campaign, Data, Entry, Motion, Plant, Record, Sensors, Wrench};
+use windfall_model::frames::{Body, EulerXyz, Rotation, Vec3};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use windfall_model::{AirState, Campaign, Coefficient, Data, Entry, Motion, Plant, Record, Sensors, Variable, Wrench};
 use windfall_pid::coefficients::{Row, coefficients};
 use windfall_pid::smooth::Smoothed;
 use windfall_pid::states::{State, states};
@@ -23,8 +26,10 @@ use windfall_pid::window::{Kernels, Window};
 
 /// Highest frequency used, Hz.
 pub const BAND_HZ: f64 = 5.0;
+/// Nothing is taken from this much at either end, s: there the windows are off-centre and noisier than inside.
+const QUIET_S: f64 = 0.2;
 /// Rise of the taper at both ends, s.
-const RAMP_S: f64 = 0.4;
+const RAMP_S: f64 = 0.3;
 /// Window for accelerations: flat to 1 % up to the band.
 const NARROW: Window = Window { half_width_s: 0.1, degree: 6 };
 /// Window for predictions.
@@ -45,7 +50,7 @@ impl Projector {
         let taper: Vec<f64> = (0..samples)
             .map(|i| {
                 // A function of time alone, so that projections at two sample rates agree; sin⁴ keeps their aliases below 1e-8.
-                let edge = i.min(samples - i) as f64 * interval_s;
+                let edge = (i.min(samples - i) as f64 * interval_s - QUIET_S).max(0.0);
                 if edge >= RAMP_S { 1.0 } else { (std::f64::consts::FRAC_PI_2 * edge / RAMP_S).sin().powi(4) }
             })
             .collect();
@@ -89,6 +94,10 @@ struct Prepared {
     project: Projector,
     /// Dynamic pressure under the declared plant, Pa, at the samples of predictions.
     q_declared_pa: Vec<f64>,
+    /// States of the data under the declared plant, at the same samples.
+    states: Vec<State>,
+    /// Gain of wide smoothing per bin.
+    wide_gain: Vec<f64>,
 }
 
 /// The latest plant without aerodynamics and contacts (both are added to its rows), and the rows it gives per run and copy.
@@ -131,8 +140,8 @@ impl TunnelEvidence {
         for copy in &all[1..] {
             for ((m, a), b) in raw.iter_mut().zip(copy.chunks_exact(BIN)).zip(all[0].chunks_exact(BIN)) {
                 let part = |from: usize| SVector::<f64, 6>::from_fn(|c, _| a[from + c] - b[from + c]);
-                let (re, im) = (part(0), part(6));
-                *m += (re * re.transpose() + im * im.transpose()) * (0.5 / self.copies as f64);
+                let z = part(0).map(|x| Complex::new(x, 0.0)) + part(6).map(|x| Complex::new(0.0, x));
+                *m += real_form(&(z * z.adjoint())) / self.copies as f64;
             }
         }
         self.noise.clear();
@@ -147,6 +156,7 @@ impl TunnelEvidence {
                 let level = self.noise.iter().map(|m| m[(c, c)]).sum::<f64>() / bins as f64;
                 let mut unit = Cov::zeros();
                 unit[(c, c)] = level;
+                unit[(6 + c, 6 + c)] = level;
                 vec![unit; bins]
             })
             .collect();
@@ -218,6 +228,102 @@ impl TunnelEvidence {
     pub fn frequencies(&self) -> Vec<(usize, f64)> {
         self.runs.iter().enumerate().flat_map(|(r, p)| (0..p.bins).map(move |k| (r, k as f64 / p.duration_s))).collect()
     }
+}
+
+impl Prepared {
+    /// Angular frequency of a bin, rad/s.
+    fn omega(&self, bin: usize) -> f64 {
+        std::f64::consts::TAU * bin as f64 / self.duration_s
+    }
+}
+
+/// Map from a small change of measured pose (position along and rotation about body axes) to the residual, averaged along a
+/// run: by the pose itself, its rate and its second derivative.
+struct LoopMap {
+    orders: [Matrix6<f64>; 3],
+}
+
+/// States of a run that the map is averaged over.
+const LOOP_STATES: usize = 40;
+
+impl LoopMap {
+    fn new(run: &Prepared, plant: &Plant, declared: &Plant) -> Option<Self> {
+        let own = plant.for_run(run.index, &run.inputs);
+        let unit = Unit::new(&own, declared);
+        let mut orders = [Matrix6::<f64>::zeros(); 3];
+        let stride = (run.states.len() / LOOP_STATES).max(1);
+        let some: Vec<(&State, &f64)> = run.states.iter().zip(&run.q_declared_pa).step_by(stride).collect();
+        let scale = (1.0 + declared.sensors.wind_scale) / (1.0 + own.sensors.wind_scale);
+        for (s, q) in &some {
+            let air = AirState { vw_m_s: s.vw * scale, vw_rate_m_s2: s.vw_rate * scale, ..still(s) };
+            let balance = |order: usize, column: usize, h: f64| {
+                let e = balance(&moved_by(&motion(s), own.vehicle.p_origin_cm, order, column, h), &air, &own, **q);
+                SVector::<f64, 6>::from(unit.convert(e, 1.0))
+            };
+            for (order, m) in orders.iter_mut().enumerate() {
+                for column in 0..6 {
+                    let h = 1e-3;
+                    let d = (balance(order, column, h) - balance(order, column, -h)) / (2.0 * h * some.len() as f64);
+                    m.column_mut(column).zip_apply(&d, |a, b| *a += b);
+                }
+            }
+        }
+        orders.iter().all(|m| m.iter().all(|x| x.is_finite())).then_some(Self { orders })
+    }
+    fn at(&self, omega: f64) -> SMatrix<Complex<f64>, 6, 6> {
+        let real = self.orders[0] - self.orders[2] * (omega * omega);
+        real.zip_map(&(self.orders[1] * omega), Complex::new)
+    }
+}
+
+/// A motion whose origin's pose (order 0), its rate (1) or second derivative (2) is changed by `h` along (columns 0-2) or about
+/// (3-5) a body axis.
+fn moved_by(m: &Motion, r_cm: Vec3<Body>, order: usize, column: usize, h: f64) -> Motion {
+    let mut axis = [0.0; 3];
+    axis[column % 3] = h;
+    let (axis, r) = (Vec3::<Body>::from_array(axis), m.r_tunnel_body);
+    // A rotation moves the c.m. about the origin.
+    let shift = if column < 3 { r * axis } else { r * axis.cross(r_cm) };
+    let mut n = *m;
+    match order {
+        0 => {
+            n.p_tunnel_cm += shift;
+            if column >= 3 {
+                let q = axis.to_array().map(|x| 0.5 * x);
+                n.r_tunnel_body = r * Rotation::from_quaternion([1.0, q[0], q[1], q[2]]);
+            }
+        }
+        1 => {
+            n.v_tunnel_cm += shift;
+            if column >= 3 {
+                n.w_tunnel_body += axis;
+            }
+        }
+        _ => {
+            n.a_tunnel_cm += shift;
+            if column >= 3 {
+                n.w_tunnel_body_rate += axis;
+            }
+        }
+    }
+    n
+}
+
+/// Load that a motion needs beyond what a plant gives, as coefficients at the declared dynamic pressure.
+fn balance(m: &Motion, air: &AirState, plant: &Plant, q_pa: f64) -> [f64; 6] {
+    let v = &plant.vehicle;
+    let i = v.inertia.matrix();
+    let (w, wd) = (m.w_tunnel_body.xyz, m.w_tunnel_body_rate.xyz);
+    let g = Vec3::new(plant.environment.gravity_m_s2, 0.0, 0.0);
+    let given = plant.wrench(m, air);
+    let f = m.r_tunnel_body.inverse() * (m.a_tunnel_cm - g) * v.mass_kg - given.f;
+    let moment = Vec3::from(i * wd + w.cross(&(i * w))) - given.m;
+    load_coefficients(&Wrench { f, m: moment }, q_pa, plant).into()
+}
+
+/// Complex covariance of a bin from its real form.
+fn circular(m: &Cov) -> SMatrix<Complex<f64>, 6, 6> {
+    SMatrix::from_fn(|i, k| Complex::new(m[(i, k)] + m[(6 + i, 6 + k)], m[(6 + i, k)] - m[(i, 6 + k)]))
 }
 
 /// Residuals of every plant in one unit: that of the acceleration they miss, as a load on the declared vehicle at the declared
@@ -295,6 +401,50 @@ impl Evidence for TunnelEvidence {
         }
         out
     }
+    fn closed_loop(&self, sigma: &[Cov], plant: &Plant, moved: &[(Plant, f64)]) -> Vec<f64> {
+        let starts = self.runs.iter().scan(0, |at, r| {
+            let start = *at;
+            *at += r.bins;
+            Some(start)
+        });
+        let runs: Vec<(&Prepared, usize)> = self.runs.iter().zip(starts).collect();
+        let share = |bin: usize| circular(&(sigma[bin] - self.noise[bin]));
+        let idle = (0..sigma.len()).all(|b| {
+            (sigma[b] - self.noise[b]).diagonal().iter().zip(self.noise[b].diagonal().iter()).all(|(d, n)| *d < 1e-3 * n)
+        });
+        if idle {
+            return vec![0.0; moved.len()];
+        }
+        let prepared: Vec<Option<(LoopMap, Vec<SMatrix<Complex<f64>, 6, 6>>)>> = runs
+            .par_iter()
+            .map(|(run, start)| {
+                let map = LoopMap::new(run, plant, &self.declared)?;
+                let back = (0..run.bins)
+                    .map(|k| {
+                        let bin = start + k;
+                        let p = share(bin) * circular(&sigma[bin]).try_inverse()?;
+                        let l = map.at(run.omega(k)).try_inverse()?;
+                        Some(l * p * Complex::new(2.0 * run.wide_gain[k], 0.0))
+                    })
+                    .map(|m| m.unwrap_or_else(SMatrix::zeros))
+                    .collect();
+                Some((map, back))
+            })
+            .collect();
+        moved
+            .par_iter()
+            .map(|(to, step)| {
+                let mut sum = 0.0;
+                for ((run, _), prepared) in runs.iter().zip(&prepared) {
+                    let (Some((map, back)), Some(other)) = (prepared, LoopMap::new(run, to, &self.declared)) else { continue };
+                    for (k, b) in back.iter().enumerate().skip(1) {
+                        sum += ((other.at(run.omega(k)) - map.at(run.omega(k))) * b).trace().re;
+                    }
+                }
+                sum / step
+            })
+            .collect()
+    }
     fn focus(&self, plant: &Plant) {
         let bare = without_aero(plant);
         if self.focus.read().is_ok_and(|f| f.as_ref().is_some_and(|(known, _)| *known == bare)) {
@@ -312,6 +462,64 @@ impl Evidence for TunnelEvidence {
     }
     fn run_indices(&self) -> Vec<usize> {
         self.runs.iter().map(|r| r.index).collect()
+    }
+    fn margin_s(&self) -> f64 {
+        QUIET_S + RAMP_S
+    }
+    fn settle(&mut self, plant: &Plant) {
+        self.measure_noise(plant);
+    }
+    fn channel_residuals(&self, z: &[f64], expected: &[Cov], fitted: usize) -> Vec<ChannelResidual> {
+        Coefficient::ALL
+            .iter()
+            .enumerate()
+            .map(|(c, name)| {
+                let parts = || z.chunks_exact(BIN).zip(expected).flat_map(move |(z, m)| [(z[c], m[(c, c)]), (z[6 + c], m[(6 + c, 6 + c)])]);
+                let numbers = parts().count() as f64;
+                // Density per rad/s times the width of a bin, summed: the variance in the band.
+                let width = std::f64::consts::TAU * BAND_HZ / (0.5 * numbers);
+                let (sum, expected, ratio) =
+                    parts().fold((0.0, 0.0, 0.0), |(a, b, r), (z, v)| (a + z * z, b + v, r + z * z / v));
+                let degrees = (numbers - fitted as f64 / 6.0).max(1.0);
+                // Noise is known from the copies, each averaged over neighbours that repeat about every seventh bin.
+                let known = numbers * self.copies as f64;
+                let p_value = FisherSnedecor::new(degrees, known).map_or(1.0, |f| f.sf(ratio / degrees));
+                ChannelResidual {
+                    channel: name.name().to_owned(),
+                    rms: (sum * width).sqrt(),
+                    expected_rms: (expected * width).sqrt(),
+                    p_value,
+                }
+            })
+            .collect()
+    }
+    fn lead_table(&self, plant: &Plant) -> LeadTable {
+        let mut table = LeadTable { residuals: vec![Vec::new(); 6], variables: Vec::new() };
+        let names = ["time in the run (s)", "X (m)", "Y (m)", "Z (m)", "distance from the axis (m)"];
+        table.variables = Variable::ALL
+            .iter()
+            .map(|v| v.name().to_owned())
+            .chain(names.iter().map(|n| (*n).to_owned()))
+            .map(|n| (n, Vec::new()))
+            .collect();
+        for (run, series) in self.runs.iter().zip(self.series(plant)) {
+            for (state, (row, e)) in run.states.iter().zip(series) {
+                table.residuals.iter_mut().zip(e).for_each(|(r, e)| r.push(e));
+                let [x, y, z] = state.p_tunnel_origin;
+                let own = [row.t_s, x, y, z, y.hypot(z)];
+                let values = row.flow.values.iter().chain(&own);
+                table.variables.iter_mut().zip(values).for_each(|((_, s), v)| s.push(*v));
+            }
+        }
+        table
+    }
+    fn peak_hz(&self, fit: &Fit, channel: usize) -> Option<f64> {
+        let ratios = fit.residual.chunks_exact(BIN).zip(&self.noise);
+        ratios
+            .zip(self.frequencies())
+            .map(|((z, m), (_, f))| ((z[channel].powi(2) + z[6 + channel].powi(2)) / m[(channel, channel)], f))
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, f)| f)
     }
 }
 
@@ -340,7 +548,8 @@ fn prepare(
     let gains: Vec<f64> = (0..bins).map(|k| narrow.second_gain(std::f64::consts::TAU * k as f64 / (n as f64 * dt), dt)).collect();
     let mut smoothed = Vec::with_capacity(copies + 1);
     let mut beyond = Vec::with_capacity(copies + 1);
-    let mut q_declared_pa = Vec::new();
+    let (mut q_declared_pa, mut kept) = (Vec::new(), Vec::new());
+    let wide_gain = (0..bins).map(|k| wide.value_gain(std::f64::consts::TAU * k as f64 / (n as f64 * dt), dt)).collect();
     for copy in 0..=copies {
         let channels = noisy(record, &declared.sensors, seed, index, copy).map(|c| c[..n].to_vec());
         let a = decimated(record, &narrow, &channels, 1);
@@ -351,6 +560,7 @@ fn prepare(
         let coarse = rows(&b)?;
         if copy == 0 {
             q_declared_pa = coarse.iter().map(|r| r.q_pa).collect();
+            kept = states(&b, &plant)?;
         }
         for (bin, gain) in z.chunks_exact_mut(BIN).zip(&gains) {
             bin.iter_mut().for_each(|x| *x /= gain);
@@ -370,6 +580,8 @@ fn prepare(
         beyond,
         project,
         q_declared_pa,
+        states: kept,
+        wide_gain,
     })
 }
 
@@ -428,18 +640,36 @@ fn random_of_run(run: &Prepared, plant: &Plant) -> Vec<Cov> {
     let some: Vec<&State> = all.iter().step_by(4).collect();
     let speed = some.iter().map(|s| s.speed).sum::<f64>() / some.len() as f64;
     for d in own.disturbances(speed) {
-        let (mut steady, mut rate) = (Cov::zeros(), Cov::zeros());
+        let (mut steady, mut rate, mut cross) = (Matrix6::zeros(), Matrix6::zeros(), Matrix6::zeros());
         for s in &some {
             let (g, h) = gain(s, &own, d.entry);
             steady += g * g.transpose() / some.len() as f64;
             rate += h * h.transpose() / some.len() as f64;
+            cross += (h * g.transpose() - g * h.transpose()) / some.len() as f64;
         }
         for (k, m) in out.iter_mut().enumerate() {
             let w = std::f64::consts::TAU * k as f64 / run.duration_s;
-            *m += (steady + rate * (w * w)) * (0.5 * d.density(w));
+            // (G + iωH)(G + iωH)ᴴ
+            let s = (steady + rate * (w * w)).zip_map(&(cross * w), Complex::new);
+            *m += real_form(&s) * d.density(w);
         }
     }
     out
+}
+
+/// Covariance of real and imaginary parts of a circular vector with covariance `E z zᴴ = s`.
+fn real_form(s: &SMatrix<Complex<f64>, 6, 6>) -> Cov {
+    let mut m = Cov::zeros();
+    for i in 0..6 {
+        for k in 0..6 {
+            let (re, im) = (0.5 * s[(i, k)].re, 0.5 * s[(i, k)].im);
+            m[(i, k)] = re;
+            m[(6 + i, 6 + k)] = re;
+            m[(6 + i, k)] = im;
+            m[(i, 6 + k)] = -im;
+        }
+    }
+    m
 }
 
 /// Change of the six coefficients at the origin per unit of a random input, and per unit of its rate.
@@ -452,19 +682,7 @@ fn gain(s: &State, plant: &Plant, entry: Entry) -> (SVector<f64, 6>, SVector<f64
         }
         Entry::AirVelocity(axis) => axis,
     };
-    let [rx_rad, ry_rad, rz_rad] = s.euler_rad;
-    let r = EulerXyz { rx_rad, ry_rad, rz_rad }.r_tunnel_body();
-    let w = Vec3::from_array(s.pqr);
-    let motion = Motion {
-        t_s: s.t_s,
-        p_tunnel_cm: Vec3::from_array(s.p_tunnel_cm),
-        v_tunnel_cm: r * Vec3::from_array(s.uvw),
-        r_tunnel_body: r,
-        w_tunnel_body: w,
-        a_tunnel_cm: r * (Vec3::from_array(s.uvw_rate) + w.cross(Vec3::from_array(s.uvw))),
-        w_tunnel_body_rate: Vec3::from_array(s.pqr_rate),
-    };
-    let still = AirState { vw_m_s: s.vw, vw_rate_m_s2: s.vw_rate, density_kg_m3: s.density, ..AirState::default() };
+    let (motion, still) = (motion(s), still(s));
     let unit = |x: f64| {
         let mut v = [0.0; 3];
         v[axis] = x;
@@ -477,6 +695,27 @@ fn gain(s: &State, plant: &Plant, entry: Entry) -> (SVector<f64, 6>, SVector<f64
         (coefficients(&AirState { gust: unit(h), ..still }) - base) / h,
         (coefficients(&AirState { gust_rate: unit(h), ..still }) - base) / h,
     )
+}
+
+/// A state as the motion that forces are made of.
+fn motion(s: &State) -> Motion {
+    let [rx_rad, ry_rad, rz_rad] = s.euler_rad;
+    let r = EulerXyz { rx_rad, ry_rad, rz_rad }.r_tunnel_body();
+    let (u, w) = (Vec3::from_array(s.uvw), Vec3::from_array(s.pqr));
+    Motion {
+        t_s: s.t_s,
+        p_tunnel_cm: Vec3::from_array(s.p_tunnel_cm),
+        v_tunnel_cm: r * u,
+        r_tunnel_body: r,
+        w_tunnel_body: w,
+        a_tunnel_cm: r * (Vec3::from_array(s.uvw_rate) + w.cross(u)),
+        w_tunnel_body_rate: Vec3::from_array(s.pqr_rate),
+    }
+}
+
+/// The air of a state, without gusts.
+fn still(s: &State) -> AirState {
+    AirState { vw_m_s: s.vw, vw_rate_m_s2: s.vw_rate, density_kg_m3: s.density, ..AirState::default() }
 }
 
 /// A force and moment at the c.m. as six coefficients at the origin.
