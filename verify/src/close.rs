@@ -89,8 +89,7 @@ pub fn close(campaign: &Campaign, options: &Options) -> Result<Closing, VerifyEr
         if added.len() >= options.most_effects {
             break weighed;
         }
-        let Some((next, why)) =
-            round(&problem(campaign, proof.as_ref()), held_proof.as_deref(), &fit, &weighed, body, options)
+        let Some((next, why)) = round(&problem(campaign, proof.as_ref()), held_proof.as_deref(), &fit, &weighed, body, options)
         else {
             break weighed;
         };
@@ -167,11 +166,8 @@ fn round(
     let families = CATALOGUE.iter().filter(|e| e.acts == body).count();
     let rare = |p: f64| p_value_of_best(p, families) < options.false_alarm;
     let strongest = weighed.iter().map(|c| c.statistic).fold(0.0, f64::max);
-    let short: Vec<&Candidate> = weighed
-        .iter()
-        .filter(|c| rare(c.p_value) && c.statistic > SHORTLIST_SHARE * strongest)
-        .take(options.shortlist)
-        .collect();
+    let short: Vec<&Candidate> =
+        weighed.iter().filter(|c| rare(c.p_value) && c.statistic > SHORTLIST_SHARE * strongest).take(options.shortlist).collect();
     let numbers = (problem.evidence.samples() as f64).ln();
     let mut fits: Vec<(f64, f64, Fit, &Candidate)> = short
         .into_par_iter()
@@ -192,11 +188,8 @@ fn round(
         .collect();
     fits.sort_by(|a, b| b.0.total_cmp(&a.0));
     let confirmed = |f: &Fit, c: &Candidate| held.filter(|_| !c.instance.is_local()).map(|h| held_gain(problem, h, fit, f));
-    let (position, held_out_gain) = fits
-        .iter()
-        .enumerate()
-        .map(|(i, (_, _, f, c))| (i, confirmed(f, c)))
-        .find(|(_, gain)| gain.is_none_or(|g| g > 0.0))?;
+    let (position, held_out_gain) =
+        fits.iter().enumerate().map(|(i, (_, _, f, c))| (i, confirmed(f, c))).find(|(_, gain)| gain.is_none_or(|g| g > 0.0))?;
     let (best, p, ..) = fits[position];
     let least = best - options.rival_odds.ln();
     let rivals = fits

@@ -83,6 +83,9 @@ impl Fit {
     }
 }
 
+/// A number that the data do not determine beside the others.
+struct Undetermined(Free);
+
 /// Residuals at a point: of the data, and what each noisy copy adds.
 pub(crate) struct Point {
     pub(crate) z: Residual,
@@ -197,12 +200,24 @@ impl Problem<'_> {
     }
 
     /// Fits everything together from the hypothesis' values; `shapes` says whether shapes move too. Strengths that would leave
-    /// their plausible range are held at its edge.
+    /// their plausible range are held at its edge, those that the data cannot tell from the rest at null.
     #[must_use]
     pub fn fit(&self, start: &Hypothesis, shapes: bool) -> Fit {
+        let mut start = start.clone();
         let mut pinned = Vec::new();
         loop {
-            let fit = self.fit_with(start, shapes, &pinned);
+            let fit = match self.fit_with(&start, shapes, &pinned) {
+                Ok(fit) => fit,
+                Err(Undetermined(f)) => {
+                    if let Free::Effect(e, i) = f
+                        && start.effects[e].parameters[i].role == windfall_model::Role::Strength
+                    {
+                        start.effects[e].values[i] = start.effects[e].parameters[i].null;
+                    }
+                    pinned.push(f);
+                    continue;
+                }
+            };
             let h = &fit.hypothesis;
             let out = |f: &Free| match *f {
                 Free::Effect(e, i) => h.effects[e].parameters[i].beyond(h.effects[e].values[i]),
@@ -216,7 +231,7 @@ impl Problem<'_> {
     }
 
     /// One fit with some strengths held at the edge of their range.
-    fn fit_with(&self, start: &Hypothesis, shapes: bool, pinned: &[Free]) -> Fit {
+    fn fit_with(&self, start: &Hypothesis, shapes: bool, pinned: &[Free]) -> Result<Fit, Undetermined> {
         let mut h = start.clone();
         for f in pinned {
             if let Free::Effect(e, i) = *f {
@@ -242,16 +257,26 @@ impl Problem<'_> {
             let at = self.point(&h.plant(self.base));
             if at.z.iter().any(|x| !x.is_finite()) {
                 fit.stop = StopReason::NotFinite;
-                return fit;
+                return Ok(fit);
             }
             if shapes && iteration < 2 {
                 self.refine_random_shapes(&mut h, &at.z, if iteration == 0 { 0.6 } else { 0.15 });
             }
             let (_, sigma) = self.fit_sizes(&mut h, &at.z, Effort::FULL);
             let columns = self.columns(&h, &free, &at, &sigma);
-            let Some(step) = Step::solve(&sigma, &at, &columns) else {
+            let dead = |f: &Free, a: &Residual| matches!(f, Free::Effect(..)) && a.iter().all(|x| *x == 0.0);
+            let unseen: Vec<Free> = free.iter().zip(&columns.a).filter(|(f, a)| dead(f, a)).map(|(f, _)| *f).collect();
+            if !unseen.is_empty() {
+                return self.fit_with(start, shapes, &[pinned, &unseen].concat());
+            }
+            let normal = Whitening::new(&sigma).map(|w| Normal::new(&at.whitened(&w), &Whitened::new(&w, &columns)));
+            let Some(step) = normal.as_ref().and_then(Normal::solve) else {
+                let may = |i: usize| matches!(free[i], Free::Effect(..));
+                if let Some(i) = normal.and_then(|n| n.undetermined(may)) {
+                    return Err(Undetermined(free[i]));
+                }
                 fit.stop = StopReason::NotExcited;
-                return fit;
+                return Ok(fit);
             };
             fit.covariance = step.covariance.clone();
             let moved = apply(&mut h, &free, &step.delta);
@@ -269,7 +294,7 @@ impl Problem<'_> {
         fit.sigma = sigma;
         fit.random_errors = self.random_errors(&h, &fit.residual);
         fit.hypothesis = h;
-        fit
+        Ok(fit)
     }
 
     /// Standard errors of sizes and shapes of random inputs from the curvature of the likelihood in their logarithms, all
@@ -315,8 +340,7 @@ impl Problem<'_> {
     fn sigma(&self, h: &Hypothesis) -> (Vec<(Free, Vec<Cov>)>, Vec<Cov>) {
         let random = self.random_parts(h);
         let generic = self.evidence.generic();
-        let parts: Vec<&[Cov]> =
-            random.iter().map(|(_, m)| m.as_slice()).chain(generic.iter().map(Vec::as_slice)).collect();
+        let parts: Vec<&[Cov]> = random.iter().map(|(_, m)| m.as_slice()).chain(generic.iter().map(Vec::as_slice)).collect();
         let sizes: Vec<f64> = random.iter().map(|(f, _)| h.get(*f).powi(2)).chain(h.generic.iter().copied()).collect();
         let sigma = total(self.evidence.noise(), &parts, &sizes);
         (random, sigma)
@@ -353,7 +377,11 @@ impl Problem<'_> {
         let (mut low, mut high) = (h.effects[k].values[i], instance.parameters[i].high);
         for _ in 0..30 {
             let middle = (low.max(1e-6 * high) * high).sqrt();
-            if likelihood(middle) < best - 1.35 { high = middle } else { low = middle }
+            if likelihood(middle) < best - 1.35 {
+                high = middle
+            } else {
+                low = middle
+            }
             if high / low.max(1e-12) < 1.02 {
                 break;
             }
@@ -489,11 +517,21 @@ impl Normal {
         }
         all
     }
+    /// The number (of those that may be held) that weighs most in the direction of least information.
+    pub(crate) fn undetermined(&self, may: impl Fn(usize) -> bool) -> Option<usize> {
+        let p = self.g.len();
+        let scale = DVector::from_fn(p, |i, _| 1.0 / self.v[(i, i)].max(f64::MIN_POSITIVE).sqrt());
+        let eigen = scaled_back(&self.j, &scale).symmetric_eigen();
+        let (least, _) = eigen.eigenvalues.argmin();
+        (0..p)
+            .filter(|&i| may(i))
+            .max_by(|a, b| eigen.eigenvectors[(*a, least)].abs().total_cmp(&eigen.eigenvectors[(*b, least)].abs()))
+    }
     /// Solution `−J⁻¹g` and its covariance `J⁻¹VJ⁻¹`; `None` when `J`, scaled, is not positive definite.
     pub(crate) fn solve(&self) -> Option<Step> {
         let p = self.g.len();
         let scale = DVector::from_fn(p, |i, _| 1.0 / self.v[(i, i)].max(f64::MIN_POSITIVE).sqrt());
-        let scaled = |m: &DMatrix<f64>| DMatrix::from_fn(p, p, |i, k| m[(i, k)] * scale[i] * scale[k]);
+        let scaled = |m: &DMatrix<f64>| scaled_back(m, &scale);
         let inverse = scaled(&self.j).cholesky()?.inverse();
         let g = DVector::from_fn(p, |i, _| self.g[i] * scale[i]);
         let delta = -(&inverse * g);
@@ -504,11 +542,4 @@ impl Normal {
 
 fn scaled_back(m: &DMatrix<f64>, scale: &DVector<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(m.nrows(), m.ncols(), |i, k| m[(i, k)] * scale[i] * scale[k])
-}
-
-impl Step {
-    fn solve(sigma: &[Cov], at: &Point, columns: &Columns) -> Option<Self> {
-        let w = Whitening::new(sigma)?;
-        Normal::new(&at.whitened(&w), &Whitened::new(&w, columns)).solve()
-    }
 }

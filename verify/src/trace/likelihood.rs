@@ -58,13 +58,7 @@ pub(crate) fn total(noise: &[Cov], components: &[&[Cov]], sizes: &[f64]) -> Vec<
 /// Maximum-likelihood sizes (variances, not negative) of components by the minorise-maximise update of Zhou, Hu, Zhou and
 /// Lange (2019), which never lowers the likelihood, extrapolated in the logarithm by the squared scheme of Varadhan and Roland
 /// (2008); from the given start, until the likelihood gains little.
-pub(crate) fn components(
-    noise: &[Cov],
-    parts: &[&[Cov]],
-    z: &[f64],
-    start: &[f64],
-    effort: Effort,
-) -> (Vec<f64>, f64) {
+pub(crate) fn components(noise: &[Cov], parts: &[&[Cov]], z: &[f64], start: &[f64], effort: Effort) -> (Vec<f64>, f64) {
     let step = |log: &[f64]| -> Option<(Vec<f64>, f64)> {
         let sizes: Vec<f64> = log.iter().map(|x| x.exp()).collect();
         let w = Whitening::new(&total(noise, parts, &sizes))?;
@@ -85,8 +79,7 @@ pub(crate) fn components(
         let v: Vec<f64> = x2.iter().zip(&x1).zip(&r).map(|((a, b), r)| a - b - r).collect();
         let norm = |x: &[f64]| x.iter().map(|a| a * a).sum::<f64>().sqrt();
         let a = -(norm(&r) / norm(&v).max(1e-12)).clamp(1.0, 32.0);
-        let far: Vec<f64> =
-            x0.iter().zip(&r).zip(&v).map(|((x, r), v)| (x - 2.0 * a * r + a * a * v).max(SMALLEST)).collect();
+        let far: Vec<f64> = x0.iter().zip(&r).zip(&v).map(|((x, r), v)| (x - 2.0 * a * r + a * a * v).max(SMALLEST)).collect();
         x0 = match step(&far) {
             Some((next, l)) if l >= l1 => next,
             _ => x2,

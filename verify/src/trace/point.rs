@@ -142,7 +142,8 @@ impl PointEvidence {
     /// estimated from that run; NaN when a flight is not finite.
     #[must_use]
     pub fn rms_m(&self, plant: &Plant) -> f64 {
-        let all = self.residuals(plant, |t, e| (e.norm_squared(), t.measured.len() as f64));
+        let square = |t: &Track| self.least(t, plant).map(|(_, e)| (e.norm_squared(), t.measured.len() as f64));
+        let all: Vec<_> = self.tracks.par_iter().map(square).collect();
         let (sum, n) = all.iter().fold((0.0, 0.0), |(s, n), x| x.map_or((f64::NAN, n), |(q, m)| (s + q, n + m)));
         (sum / n).sqrt()
     }
@@ -150,14 +151,11 @@ impl PointEvidence {
     /// Residual series of every run, in the order of its indices; runs that the plant cannot fly are left out.
     #[must_use]
     pub fn series(&self, plant: &Plant) -> Vec<TrackResidual> {
-        self.tracks
-            .par_iter()
-            .filter_map(|t| self.series_of(t, plant))
-            .collect()
+        self.tracks.par_iter().filter_map(|t| self.series_of(t, plant)).collect()
     }
 
     fn series_of(&self, t: &Track, plant: &Plant) -> Option<TrackResidual> {
-        let (theta, e) = t.estimated(plant, self.density_kg_m3)?;
+        let (theta, e) = self.least(t, plant)?;
         let n = t.t_s.len();
         let mut residual_m = [None, None, None];
         for (k, &axis) in t.axes.iter().enumerate() {
@@ -165,6 +163,12 @@ impl PointEvidence {
         }
         let (position_m, velocity_m_s) = t.state(&theta);
         Some(TrackResidual { run: t.index, t_s: t.t_s.clone(), residual_m, position_m, velocity_m_s })
+    }
+
+    /// Residual track with the initial state of least squares, what re-simulation is judged by.
+    fn least(&self, t: &Track, plant: &Plant) -> Option<(DVector<f64>, DVector<f64>)> {
+        let (start, _) = t.estimated(plant, self.density_kg_m3)?;
+        t.least_squares(&t.own(plant), self.density_kg_m3, start)
     }
 
     fn residuals<T: Send>(&self, plant: &Plant, of: impl Fn(&Track, &DVector<f64>) -> T + Sync) -> Vec<Option<T>> {
@@ -221,7 +225,8 @@ impl Evidence for PointEvidence {
     fn lead_table(&self, plant: &Plant) -> LeadTable {
         let axes = self.axes();
         let names = ["time in the run (s)", "velocity along X (m/s)", "speed (m/s)"].map(str::to_owned);
-        let mut variables: Vec<(String, Vec<f64>)> = names.into_iter().chain(self.inputs.clone()).map(|n| (n, Vec::new())).collect();
+        let mut variables: Vec<(String, Vec<f64>)> =
+            names.into_iter().chain(self.inputs.clone()).map(|n| (n, Vec::new())).collect();
         let mut residuals = vec![Vec::new(); axes.len()];
         for (t, track) in self.tracks.iter().filter_map(|t| Some((t, self.series_of(t, plant)?))) {
             let n = track.t_s.len();
@@ -323,6 +328,10 @@ impl Track {
     fn own(&self, plant: &Plant) -> Plant {
         let mut own = plant.for_run(self.index, &self.inputs);
         let a = own.point.acceleration.to_array();
+        if self.axes.len() < 3 {
+            own.point.side_per_input.clear();
+            own.point.side_constant = 0.0;
+        }
         own.point.acceleration = Vec3::from_array(std::array::from_fn(|i| if self.axes.contains(&i) { a[i] } else { 0.0 }));
         own
     }
@@ -334,15 +343,7 @@ impl Track {
     /// Finds the initial state under a plant by Gauss-Newton, and lays the bases there.
     fn lay(&mut self, around: &Plant, density: f64) -> Option<()> {
         let own = self.own(around);
-        let mut theta = self.guess()?;
-        for _ in 0..STEPS {
-            let (flown, jacobian) = self.linearised(&own, density, &theta)?;
-            let step = jacobian.clone().svd(true, true).solve(&(&self.measured - flown), 1e-12).ok()?;
-            theta += &step;
-            if step.amax() < 1e-9 {
-                break;
-            }
-        }
+        let (theta, _) = self.least_squares(&own, density, self.guess()?)?;
         let (_, jacobian) = self.linearised(&own, density, &theta)?;
         let states = jacobian.ncols();
         let mut columns = DMatrix::zeros(self.measured.len(), self.measured.len());
@@ -362,6 +363,21 @@ impl Track {
         self.state_inverse = (self.state_basis.transpose() * jacobian).try_inverse()?;
         self.start = theta;
         Some(())
+    }
+
+    /// Initial state of least squares by Gauss-Newton from a start, and its residual.
+    fn least_squares(&self, own: &Plant, density: f64, start: DVector<f64>) -> Option<(DVector<f64>, DVector<f64>)> {
+        let mut theta = start;
+        for _ in 0..STEPS {
+            let (flown, jacobian) = self.linearised(own, density, &theta)?;
+            let step = jacobian.svd(true, true).solve(&(&self.measured - flown), 1e-12).ok()?;
+            theta += &step;
+            if step.amax() < 1e-9 {
+                break;
+            }
+        }
+        let e = &self.measured - self.flown(own, density, &theta)?;
+        Some((theta, e))
     }
 
     /// Initial state of the best parabola per axis.
@@ -458,7 +474,8 @@ impl Track {
         let n = self.t_s.len();
         let mut time = DMatrix::zeros(self.measured.len(), self.measured.len());
         for (k, &axis) in self.axes.iter().enumerate() {
-            time.view_mut((k * n, k * n), (n, n)).copy_from(&DMatrix::from_fn(n, n, |i, j| kernel(axis, self.t_s[i], self.t_s[j])));
+            time.view_mut((k * n, k * n), (n, n))
+                .copy_from(&DMatrix::from_fn(n, n, |i, j| kernel(axis, self.t_s[i], self.t_s[j])));
         }
         let right = time * &self.basis;
         (0..self.bins())

@@ -180,7 +180,11 @@ impl Context<'_> {
                 da: own.da.iter().map(|d| some(d)).collect(),
                 looped: live.iter().map(|&j| own.looped[j]).collect(),
             };
-            let step = self.normal.with(&self.point, &self.columns, &Whitened::new(&self.whitening, &columns)).solve()?;
+            let normal = self.normal.with(&self.point, &self.columns, &Whitened::new(&self.whitening, &columns));
+            let Some(step) = normal.solve() else {
+                live.remove(normal.undetermined(|i| i >= n)? - n);
+                continue;
+            };
             let beyond = |i: usize| form.parameters[strengths[live[i]]].beyond(step.delta[n + i]);
             if let Some(worst) = (0..live.len()).filter(|&i| beyond(i) > 0.0).max_by(|a, b| beyond(*a).total_cmp(&beyond(*b))) {
                 live.remove(worst);

@@ -1,8 +1,8 @@
 //! verify: evidence from tunnel runs. In: records and the declared plant. Out: residual coefficients per frequency.
 //!
 //! The residual of the six force and moment balances in coefficient form is projected on sinusoids under a taper that rises
-//! quickly at both ends, up to [`BAND_HZ`]. What the motion needs (accelerations) comes from a narrow window whose gain is
-//! divided out; everything that a plant predicts comes from a wide window, so that little sensor noise reaches it. What noise
+//! quickly at both ends, up to [`BAND_HZ`]. What the motion needs (accelerations) comes from a narrow window, flat over
+//! the band; everything that a plant predicts comes from a wide window, so that little sensor noise reaches it. What noise
 //! leaves in a bin, and what it does through the predictions, is measured on copies of the data with noise added again.
 
 use super::evidence::{BIN, Cov, Evidence, LeadTable, Residual};
@@ -15,9 +15,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use realfft::{RealFftPlanner, RealToComplex};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use std::sync::{Arc, RwLock};
 use windfall_model::frames::{Body, EulerXyz, Rotation, Vec3};
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use windfall_model::{AirState, Campaign, Coefficient, Data, Entry, Motion, Plant, Record, Sensors, Variable, Wrench};
 use windfall_pid::coefficients::{Row, coefficients};
 use windfall_pid::smooth::Smoothed;
@@ -29,7 +29,9 @@ pub const BAND_HZ: f64 = 5.0;
 /// Nothing is taken from this much at either end, s: there the windows are off-centre and noisier than inside.
 const QUIET_S: f64 = 0.2;
 /// Rise of the taper at both ends, s.
-const RAMP_S: f64 = 0.3;
+const RAMP_S: f64 = 0.4;
+/// Noise that the taper lets into low frequencies sits at its ramps; a pulse is looked for this much farther inside, s.
+const BLUR_S: f64 = 0.3;
 /// Window for accelerations: flat to 1 % up to the band.
 const NARROW: Window = Window { half_width_s: 0.1, degree: 6 };
 /// Window for predictions.
@@ -464,7 +466,7 @@ impl Evidence for TunnelEvidence {
         self.runs.iter().map(|r| r.index).collect()
     }
     fn margin_s(&self) -> f64 {
-        QUIET_S + RAMP_S
+        QUIET_S + RAMP_S + BLUR_S
     }
     fn settle(&mut self, plant: &Plant) {
         self.measure_noise(plant);
@@ -474,12 +476,13 @@ impl Evidence for TunnelEvidence {
             .iter()
             .enumerate()
             .map(|(c, name)| {
-                let parts = || z.chunks_exact(BIN).zip(expected).flat_map(move |(z, m)| [(z[c], m[(c, c)]), (z[6 + c], m[(6 + c, 6 + c)])]);
+                let parts = || {
+                    z.chunks_exact(BIN).zip(expected).flat_map(move |(z, m)| [(z[c], m[(c, c)]), (z[6 + c], m[(6 + c, 6 + c)])])
+                };
                 let numbers = parts().count() as f64;
                 // Density per rad/s times the width of a bin, summed: the variance in the band.
                 let width = std::f64::consts::TAU * BAND_HZ / (0.5 * numbers);
-                let (sum, expected, ratio) =
-                    parts().fold((0.0, 0.0, 0.0), |(a, b, r), (z, v)| (a + z * z, b + v, r + z * z / v));
+                let (sum, expected, ratio) = parts().fold((0.0, 0.0, 0.0), |(a, b, r), (z, v)| (a + z * z, b + v, r + z * z / v));
                 let degrees = (numbers - fitted as f64 / 6.0).max(1.0);
                 // Noise is known from the copies, each averaged over neighbours that repeat about every seventh bin.
                 let known = numbers * self.copies as f64;
@@ -545,7 +548,6 @@ fn prepare(
     let plant = declared.for_run(index, inputs);
     let fine = Projector::new(n, dt, bins);
     let project = Projector::new(n / stride, dt * stride as f64, bins);
-    let gains: Vec<f64> = (0..bins).map(|k| narrow.second_gain(std::f64::consts::TAU * k as f64 / (n as f64 * dt), dt)).collect();
     let mut smoothed = Vec::with_capacity(copies + 1);
     let mut beyond = Vec::with_capacity(copies + 1);
     let (mut q_declared_pa, mut kept) = (Vec::new(), Vec::new());
@@ -561,9 +563,6 @@ fn prepare(
         if copy == 0 {
             q_declared_pa = coarse.iter().map(|r| r.q_pa).collect();
             kept = states(&b, &plant)?;
-        }
-        for (bin, gain) in z.chunks_exact_mut(BIN).zip(&gains) {
-            bin.iter_mut().for_each(|x| *x /= gain);
         }
         for (x, y) in z.iter_mut().zip(project.project(&exp(&coarse))) {
             *x -= y;

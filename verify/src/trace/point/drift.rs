@@ -32,9 +32,7 @@ impl Own<'_> {
         let refs = [self.parts[0].as_slice(), self.parts[1].as_slice()];
         let sigma = total(self.noise, &refs, &sizes);
         let mean = |of: &dyn Fn(usize) -> f64| (places.iter().map(|p| of(p.0)).sum::<f64>() / places.len().max(1) as f64).sqrt();
-        let statistic = groups(&slow)
-            .map(|g| quadratic(&sigma[g[0] / BIN], &g, self.z))
-            .sum::<f64>();
+        let statistic = groups(&slow).map(|g| quadratic(&sigma[g[0] / BIN], &g, self.z)).sum::<f64>();
         let first = (slow.len() as f64 - fitted).max(1.0);
         let second = self.known(&slow, &fast, &sigma, &sizes);
         let p_value = tail(statistic, first, second);
@@ -82,7 +80,9 @@ impl Own<'_> {
         let share = |m: &[Cov]| slow.iter().map(|&i| m[i / BIN][(i % BIN, i % BIN)]).sum::<f64>();
         let whole = share(sigma);
         let weights = Vector2::from_fn(|i, _| if sizes[i] > 0.0 { share(self.parts[i]) } else { 0.0 });
-        let live = Matrix2::from_fn(|i, j| if weights[i] > 0.0 && weights[j] > 0.0 { information[(i, j)] } else { f64::from(u8::from(i == j)) });
+        let live = Matrix2::from_fn(|i, j| {
+            if weights[i] > 0.0 && weights[j] > 0.0 { information[(i, j)] } else { f64::from(u8::from(i == j)) }
+        });
         let variance = live.try_inverse().map_or(f64::INFINITY, |inverse| weights.dot(&(inverse * weights)));
         (2.0 * whole * whole / variance.max(f64::MIN_POSITIVE)).clamp(1.0, 1e6)
     }
