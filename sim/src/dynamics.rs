@@ -252,3 +252,6 @@ pub(crate) fn specific_force(i: &Instant, a: Vec3<Body>, w_rate: Vec3<Body>, r: 
 pub(crate) fn momentum_rate(setup: &Setup<'_>, w: Vec3<Body>, w_rate: Vec3<Body>) -> Vector3<f64> {
     setup.inertia * w_rate.xyz + w.xyz.cross(&(setup.inertia * w.xyz))
 }
+
+#[cfg(test)]
+mod tests;
