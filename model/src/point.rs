@@ -13,6 +13,11 @@ pub struct PointMass {
     pub drag_per_input: Vec<f64>,
     /// Lift coefficient that does not depend on inputs.
     pub lift_constant: f64,
+    /// Sideways coefficient per unit of each run input (a spin axis that leans), positive along `X × v`: to tunnel +Z for a
+    /// flight along +Y.
+    pub side_per_input: Vec<f64>,
+    /// Sideways coefficient that does not depend on inputs.
+    pub side_constant: f64,
     /// Constant acceleration, m/s², tunnel axes.
     pub acceleration: Vec3<Tunnel>,
     /// Air mass that the body drags along, as a fraction of the displaced air (0.5 for a sphere in potential flow).
@@ -35,16 +40,18 @@ impl Plant {
         let displaced_kg = density_kg_m3 * std::f64::consts::PI / 6.0 * d.powi(3);
         let speed = v.norm();
         let half_rho_s = 0.5 * density_kg_m3 * self.vehicle.area_m2();
-        let cd =
-            self.aero.values.first().copied().unwrap_or(0.0) + self.aero.extra.iter().map(|(_, value, _)| value).sum::<f64>()
-                + p.drag_per_input.iter().zip(&p.inputs).map(|(k, u)| k * u).sum::<f64>();
+        let cd = self.aero.values.first().copied().unwrap_or(0.0)
+            + self.aero.extra.iter().map(|(_, value, _)| value).sum::<f64>()
+            + p.drag_per_input.iter().zip(&p.inputs).map(|(k, u)| k * u).sum::<f64>();
         let drag = v * (-half_rho_s * cd * speed);
         let horizontal = v.y().hypot(v.z());
         let lift = if horizontal > 0.0 {
-            let cl = p.lift_constant + p.lift_per_input.iter().zip(&p.inputs).map(|(k, u)| k * u).sum::<f64>();
+            let of = |constant: f64, per: &[f64]| constant + per.iter().zip(&p.inputs).map(|(k, u)| k * u).sum::<f64>();
+            let (cl, cs) = (of(p.lift_constant, &p.lift_per_input), of(p.side_constant, &p.side_per_input));
             // In the vertical plane of flight, perpendicular to v, upward (tunnel −X) for a level launch.
             let up = Vec3::new(-horizontal, v.x() * v.y() / horizontal, v.x() * v.z() / horizontal);
-            up * (half_rho_s * cl * speed)
+            let aside = Vec3::new(0.0, -v.z(), v.y()) * (speed / horizontal);
+            (up * cl + aside * cs) * (half_rho_s * speed)
         } else {
             Vec3::zero()
         };

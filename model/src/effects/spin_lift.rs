@@ -5,21 +5,30 @@ use super::{Acts, Effect, Parameter};
 pub(super) static EFFECT: Effect = Effect {
     family: "spin-lift",
     acts: Acts::PointMass,
-    physics: "A spinning ball lifts across its velocity (Magnus): the lift coefficient follows the settings of the launcher.",
+    physics: "A spinning ball is pushed across its velocity (Magnus): up or down by spin about a level axis, sideways as the axis leans; both coefficients follow the settings of the launcher.",
     source: "Briggs, Am. J. Phys. 27, 1959; Mehta, Ann. Rev. Fluid Mech. 17, 1985",
     separate_by: "launches with the settings reversed",
     parameters: |inputs| {
-        let mut all: Vec<_> = inputs.iter().map(|i| Parameter::per_input("CL", i, 10.0)).collect();
-        all.push(Parameter::strength("CL_constant", "-", 5.0));
-        all
+        ["CL", "CS"]
+            .iter()
+            .flat_map(|name| {
+                let per = inputs.iter().map(move |i| Parameter::per_input(name, i, 10.0));
+                per.chain([Parameter::strength(&format!("{name}_constant"), "-", 5.0)])
+            })
+            .collect()
     },
     apply: |plant, v| {
-        let n = v.len() - 1;
-        let lift = &mut plant.point.lift_per_input;
-        lift.resize(lift.len().max(n), 0.0);
-        for (k, value) in lift.iter_mut().zip(&v[..n]) {
-            *k += value;
-        }
-        plant.point.lift_constant += v[n];
+        let (lift, side) = v.split_at(v.len() / 2);
+        let n = lift.len() - 1;
+        let point = &mut plant.point;
+        add(&mut point.lift_per_input, &lift[..n]);
+        add(&mut point.side_per_input, &side[..n]);
+        point.lift_constant += lift[n];
+        point.side_constant += side[n];
     },
 };
+
+fn add(to: &mut Vec<f64>, values: &[f64]) {
+    to.resize(to.len().max(values.len()), 0.0);
+    to.iter_mut().zip(values).for_each(|(k, value)| *k += value);
+}

@@ -1,0 +1,276 @@
+//! verify tests: point-mass evidence on flights with a planted effect and on measured sets. In: simulated and shared tracks.
+//! Out: families, held-out position errors.
+
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use std::path::PathBuf;
+use windfall_model::{Acts, Campaign, Data, Plant, PointRecord, Run, Use};
+use windfall_scenarios::read_campaign;
+use windfall_sim::fly_point;
+use windfall_verify::close::{Options, close};
+use windfall_verify::trace::{Candidate, Evidence, Fit, Free, Hypothesis, PointEvidence, Problem, weigh};
+
+fn measured(test: &str, file: &str) -> Option<Campaign> {
+    let root = std::env::var_os("WINDFALL_SHARED")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared"), PathBuf::from);
+    let path = root.join("data/measured").join(file);
+    if !path.is_file() {
+        eprintln!("skipped: {test}: no shared data");
+        return None;
+    }
+    Some(read_campaign(&path).expect("a shared campaign is well-formed"))
+}
+
+fn runs(c: &Campaign, used: Use) -> Vec<usize> {
+    (0..c.runs.len()).filter(|&i| c.runs[i].used == used).collect()
+}
+
+fn evidence(c: &Campaign, used: Use) -> PointEvidence {
+    PointEvidence::new(c, &runs(c, used), &c.plant).expect("tracks are long enough")
+}
+
+fn problem<'a>(c: &'a Campaign, e: &'a PointEvidence) -> Problem<'a> {
+    Problem { evidence: e, base: &c.plant, declared: &c.declared, inputs: &c.inputs }
+}
+
+fn declared(c: &Campaign, e: &PointEvidence) -> Fit {
+    let generic = vec![0.0; e.generic().len()];
+    problem(c, e).fit(&Hypothesis { declared: c.plant.aero.values.clone(), effects: Vec::new(), generic }, false)
+}
+
+fn with(c: &Campaign, e: &PointEvidence, fit: &Fit, candidate: &Candidate) -> Fit {
+    let mut h = fit.hypothesis.clone();
+    h.effects.push(candidate.instance.clone());
+    problem(c, e).fit(&h, true)
+}
+
+/// Weighs the catalogue and fits every family in full; the best by log-likelihood less half a log sample per strength, first.
+fn ranked(c: &Campaign, e: &PointEvidence, fit: &Fit) -> Vec<(f64, &'static str, Candidate, Fit)> {
+    let penalty = 0.5 * (e.samples() as f64).ln();
+    let mut all: Vec<_> = weigh(&problem(c, e), fit, Acts::PointMass)
+        .into_iter()
+        .map(|w| {
+            let full = with(c, e, fit, &w);
+            (full.log_likelihood - fit.log_likelihood - penalty * w.degrees as f64, w.instance.effect.family, w, full)
+        })
+        .collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    for (score, family, w, full) in &all {
+        eprintln!(
+            "  {family}: {score:.1}, p {:.1e}, {:?} {:?}",
+            w.p_value,
+            full.stop,
+            full.hypothesis.effects.last().map(|e| &e.values)
+        );
+    }
+    all
+}
+
+fn held_mm(c: &Campaign, held: &PointEvidence, fit: &Fit) -> f64 {
+    1e3 * held.rms_m(&fit.hypothesis.plant(&c.plant))
+}
+
+#[test]
+fn recover_spin_lift_then_drag_that_follows_spin_in_table_tennis() {
+    let Some(c) = measured("recover_spin_lift_then_drag_that_follows_spin_in_table_tennis", "table-tennis/campaign.toml") else {
+        return;
+    };
+    let (e, held) = (evidence(&c, Use::Identify), evidence(&c, Use::HoldOut));
+    let start = declared(&c, &e);
+    let mut vacuum = c.plant.clone();
+    vacuum.aero.values = vec![0.0];
+    // Anchors of the data's note, per axis: gravity 20.3 mm, drag 11.4 mm, decoy 9.7 mm, spin lift 3.0 mm. Its split differs
+    // from the campaign's (and single spikes are removed here), so they are met to 5 %.
+    let (gravity, drag) = (1e3 * held.rms_m(&vacuum), held_mm(&c, &held, &start));
+    eprintln!("gravity {gravity:.2} mm, drag {drag:.2} mm, {:?} {:?}", start.stop, start.hypothesis.generic);
+    assert!((gravity / 20.3 - 1.0).abs() < 0.05 && (drag / 11.4 - 1.0).abs() < 0.05, "{gravity} {drag}");
+    let first = ranked(&c, &e, &start);
+    let decoy = first.iter().find(|r| r.1 == "constant-acceleration").map(|r| held_mm(&c, &held, &r.3));
+    let lift = held_mm(&c, &held, &first[0].3);
+    eprintln!("spin lift {lift:.2} mm, decoy {decoy:?} mm {:?}", first[0].3.hypothesis.generic);
+    assert_eq!(first[0].1, "spin-lift");
+    assert!(first[0].0 > first[1].0 + 20.0, "the decoy is no rival");
+    assert!(lift <= 3.0, "{lift}");
+    assert!(decoy.is_none_or(|d| d > 2.0 * lift));
+    // Second round: spun balls have more drag than unspun ones.
+    let second = ranked(&c, &e, &first[0].3);
+    let more = held_mm(&c, &held, &second[0].3);
+    eprintln!("and drag over spin {more:.2} mm, {:?}", second[0].3.hypothesis.generic);
+    assert_eq!(second[0].1, "drag");
+    assert!(more < lift, "{more} {lift}");
+    for fit in [&start, &first[0].3, &second[0].3] {
+        eprintln!("{:?}", e.channel_residuals(&fit.residual, e.noise(), fit.free.len()));
+    }
+    let third = ranked(&c, &e, &second[0].3);
+    let last = held_mm(&c, &held, &third[0].3);
+    eprintln!("third {} {last:.2} mm", third[0].1);
+}
+
+#[test]
+fn recover_drag_of_balls_dropped_in_air() {
+    // In-sample rms before and after, m, of the data's note; printed digits.
+    for (ball, before, after) in [("tennis-ball", 0.91, 0.15), ("yellow-whiffle-ball", 3.80, 0.36)] {
+        let Some(c) = measured("recover_drag_of_balls_dropped_in_air", &format!("ball-drops/{ball}.toml")) else { return };
+        let mut e = evidence(&c, Use::Identify);
+        let start = declared(&c, &e);
+        let all = ranked(&c, &e, &start);
+        e.settle(&all[0].3.hypothesis.plant(&c.plant));
+        let fit = problem(&c, &e).fit(&all[0].3.hypothesis, false);
+        let (rms0, rms1) = (e.rms_m(&start.hypothesis.plant(&c.plant)), e.rms_m(&fit.hypothesis.plant(&c.plant)));
+        let held = evidence(&c, Use::HoldOut);
+        eprintln!(
+            "{ball}: {rms0:.3} {rms1:.3} m, CD {:?} ± {:.3}; held out {:.3} {:.3} m",
+            fit.hypothesis.effects[0].values,
+            fit.std_error(Free::Effect(0, 0)),
+            held.rms_m(&start.hypothesis.plant(&c.plant)),
+            held.rms_m(&fit.hypothesis.plant(&c.plant))
+        );
+        assert_eq!(all[0].1, "drag", "{ball}");
+        assert!(all[0].2.p_value < 1e-4);
+        assert!((rms0 - before).abs() < 0.006, "{ball} {rms0}");
+        // Weighted for drift, not for rms, so up to a twentieth above the best.
+        assert!(rms1 < 1.05 * (after + 0.005), "{ball} {rms1}");
+    }
+}
+
+#[test]
+fn recover_nothing_from_heavy_balls() {
+    for ball in ["bowling-ball", "golf-ball"] {
+        let Some(c) = measured("recover_nothing_from_heavy_balls", &format!("ball-drops/{ball}.toml")) else { return };
+        let e = evidence(&c, Use::Identify);
+        let start = declared(&c, &e);
+        for w in weigh(&problem(&c, &e), &start, Acts::PointMass) {
+            eprintln!("{ball}: {} p {:.2e}", w.instance.effect.family, w.p_value);
+            // One in a hundred over the five families of point masses.
+            assert!(w.p_value > 0.01 / 5.0, "{ball}: {} p {:.2e}", w.instance.effect.family, w.p_value);
+        }
+        let left = e.channel_residuals(&start.residual, e.noise(), 0);
+        assert!(left.iter().all(|c| c.p_value > 0.01), "{ball}: {left:?}");
+    }
+}
+
+/// A campaign of launches of the ball of `like` with planted values, white noise of 2 mm, uneven sampling.
+fn planted(plant: &Plant, truth: &Plant, inputs: &[f64], axes: [bool; 3], seed: u64) -> Campaign {
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+    let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
+    let density = plant.point.air_density_kg_m3;
+    let launch = |(k, u): (usize, &f64)| {
+        let mut t_s = vec![0.0];
+        while t_s.len() < 80 {
+            let last = t_s[t_s.len() - 1];
+            t_s.push(last + 0.006 * (1.0 + 0.1 * draw().clamp(-3.0, 3.0)));
+        }
+        let (p, v) = if axes[1] {
+            ([-1.0 + 0.05 * draw(), 0.0, 0.0], [-1.5 + 0.2 * draw(), 5.0 + 0.2 * draw(), 0.2 * draw()])
+        } else {
+            ([0.0; 3], [2.0 + 0.2 * draw(), 0.0, 0.0])
+        };
+        let flown = fly_point(&truth.for_run(k, &[*u]), density, &t_s, p, v).expect("a flight of half a second");
+        let position_m =
+            std::array::from_fn(|a| axes[a].then(|| flown.iter().map(|r| r[a] + 0.002 * draw()).collect::<Vec<f64>>()));
+        Run {
+            name: format!("launch-{k}"),
+            kind: "launch".to_owned(),
+            used: Use::Identify,
+            inputs: vec![*u],
+            data: Data::Point(PointRecord { t_s, position_m }),
+            notes: Vec::new(),
+        }
+    };
+    let runs: Vec<Run> = inputs.iter().enumerate().map(launch).collect();
+    Campaign { name: "planted".to_owned(), plant: plant.clone(), declared: vec![true], inputs: vec!["spin".to_owned()], runs }
+}
+
+/// A light ball with declared drag 0.45.
+fn ball() -> Option<Plant> {
+    let text = "[campaign]\nname = \"ball\"\n[vehicle]\nmass_kg = 0.0027\nreference_diameter_m = 0.040\n[axes]\ndown = \"-Z\"\n[environment]\ngravity_m_s2 = 9.80665\nair_density_kg_m3 = 1.19\n[sensors]\nposition_std_m = 0.002\n[aero.point_mass]\nCD = 0.45\n[[run]]\nfile = \"a.csv\"\nkind = \"launch\"\nuse = \"identify\"\n";
+    let dir = std::env::temp_dir().join(format!("windfall-point-{}-{:?}", std::process::id(), std::thread::current().id()));
+    std::fs::create_dir_all(&dir).ok()?;
+    std::fs::write(dir.join("campaign.toml"), text).ok()?;
+    let rows: String = (0..20).map(|i| format!("{},0,0,{}\n", 0.01 * f64::from(i), -0.001 * f64::from(i * i))).collect();
+    std::fs::write(dir.join("a.csv"), format!("t_s,X_m,Y_m,Z_m\n{rows}")).ok()?;
+    let plant = read_campaign(&dir.join("campaign.toml")).ok().map(|c| c.plant);
+    std::fs::remove_dir_all(&dir).ok()?;
+    plant
+}
+
+#[test]
+fn recover_planted_lift_per_input_and_drag() {
+    let plant = ball().expect("a campaign file of one ball");
+    let mut truth = plant.clone();
+    truth.aero.values = vec![0.5];
+    truth.point.lift_per_input = vec![2e-4];
+    let c = planted(&plant, &truth, &[-1000.0, 0.0, 1000.0, -500.0, 500.0, 800.0], [true; 3], 3);
+    let e = evidence(&c, Use::Identify);
+    let start = declared(&c, &e);
+    let all = ranked(&c, &e, &start);
+    assert_eq!(all[0].1, "spin-lift");
+    let fit = &all[0].3;
+    for (free, planted) in
+        [(Free::Declared(0), 0.5), (Free::Effect(0, 0), 2e-4), (Free::Effect(0, 1), 0.0), (Free::Effect(0, 2), 0.0)]
+    {
+        // 3 standard errors: one in 370 per number, seed fixed.
+        let (value, error) = (fit.hypothesis.get(free), fit.std_error(free));
+        assert!((value - planted).abs() < 3.0 * error, "{free:?}: {value} ± {error}, planted {planted}");
+    }
+    // White noise of 2 mm, six initial numbers and three parameters out of 240 a run.
+    let rms = e.rms_m(&fit.hypothesis.plant(&c.plant));
+    assert!((rms / 0.002 - (1.0_f64 - 6.0 / 240.0).sqrt()).abs() < 4.0 / (2.0 * 1440.0_f64).sqrt(), "{rms}");
+}
+
+#[test]
+fn law_residual_forgets_the_initial_state_and_unmeasured_axes() {
+    let plant = ball().expect("a campaign file of one ball");
+    let mut c = planted(&plant, &plant, &[0.0; 2], [true, false, false], 5);
+    let e = evidence(&c, Use::Identify);
+    let z = e.residual(&c.plant, 0);
+    for run in &mut c.runs {
+        if let Data::Point(track) = &mut run.data {
+            for x in track.position_m.iter_mut().flatten().flatten() {
+                *x += 7.0;
+            }
+        }
+    }
+    let moved = evidence(&c, Use::Identify).residual(&c.plant, 0);
+    // Nothing depends on place: 1e-9 m is the rounding of bases found twice.
+    assert!(z.iter().zip(&moved).all(|(a, b)| (a - b).abs() < 1e-9));
+    let mut pushed = c.plant.clone();
+    pushed.point.acceleration = windfall_model::frames::Vec3::new(0.0, 3.0, -2.0);
+    assert_eq!(e.residual(&pushed, 0), z);
+    // The residual's square is that of the track: the basis is orthonormal and the state is taken out.
+    let rms = e.rms_m(&c.plant);
+    let sum: f64 = z.iter().map(|x| x * x).sum();
+    // Step of the least squares, 1e-9 m.
+    assert!((sum - rms * rms * 160.0).abs() < 1e-11, "{sum} {rms}");
+}
+
+#[test]
+fn exact_parabola_leaves_nothing_in_vacuum() {
+    let mut plant = ball().expect("a campaign file of one ball");
+    plant.aero.values = vec![0.0];
+    let t_s: Vec<f64> = (0..50).map(|i| 0.01 * f64::from(i) + 0.003 * f64::from(i % 2)).collect();
+    let g = plant.environment.gravity_m_s2;
+    let down: Vec<f64> = t_s.iter().map(|t| 3.0 - 2.0 * t + 0.5 * g * t * t).collect();
+    let mut c = planted(&plant, &plant, &[0.0], [true, false, false], 5);
+    c.runs[0].data = Data::Point(PointRecord { t_s, position_m: [Some(down), None, None] });
+    let e = evidence(&c, Use::Identify);
+    // Tolerance of the integrator, 1e-11 of metres.
+    assert!(e.rms_m(&plant) < 1e-9);
+    let series = e.series(&plant);
+    assert!((series[0].velocity_m_s[0] + 2.0).abs() < 1e-8 && (series[0].position_m[0] - 3.0).abs() < 1e-8, "{series:?}");
+}
+
+#[test]
+fn recover_table_tennis_by_the_closing_loop() {
+    let Some(c) = measured("recover_table_tennis_by_the_closing_loop", "table-tennis/campaign.toml") else { return };
+    let r = close(&c, &Options::default()).expect("the declared model fits");
+    for e in &r.effects {
+        eprintln!("{} p {:.1e} held-out gain {:?} rivals {:?}", e.family, e.p_value, e.held_out_gain, e.rivals);
+    }
+    let rms = |h: &Option<windfall_verify::close::HeldOut>| h.as_ref().and_then(|h| h.position_rms_m).expect("runs held out");
+    let (before, after) = (rms(&r.before.hold_out), rms(&r.after.hold_out));
+    eprintln!("held out {:.2} mm → {:.2} mm; {:?}", 1e3 * before, 1e3 * after, r.residual_after);
+    assert_eq!(r.effects[0].family, "spin-lift");
+    assert!(r.effects[0].rivals.is_empty());
+    assert!(before > 0.010 && after < 0.003);
+}
