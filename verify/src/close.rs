@@ -10,9 +10,12 @@ use crate::trace::{Candidate, Evidence, Fit, Free, Hypothesis, PointEvidence, Pr
 use rayon::prelude::*;
 use windfall_model::{Acts, CATALOGUE, Campaign, Plant, Use};
 
+mod figures;
 mod lead;
+mod rehearse;
 mod result;
 
+pub use figures::{Figure, Role, Series, Topic, figures};
 pub use result::{
     After, Bound, CandidateLine, ChannelResidual, Closing, EffectLine, HeldOut, ParameterLine, Shift, Unexplained, Verdict,
 };
@@ -105,6 +108,12 @@ pub fn close(campaign: &Campaign, options: &Options) -> Result<Closing, VerifyEr
             fit = problem(campaign, proof.as_ref()).fit(&next.hypothesis, false);
         }
     };
+    if let Some(bias) = rehearse::bias(campaign, &indices, &fit, options) {
+        for (f, b) in bias {
+            let unbiased = fit.hypothesis.get(f) - b;
+            fit.hypothesis.set(f, unbiased);
+        }
+    }
     let problem = problem(campaign, proof.as_ref());
     let before = side(campaign, &problem, held_proof.as_deref(), &held, &start, options)?;
     let after = side(campaign, &problem, held_proof.as_deref(), &held, &fit, options)?;

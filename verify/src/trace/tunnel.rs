@@ -164,6 +164,14 @@ impl TunnelEvidence {
             .collect();
     }
 
+    /// Noise stays as measured; the data are now taken as free of it, so that fits are not corrected for it.
+    pub fn forget_copies(&mut self) {
+        self.copies = 0;
+        if let Ok(mut f) = self.focus.write() {
+            *f = None;
+        }
+    }
+
     fn rows(&self, plant: &Plant, run: usize, copy: usize) -> Option<Vec<Row>> {
         let p = &self.runs[run];
         let own = without_aero(plant).for_run(p.index, &p.inputs);

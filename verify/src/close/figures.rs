@@ -1,0 +1,319 @@
+//! verify: series for the figures of a closing. In: a campaign and its closing. Out: plain series: residual spectra against noise,
+//! residual over the variable that it follows, held-out runs flown again before and after, residual tracks of point masses.
+
+use super::{Closing, Options, ParameterLine, runs_of};
+use crate::VerifyError;
+use crate::resimulate::{Replay, TrajectoryError, estimate_initial, instant_errors};
+use crate::trace::{BIN, Cov, Evidence, LeadTable, PointEvidence, Residual, TunnelEvidence, acts};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use windfall_model::{Campaign, Coefficient, Data, Plant, Record, Use, effects};
+use windfall_pid::rates_and_angles;
+
+/// What a series is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Role {
+    /// Measured.
+    Measured,
+    /// With the declared model.
+    Before,
+    /// With the effects added.
+    After,
+    /// What noise alone would leave.
+    Noise,
+}
+
+/// One curve.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Series {
+    /// What it is.
+    pub role: Role,
+    /// Abscissae, in the unit that the figure's label names.
+    pub x: Vec<f64>,
+    /// Ordinates.
+    pub y: Vec<f64>,
+}
+
+/// What a figure is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Topic {
+    /// Held-out runs flown again.
+    Trajectory,
+    /// Residual over a variable.
+    Variable,
+    /// Spectrum of a residual.
+    Spectrum,
+}
+
+/// One figure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Figure {
+    /// What it is about.
+    pub topic: Topic,
+    /// Title.
+    pub title: String,
+    /// Abscissa with unit.
+    pub x_label: String,
+    /// Ordinate with unit.
+    pub y_label: String,
+    /// Whether ordinates are read on a logarithmic scale.
+    pub log_y: bool,
+    /// Curves.
+    pub series: Vec<Series>,
+}
+
+/// Longest curve, points.
+const POINTS: usize = 300;
+/// Frequency bands of a spectrum.
+const BANDS: usize = 40;
+/// Intervals of equal count over which a residual's mean is taken.
+const INTERVALS: usize = 20;
+/// Channels whose residual is shown over a variable: those that stand highest above noise.
+const CHANNELS: usize = 3;
+/// Noisy copies for the level of noise in a figure.
+const COPIES: usize = 4;
+
+/// Figures of a closing. Nothing new is estimated but the initial states of held-out runs.
+///
+/// # Errors
+/// As closing itself.
+pub fn figures(campaign: &Campaign, closing: &Closing, options: &Options) -> Result<Vec<Figure>, VerifyError> {
+    let used = runs_of(campaign, Use::Identify);
+    let held = runs_of(campaign, Use::HoldOut);
+    let before = plant(campaign, &closing.before.parameters, &[]);
+    let added: Vec<(&str, Vec<f64>)> =
+        closing.effects.iter().map(|e| (e.family.as_str(), e.parameters.iter().map(|p| p.estimate).collect())).collect();
+    let after = (!added.is_empty()).then(|| plant(campaign, &closing.after.parameters, &added));
+    let sides = Sides { before, after };
+    if campaign.is_point_mass() {
+        let proof = PointEvidence::new(campaign, if held.is_empty() { &used } else { &held }, &sides.before)?;
+        let mut all = tracks(&proof, &sides);
+        all.extend(over_variables(&PointEvidence::new(campaign, &used, &sides.before)?, &sides, closing));
+        return Ok(all);
+    }
+    let mut proof = TunnelEvidence::new(campaign, &used, &sides.before, COPIES.min(options.copies), options.seed)?;
+    let mut all: Vec<Figure> = held
+        .par_iter()
+        .map(|&i| flown_again(campaign, i, &sides))
+        .collect::<Result<Vec<_>, _>>()?
+        .into_iter()
+        .flatten()
+        .collect();
+    all.extend(over_variables(&proof, &sides, closing));
+    all.extend(spectra(&mut proof, &sides));
+    Ok(all)
+}
+
+/// The plant before, and after when effects were added.
+struct Sides {
+    before: Plant,
+    after: Option<Plant>,
+}
+
+impl Sides {
+    fn each(&self) -> impl Iterator<Item = (Role, &Plant)> {
+        std::iter::once((Role::Before, &self.before)).chain(self.after.iter().map(|p| (Role::After, p)))
+    }
+}
+
+/// The campaign's plant with these declared values and effects.
+fn plant(campaign: &Campaign, declared: &[ParameterLine], added: &[(&str, Vec<f64>)]) -> Plant {
+    let mut plant = campaign.plant.clone();
+    for p in declared {
+        if let Some(i) = plant.aero.structure.index(&p.name) {
+            plant.aero.values[i] = p.estimate;
+        }
+    }
+    for (family, values) in added {
+        if let Some(e) = effects::find(family, acts(campaign.is_point_mass())) {
+            (e.apply)(&mut plant, values);
+        }
+    }
+    plant
+}
+
+/// Every so-manieth point, so that a curve has at most [`POINTS`].
+fn thinned(role: Role, x: &[f64], y: &[f64]) -> Series {
+    let n = x.len().min(y.len());
+    let stride = n.div_ceil(POINTS).max(1);
+    let some = |s: &[f64]| s[..n].iter().step_by(stride).map(|v| short(*v)).collect();
+    Series { role, x: some(x), y: some(y) }
+}
+
+/// Six digits: more cannot be seen.
+fn short(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
+}
+
+/// One held-out run: Θ, and the distance of position and attitude.
+fn flown_again(campaign: &Campaign, index: usize, sides: &Sides) -> Result<Vec<Figure>, VerifyError> {
+    let run = &campaign.runs[index];
+    let Data::Tunnel(record) = &run.data else { return Err(VerifyError::NotTunnel { run: run.name.clone() }) };
+    let t_s: Vec<f64> = record.t_s.iter().map(|t| t - record.t_s[0]).collect();
+    let mut theta = Vec::new();
+    let (mut attitude, mut position) = (Vec::new(), Vec::new());
+    for (role, plant) in sides.each() {
+        let own = campaign.plant_for(plant, index);
+        let replay = Replay::new(record, &own)?;
+        if theta.is_empty() {
+            theta.push(thinned(Role::Measured, &t_s, &theta_deg(record, &replay)?));
+        }
+        let flown = replay.fly_as_far_as_it_goes(estimate_initial(record, &own)?.release)?.record;
+        theta.push(thinned(role, &t_s, &theta_deg(&flown, &replay)?));
+        let errors: Vec<TrajectoryError> = instant_errors(record, &flown);
+        let of = |f: fn(&TrajectoryError) -> f64| errors.iter().map(f).collect::<Vec<f64>>();
+        attitude.push(thinned(role, &t_s, &of(|e| e.attitude_rms_deg)));
+        position.push(thinned(role, &t_s, &of(|e| 1e3 * e.position_rms_m)));
+    }
+    let figure = |title: &str, y_label: &str, series| Figure {
+        topic: Topic::Trajectory,
+        title: format!("{}: {title}", run.name),
+        x_label: "time in the run (s)".to_owned(),
+        y_label: y_label.to_owned(),
+        log_y: false,
+        series,
+    };
+    Ok(vec![
+        figure("off-vertical angle", "Θ (deg)", theta),
+        figure("attitude error", "angle to measured (deg)", attitude),
+        figure("position error", "distance to measured (mm)", position),
+    ])
+}
+
+fn theta_deg(record: &Record, replay: &Replay) -> Result<Vec<f64>, VerifyError> {
+    Ok(rates_and_angles(record, replay.smoother())?.theta_rad.iter().map(|x| x.to_degrees()).collect())
+}
+
+/// Amplitude spectra of the six residuals, runs joined, in bands of frequency.
+fn spectra(proof: &mut TunnelEvidence, sides: &Sides) -> Vec<Figure> {
+    let frequencies: Vec<f64> = proof.frequencies().into_iter().map(|(_, f)| f).collect();
+    let top = frequencies.iter().fold(0.0, |a: f64, b| a.max(*b));
+    let mut levels: Vec<(Role, Residual, Vec<Cov>)> = Vec::new();
+    for (role, plant) in sides.each() {
+        proof.settle(plant);
+        levels.push((role, proof.residual(plant, 0), proof.noise().to_vec()));
+    }
+    let band = |f: f64| (0..BANDS).rev().find(|b| f >= top * *b as f64 / BANDS as f64).unwrap_or(0);
+    let bands: Vec<usize> = frequencies.iter().map(|f| band(*f)).collect();
+    let curve = |role: Role, power: &dyn Fn(usize) -> f64| {
+        let mut sums = [(0.0, 0.0, 0.0); BANDS];
+        for (k, (b, f)) in bands.iter().zip(&frequencies).enumerate() {
+            let s = &mut sums[*b];
+            *s = (s.0 + power(k), s.1 + f, s.2 + 1.0);
+        }
+        let filled = sums.iter().filter(|s| s.2 > 0.0);
+        // Density per rad/s becomes amplitude per square root of Hz.
+        let (x, y): (Vec<f64>, Vec<f64>) = filled.map(|s| (s.1 / s.2, (std::f64::consts::TAU * s.0 / s.2).sqrt())).unzip();
+        thinned(role, &x, &y)
+    };
+    Coefficient::ALL
+        .iter()
+        .enumerate()
+        .map(|(c, name)| {
+            let mut series: Vec<Series> = Vec::new();
+            if let Some((_, _, noise)) = levels.last() {
+                series.push(curve(Role::Noise, &|k| noise[k][(c, c)] + noise[k][(6 + c, 6 + c)]));
+            }
+            series
+                .extend(levels.iter().map(|(role, z, _)| curve(*role, &|k| z[k * BIN + c].powi(2) + z[k * BIN + 6 + c].powi(2))));
+            Figure {
+                topic: Topic::Spectrum,
+                title: format!("residual of {}", name.name()),
+                x_label: "frequency (Hz)".to_owned(),
+                y_label: "amplitude (1/√Hz)".to_owned(),
+                log_y: true,
+                series,
+            }
+        })
+        .collect()
+}
+
+/// The channels highest above noise, each over the variable that its residual follows best.
+fn over_variables(proof: &dyn Evidence, sides: &Sides, closing: &Closing) -> Vec<Figure> {
+    let tables: Vec<(Role, LeadTable)> = sides.each().map(|(role, plant)| (role, proof.lead_table(plant))).collect();
+    let Some((_, first)) = tables.first() else { return Vec::new() };
+    let mut channels: Vec<(usize, f64)> =
+        closing.residual.per_channel.iter().map(|c| c.rms / c.expected_rms).enumerate().filter(|(_, r)| r.is_finite()).collect();
+    channels.sort_by(|a, b| b.1.total_cmp(&a.1));
+    channels
+        .iter()
+        .take(CHANNELS)
+        .filter_map(|&(k, _)| {
+            let residual = first.residuals.get(k)?;
+            let shares = first.variables.iter().enumerate().filter_map(|(v, (_, x))| Some((v, means(x, residual)?.share)));
+            let (v, _) = shares.max_by(|a, b| a.1.total_cmp(&b.1))?;
+            let series = tables.iter().filter_map(|(role, t)| {
+                let m = means(&t.variables.get(v)?.1, t.residuals.get(k)?)?;
+                Some(thinned(*role, &m.x, &m.y))
+            });
+            let (channel, name) = (&closing.residual.per_channel[k].channel, &first.variables[v].0);
+            Some(Figure {
+                topic: Topic::Variable,
+                title: format!("residual of {channel} over {name}"),
+                x_label: name.clone(),
+                y_label: format!("mean residual of {channel}"),
+                log_y: false,
+                series: series.collect(),
+            })
+        })
+        .collect()
+}
+
+struct Means {
+    share: f64,
+    x: Vec<f64>,
+    y: Vec<f64>,
+}
+
+/// Means over intervals of equal count, and the share of variance between them.
+fn means(x: &[f64], y: &[f64]) -> Option<Means> {
+    let mut order: Vec<usize> = (0..x.len().min(y.len())).collect();
+    if order.len() < 2 * INTERVALS || order.iter().any(|&i| !(x[i].is_finite() && y[i].is_finite())) {
+        return None;
+    }
+    order.sort_by(|a, b| x[*a].total_cmp(&x[*b]));
+    let mean = |s: &[f64], part: &[usize]| part.iter().map(|&i| s[i]).sum::<f64>() / part.len() as f64;
+    let whole = mean(y, &order);
+    let total: f64 = order.iter().map(|&i| (y[i] - whole).powi(2)).sum();
+    let parts: Vec<&[usize]> = order.chunks(order.len().div_ceil(INTERVALS)).collect();
+    let (xs, ys): (Vec<f64>, Vec<f64>) = parts.iter().map(|p| (mean(x, p), mean(y, p))).unzip();
+    let between: f64 = parts.iter().zip(&ys).map(|(p, m)| p.len() as f64 * (m - whole).powi(2)).sum();
+    Some(Means { share: between / total.max(f64::MIN_POSITIVE), x: xs, y: ys })
+}
+
+/// Residual of point-mass tracks along each axis over time: rms over runs.
+fn tracks(proof: &PointEvidence, sides: &Sides) -> Vec<Figure> {
+    let all: Vec<(Role, Vec<crate::trace::TrackResidual>)> =
+        sides.each().map(|(role, plant)| (role, proof.series(plant))).collect();
+    let end_s = all.iter().flat_map(|(_, r)| r).filter_map(|r| r.t_s.last().copied()).fold(0.0, f64::max);
+    (0..3)
+        .filter_map(|axis| {
+            let series: Vec<Series> = all
+                .iter()
+                .filter_map(|(role, runs)| {
+                    let mut sums = [(0.0, 0.0, 0.0); BANDS];
+                    for r in runs {
+                        for (t, e) in r.t_s.iter().zip(r.residual_m[axis].as_ref()?) {
+                            let b = (0..BANDS).rev().find(|b| *t >= end_s * *b as f64 / BANDS as f64).unwrap_or(0);
+                            let s = &mut sums[b];
+                            *s = (s.0 + e * e, s.1 + t, s.2 + 1.0);
+                        }
+                    }
+                    let filled = sums.iter().filter(|s| s.2 > 0.0);
+                    let (x, y): (Vec<f64>, Vec<f64>) = filled.map(|s| (s.1 / s.2, 1e3 * (s.0 / s.2).sqrt())).unzip();
+                    Some(thinned(*role, &x, &y))
+                })
+                .collect();
+            (!series.is_empty()).then(|| Figure {
+                topic: Topic::Trajectory,
+                title: format!("{}: measured less re-simulated, rms over runs", ["X (down)", "Y", "Z"][axis]),
+                x_label: "time in the run (s)".to_owned(),
+                y_label: "position error (mm)".to_owned(),
+                log_y: false,
+                series,
+            })
+        })
+        .collect()
+}

@@ -1,0 +1,79 @@
+//! verify: the closing loop against campaigns of an independent simulator. In: ../shared/data/campaigns. Out: families, numbers.
+
+use serde_json::Value;
+use std::path::PathBuf;
+use windfall_scenarios::read_campaign;
+use windfall_verify::close::{Closing, Options, Verdict, close};
+
+fn shared() -> Option<PathBuf> {
+    let root = std::env::var_os("WINDFALL_SHARED")
+        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared")), PathBuf::from);
+    root.join("data/campaigns").is_dir().then(|| root.join("data/campaigns"))
+}
+
+/// How the generator's numbers are written in the catalogue's: name there, (name here, value here per value there). The lander's
+/// profile is written per square of the test section's radius, 3.048 m.
+const NUMBERS: [(&str, &str, f64); 9] = [
+    ("ma_x", "axial_kg", 1.0),
+    ("ma_r", "radial_kg", 1.0),
+    ("Ia_r", "transverse_kg_m2", 1.0),
+    ("bump", "bump", 1.0),
+    ("ycm", "y_m", 1.0),
+    ("zcm", "z_m", 1.0),
+    ("prof", "bowl_per_m2", -1.0 / (3.048 * 3.048)),
+    ("CA2", "CA_sin2", 1.0),
+    ("shed", "moment_rms", 1.0),
+];
+
+/// Standard errors beyond which a number is wrong: twenty numbers are tested, each with a chance of 1e-3 at this many.
+const WIDE: f64 = 3.3;
+
+fn score(name: &str) {
+    let Some(root) = shared() else {
+        println!("skipped: {name}: no shared data");
+        return;
+    };
+    let text = std::fs::read_to_string(root.join("answers.json")).expect("answers beside the campaigns");
+    let answers: Value = serde_json::from_str(&text).expect("valid JSON");
+    let answer = answers.as_array().and_then(|a| a.iter().find(|x| x["name"] == name)).expect("an answer for each campaign");
+    let campaign = read_campaign(&root.join(name).join("campaign.toml")).expect("a valid campaign");
+    let closing = close(&campaign, &Options::default()).expect("a campaign that can be closed");
+    let family = answer["family"].as_str().unwrap_or_default();
+    if family == "none" {
+        assert_eq!(closing.verdict, Verdict::Consistent, "{:?}", closing.effects);
+    } else {
+        assert_eq!(closing.verdict, Verdict::Effect);
+        let first = &closing.effects[0];
+        assert!(first.family == family || first.rivals.iter().any(|r| r == family), "{} for {family}", first.family);
+        assert_eq!(closing.effects.len(), 1, "one effect was put in: {:?}", closing.effects);
+        numbers(&closing, &answer["truth"]);
+        let (before, after) = (closing.before.hold_out.as_ref(), closing.after.hold_out.as_ref());
+        let likelihood = |h: Option<&windfall_verify::close::HeldOut>| h.and_then(|h| h.log_likelihood).expect("held-out runs");
+        assert!(likelihood(after) > likelihood(before));
+    }
+}
+
+fn numbers(closing: &Closing, truth: &Value) {
+    for (there, value) in truth.as_object().into_iter().flatten() {
+        let Some((_, here, per)) = NUMBERS.iter().find(|(t, ..)| t == there) else { continue };
+        let line = closing.effects[0].parameters.iter().find(|p| p.name == *here).expect("a number of the family");
+        let (truth, error) = (value.as_f64().unwrap_or(f64::NAN) * per, line.std_error.expect("an error"));
+        let z = (line.estimate - truth) / error;
+        println!("{} {here}: {} ± {error} against {truth}, z = {z:.2}", closing.campaign, line.estimate);
+        assert!(z.abs() < WIDE, "{here} = {} ± {error}, put in {truth}", line.estimate);
+    }
+}
+
+macro_rules! scores {
+    ($($test:ident $name:literal),*) => { $(#[test] fn $test() { score($name); })* };
+}
+scores!(
+    recover_nothing_in_open_00 "open-00",
+    recover_effect_of_open_01 "open-01",
+    recover_effect_of_open_02 "open-02",
+    recover_effect_of_open_03 "open-03",
+    recover_effect_of_open_04 "open-04",
+    recover_effect_of_open_05 "open-05",
+    recover_effect_of_open_06 "open-06",
+    recover_effect_of_open_07 "open-07"
+);
