@@ -143,9 +143,9 @@ mod tests {
     fn exact_both_steps_together_are_the_coefficients() {
         let values = vec![6.6, 3.5, -2.0, 0.0125, -5.7, -2.1, 2.5, -3.3, -205.0, -3.1, -190.0];
         let mut aero = Aero::new(Structure::axisymmetric(), values);
-        aero.add(C::CN, 2.5, -1.0, &[Factor::Power(V::AlphaT, 4), Factor::CosClock(3)]);
+        aero.add(C::CN, 2.5, -0.5, &[Factor::Power(V::AlphaT, 4), Factor::CosClock(3)]);
         aero.add(C::Cm, 7.5, 1.0, &[Factor::Bump(V::Beta, 0.2), Factor::Power(V::PitchDamping, 1), Factor::SinClock(2)]);
-        aero.add(C::CA, 0.7, 1.0, &[Factor::Power(V::SinAlphaT, 5)]);
+        aero.add(C::CA, 0.7, 2.0, &[Factor::Power(V::SinAlphaT, 5)]);
         let program = AeroProgram::new(&aero);
         let (v, vd, w) = (Vec3::new(7.0, -1.2, 2.1), Vec3::new(-0.4, 3.1, -2.2), Vec3::new(0.3, -1.4, 0.9));
         let whole = FlowState::new(v, vd, w, 0.2125);

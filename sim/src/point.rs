@@ -72,3 +72,51 @@ fn explain(e: &IntegrationError, state: &Vector6<f64>, t_s: f64) -> SimError {
         _ => SimError::StepTooSmall { t_s },
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use windfall_model::{
+        Aero, Environment, Inertia, MeanFlow, PointMass, Sensors, Structure, Turbulence, Vehicle, WakeShedding,
+    };
+
+    fn ball(cd: f64) -> Plant {
+        Plant {
+            vehicle: Vehicle {
+                mass_kg: 0.1,
+                inertia: Inertia::default(),
+                p_origin_cm: Vec3::zero(),
+                diameter_m: 0.1,
+                apparent: Default::default(),
+                loose: None,
+            },
+            aero: Aero::new(Structure::point_mass(), vec![cd]),
+            tether: None,
+            flow: MeanFlow::default(),
+            turbulence: Turbulence::default(),
+            shedding: WakeShedding::default(),
+            contacts: Vec::new(),
+            environment: Environment { gravity_m_s2: 9.8, gas_constant_j_kg_k: 287.0 },
+            sensors: Sensors::default(),
+            point: PointMass::default(),
+        }
+    }
+
+    /// Parabola, and fall with quadratic drag: `x = (V²/g) ln cosh(g t/V)`; at uneven times that do not start at zero.
+    /// Bound: the integrator's tolerance of 1e-11 over a few intervals.
+    #[test]
+    fn exact_parabola_and_fall_with_quadratic_drag() {
+        let times = [0.7, 0.75, 1.3, 1.31, 2.2];
+        let thrown = fly_point(&ball(0.0), 1.2, &times, [1.0, 2.0, 3.0], [-3.0, 4.0, 0.5]).expect("flies");
+        let falls = fly_point(&ball(0.5), 1.2, &times, [0.0; 3], [0.0; 3]).expect("flies");
+        let terminal = (2.0 * 0.1 * 9.8 / (1.2 * 0.5 * std::f64::consts::FRAC_PI_4 * 0.01)).sqrt();
+        for ((p, x), time) in thrown.iter().zip(&falls).zip(times) {
+            let t = time - 0.7;
+            let expected = [1.0 - 3.0 * t + 4.9 * t * t, 2.0 + 4.0 * t, 3.0 + 0.5 * t];
+            let deep = terminal * terminal / 9.8 * (9.8 * t / terminal).cosh().ln();
+            for (a, b) in p.iter().chain(x).zip(expected.iter().chain(&[deep, 0.0, 0.0])) {
+                assert!((a - b).abs() < 1e-9, "{a} {b} at {t}");
+            }
+        }
+    }
+}
