@@ -1,4 +1,10 @@
 //! sim tests: one binary. In: nothing. Out: verdicts.
 
 mod campaign;
+mod chance;
 mod common;
+mod ends;
+mod instruments;
+mod lander;
+mod rigid;
+mod scaling;

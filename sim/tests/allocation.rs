@@ -1,0 +1,81 @@
+//! sim tests: a flight allocates for its inputs and its samples, never for a step. In: a counting allocator. Out: counts.
+//!
+//! A binary of its own, with one test: the counter sees every thread.
+
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+use std::alloc::System;
+use windfall_model::frames::Vec3;
+use windfall_model::{
+    Aero, ApparentMass, Contact, Environment, Flight, Inertia, LooseMass, MeanFlow, Method, Numerics, Plant, PointMass, Release,
+    Sensors, Structure, Tether, TunnelSpeed, Turbulence, Vehicle, WakeShedding,
+};
+use windfall_sim::{Seed, fly};
+
+#[global_allocator]
+static GLOBAL: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
+
+fn plant() -> Plant {
+    let values = [6.6620, 3.5129, -2.0035, 0.0125, -5.6816, -2.0655, 2.5278, -3.3025, -205.4289, -3.3025, -205.4289];
+    Plant {
+        vehicle: Vehicle {
+            mass_kg: 0.7873,
+            inertia: Inertia { xx: 0.02113, yy: 0.0138, zz: 0.01379, ..Inertia::default() },
+            p_origin_cm: Vec3::zero(),
+            diameter_m: 0.2125,
+            apparent: ApparentMass::default(),
+            loose: None,
+        },
+        aero: Aero::new(Structure::axisymmetric(), values.to_vec()),
+        tether: Some(Tether::declared(Vec3::new(-0.25, 0.0, 0.0), Vec3::new(-3.0, 0.0, 0.0), 0.0013, 0.0165)),
+        flow: MeanFlow::default(),
+        turbulence: Turbulence::default(),
+        shedding: WakeShedding::default(),
+        contacts: vec![Contact {
+            run: 0,
+            start_s: 1.0,
+            duration_s: 1.0,
+            impulse: Vec3::new(0.01, 0.0, 0.0),
+            angular_impulse: Vec3::zero(),
+        }],
+        environment: Environment { gravity_m_s2: 9.80665, gas_constant_j_kg_k: 287.05287 },
+        sensors: Sensors::default(),
+        point: PointMass::default(),
+    }
+}
+
+/// Allocations and accepted steps of one flight at a tolerance.
+fn counted(plant: &Plant, method: Method, relative_tolerance: f64) -> (usize, u64) {
+    let order = Flight {
+        name: "test".into(),
+        kind: "perturbed".into(),
+        hold_out: false,
+        duration_s: 5.0,
+        rate_hz: 100.0,
+        release: Release { position_m: [0.0; 3], velocity_m_s: [0.0; 3], attitude_rad: [0.0, 0.3, 0.2], rates_rad_s: [0.0; 3] },
+        speed: TunnelSpeed::Constant(7.43),
+        ps_pa: 101_325.0,
+        ts_k: 299.0,
+        section: None,
+        numerics: Numerics { method, relative_tolerance, absolute_tolerance: relative_tolerance },
+        sensor_noise: false,
+    };
+    let region = Region::new(GLOBAL);
+    let steps = fly(plant, &order, Seed::default()).expect("flies").steps;
+    let change = region.change();
+    (change.allocations + change.reallocations, steps)
+}
+
+#[test]
+fn law_no_allocation_per_step() {
+    let mut crowded = plant();
+    crowded.vehicle.apparent = ApparentMass { axial_kg: 0.1, radial_kg: 0.1, transverse_kg_m2: 0.001 };
+    crowded.vehicle.loose = Some(LooseMass { mass_kg: 0.05, frequency_hz: 2.0, damping_ratio: 0.1, x_cm_m: 0.1 });
+    for plant in [plant(), crowded] {
+        for method in [Method::Dop853, Method::Dopri5] {
+            let (few, short) = counted(&plant, method, 1e-5);
+            let (many, long) = counted(&plant, method, 1e-12);
+            assert!(long > 2 * short, "{short} and {long} steps");
+            assert_eq!(few, many, "{method:?}: {short} and {long} steps");
+        }
+    }
+}

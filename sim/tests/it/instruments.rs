@@ -1,0 +1,162 @@
+//! sim tests: the instruments. In: a known truth. Out: whether the record is what they make of it.
+
+use crate::common::*;
+use windfall_model::frames::{EulerXyz, Vec3};
+use windfall_model::{Flight, Method, Numerics, Plant, Record, Release, Sensors, TunnelSpeed};
+use windfall_sim::{Seed, fly};
+
+/// Table A.3 of the thesis.
+pub(crate) fn sensors() -> Sensors {
+    Sensors {
+        position_std_m: 7.5e-4,
+        roll_std_rad: 0.0623_f64.to_radians(),
+        pitch_yaw_std_rad: 0.11_f64.to_radians(),
+        wind_std_m_s: 2.57e-3,
+        ..Sensors::default()
+    }
+}
+
+/// A perturbed flight with a tunnel speed that moves.
+fn order() -> Flight {
+    let release =
+        Release { attitude_rad: [0.1, 0.3, -0.2], rates_rad_s: [0.5, 0.4, -0.3], velocity_m_s: [0.1, 0.2, 0.3], ..REST };
+    let mut order = flight(4.0, 150.0, 0.0, release);
+    order.speed =
+        TunnelSpeed::History { interval_s: 0.02, vw_m_s: (0..=250).map(|k| 7.4 + 0.2 * (0.04 * f64::from(k)).sin()).collect() };
+    order.numerics = Numerics { method: Method::Dop853, relative_tolerance: 1e-11, absolute_tolerance: 1e-13 };
+    order
+}
+
+fn recorded(plant: &Plant) -> Record {
+    fly(plant, &order(), Seed::default()).expect("flies").record
+}
+
+/// Differences of one channel, shifted by whole samples.
+fn shifted(a: &[f64], b: &[f64], by: usize) -> f64 {
+    worst(&a[by..], &b[..b.len() - by])
+}
+
+/// Position is the origin's, `p_cm − R r_cm`; q is ½ρV² of the recorded speed; the rest is as flown.
+#[test]
+fn exact_record_of_the_origin() {
+    let mut plant = lander();
+    let offset = Vec3::new(0.02, -0.01, 0.03);
+    plant.vehicle.p_origin_cm = offset;
+    let flown = fly(&plant, &order(), Seed::default()).expect("flies");
+    let (truth, record) = (&flown.truth, &flown.record);
+    for k in (0..truth.len()).step_by(50) {
+        let [rx_rad, ry_rad, rz_rad] = truth.attitude_rad[k];
+        let out = EulerXyz { rx_rad, ry_rad, rz_rad }.r_tunnel_body() * offset;
+        for axis in 0..3 {
+            let expected = truth.p_tunnel_cm[k][axis] - out.to_array()[axis];
+            assert!((record.position_m[axis][k] - expected).abs() < 1e-14);
+            assert!((record.attitude_rad[axis][k] - truth.attitude_rad[k][axis]).abs() < 1e-14);
+        }
+        let q = record.qw_pa.as_ref().expect("recorded")[k];
+        assert!((q - 0.5 * DENSITY * record.vw_m_s[k].powi(2)).abs() < 1e-12);
+    }
+    assert!(worst(&record.vw_m_s, &truth.vw_m_s) < 1e-15 && worst(&record.t_s, &truth.t_s) < 1e-15);
+    assert!(record.ps_pa.iter().all(|p| (p - PS_PA).abs() < 1e-9) && record.ts_k.len() == truth.len());
+}
+
+/// A delay of three samples shifts pose by three samples and leaves V_W alone; half a sample more is the flight in between.
+#[test]
+fn exact_pose_delay() {
+    let clean = recorded(&lander());
+    let mut plant = lander();
+    plant.sensors.pose_delay_s = 3.0 / 150.0;
+    let late = recorded(&plant);
+    for c in 0..6 {
+        assert!(shifted(late.channels()[c], clean.channels()[c], 3) < 1e-12, "channel {c}");
+    }
+    assert!(worst(&late.vw_m_s, &clean.vw_m_s) < 1e-15);
+    plant.sensors.pose_delay_s = 3.5 / 150.0;
+    let between = recorded(&plant);
+    let mut fine = order();
+    fine.rate_hz = 300.0;
+    let fine = fly(&lander(), &fine, Seed::default()).expect("flies").record;
+    for c in 0..6 {
+        for k in (4..600).step_by(7) {
+            // Cubic Hermite: h⁴/384 of a fourth derivative below 1e4.
+            assert!((between.channels()[c][k] - fine.channels()[c][2 * k - 7]).abs() < 5e-8, "channel {c} sample {k}");
+        }
+    }
+}
+
+/// Before release the pose is continued to second order: a delay of a few samples is off by its third power.
+#[test]
+fn order_three_of_the_pose_before_release() {
+    let mut back = order();
+    let start = fly(&lander(), &back, Seed::default()).expect("flies").truth;
+    // The same flight, released six samples later: its true past is known.
+    let at = 6;
+    back.release = Release {
+        position_m: start.p_tunnel_cm[at],
+        velocity_m_s: start.v_tunnel_cm[at],
+        attitude_rad: start.attitude_rad[at],
+        rates_rad_s: start.w_tunnel_body[at],
+    };
+    if let TunnelSpeed::History { interval_s, vw_m_s } = &mut back.speed {
+        *vw_m_s = (0..=250).map(|k| 7.4 + 0.2 * (2.0 * (f64::from(k) * *interval_s + 0.04)).sin()).collect();
+    }
+    let error = |samples: usize| {
+        let mut plant = lander();
+        plant.sensors.pose_delay_s = samples as f64 / 150.0;
+        let record = fly(&plant, &back, Seed::default()).expect("flies").record;
+        let place = worst(&record.position_m.each_ref().map(|x| x[0]), &start.p_tunnel_cm[at - samples]);
+        let turn = worst(&record.attitude_rad.each_ref().map(|x| x[0]), &start.attitude_rad[at - samples]);
+        [place, turn]
+    };
+    let (near, far) = (error(3), error(6));
+    for (n, f) in near.iter().zip(far) {
+        let order = (f / n).log2();
+        assert!((order - 3.0).abs() < 0.5, "{order}: {near:?} {far:?}");
+    }
+}
+
+#[test]
+fn exact_wind_scale_and_delay() {
+    let clean = recorded(&lander());
+    let mut plant = lander();
+    plant.sensors.wind_scale = 0.05;
+    plant.sensors.wind_delay_s = 0.1;
+    let late = recorded(&plant);
+    let expected: Vec<f64> = clean.vw_m_s.iter().map(|v| 1.05 * v).collect();
+    assert!(shifted(&late.vw_m_s, &expected, 15) < 1e-12);
+    assert!(late.vw_m_s[..15].iter().all(|v| (v - expected[0]).abs() < 1e-12), "held before the first sample");
+    for c in 0..6 {
+        assert!(worst(late.channels()[c], clean.channels()[c]) < 1e-15);
+    }
+}
+
+/// Recorded attitude is true attitude times Rx·Ry·Rz of the misalignment; the tracked origin stays where it is.
+#[test]
+fn exact_misalignment() {
+    let mut plant = lander();
+    plant.vehicle.p_origin_cm = Vec3::new(0.0, 0.01, 0.02);
+    let clean = recorded(&plant);
+    plant.sensors.misalignment_rad = [0.03, -0.05, 0.02];
+    let turned = recorded(&plant);
+    let rotation = |r: &Record, k: usize| {
+        let [rx_rad, ry_rad, rz_rad] = r.attitude_rad.each_ref().map(|a| a[k]);
+        EulerXyz { rx_rad, ry_rad, rz_rad }.r_tunnel_body().matrix
+    };
+    let by = EulerXyz { rx_rad: 0.03, ry_rad: -0.05, rz_rad: 0.02 }.r_tunnel_body().matrix;
+    for k in (0..600).step_by(40) {
+        assert!((rotation(&turned, k) - rotation(&clean, k) * by).amax() < 1e-13);
+    }
+    for c in 0..3 {
+        assert!(worst(turned.channels()[c], clean.channels()[c]) < 1e-15);
+    }
+}
+
+/// Roll goes on past half a turn.
+#[test]
+fn law_roll_is_unwrapped() {
+    let order = flight(20.0, 50.0, 7.43, Release { rates_rad_s: [3.0, 0.0, 0.0], ..REST });
+    let flown = fly(&lander(), &order, Seed::default()).expect("flies");
+    for roll in [&flown.record.attitude_rad[0], &flown.truth.attitude_rad.iter().map(|a| a[0]).collect()] {
+        assert!(roll.windows(2).all(|w| (w[1] - w[0]).abs() < 0.1));
+        assert!(roll[roll.len() - 1] > 6.0);
+    }
+}
