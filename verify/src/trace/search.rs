@@ -32,7 +32,7 @@ pub struct Candidate {
 /// Upper tail of χ², corrected for `tried` attempts (Šidák 1967).
 #[must_use]
 pub fn p_value(statistic: f64, degrees: usize, tried: usize) -> f64 {
-    if !(statistic > 0.0) || degrees == 0 {
+    if statistic.is_nan() || statistic <= 0.0 || degrees == 0 {
         return 1.0;
     }
     let one = ChiSquared::new(degrees as f64).map_or(1.0, |d| d.sf(statistic));
@@ -104,7 +104,7 @@ impl Context<'_> {
                     Role::Run => runs.iter().map(|r| *r as f64).collect(),
                     Role::Instant => {
                         let run = null.parameters.iter().position(|q| q.role == Role::Run);
-                        let index = run.and_then(|r| runs.iter().position(|k| *k as f64 == form.values[r]));
+                        let index = run.and_then(|r| place(&runs, form.values[r]));
                         let margin_s = self.problem.evidence.margin_s();
                         let end_s = index.map_or(0.0, |k| durations[k]) - margin_s - 2.0 * INSTANT_STEP_S;
                         let at = |k: i32| margin_s + f64::from(k) * INSTANT_STEP_S;
@@ -144,7 +144,7 @@ impl Context<'_> {
     /// An effect within one run: columns from that run alone, without copies (a pulse's shape hardly depends on noise).
     fn local(&self, form: Instance) -> Option<Candidate> {
         let run_parameter = form.parameters.iter().position(|p| p.role == Role::Run)?;
-        let run = self.problem.evidence.run_indices().iter().position(|r| *r as f64 == form.values[run_parameter])?;
+        let run = place(&self.problem.evidence.run_indices(), form.values[run_parameter])?;
         let (h, k) = self.with(&form);
         let strengths: Vec<usize> = form.mean_strengths().collect();
         let base = self.problem.evidence.residual_of(&self.fit.hypothesis.plant(self.problem.base), run);
@@ -216,6 +216,11 @@ impl Context<'_> {
             std_errors: Vec::new(),
         })
     }
+}
+
+/// Place of a run's index (whole numbers, held as a parameter's value) among the runs of the evidence.
+fn place(runs: &[usize], index: f64) -> Option<usize> {
+    runs.iter().position(|r| (*r as f64 - index).abs() < 0.5)
 }
 
 /// Spacing of instants tried, s: half the shortest pulse of the catalogue.

@@ -102,6 +102,9 @@ struct Prepared {
     wide_gain: Vec<f64>,
 }
 
+/// Cross-spectrum of the six channels at one frequency.
+type Spectrum = SMatrix<Complex<f64>, 6, 6>;
+
 /// The latest plant without aerodynamics and contacts (both are added to its rows), and the rows it gives per run and copy.
 type Focus = (Plant, Vec<Vec<Vec<Row>>>);
 
@@ -280,7 +283,7 @@ impl LoopMap {
         }
         orders.iter().all(|m| m.iter().all(|x| x.is_finite())).then_some(Self { orders })
     }
-    fn at(&self, omega: f64) -> SMatrix<Complex<f64>, 6, 6> {
+    fn at(&self, omega: f64) -> Spectrum {
         let real = self.orders[0] - self.orders[2] * (omega * omega);
         real.zip_map(&(self.orders[1] * omega), Complex::new)
     }
@@ -332,7 +335,7 @@ fn balance(m: &Motion, air: &AirState, plant: &Plant, q_pa: f64) -> [f64; 6] {
 }
 
 /// Complex covariance of a bin from its real form.
-fn circular(m: &Cov) -> SMatrix<Complex<f64>, 6, 6> {
+fn circular(m: &Cov) -> Spectrum {
     SMatrix::from_fn(|i, k| Complex::new(m[(i, k)] + m[(6 + i, 6 + k)], m[(6 + i, k)] - m[(i, 6 + k)]))
 }
 
@@ -425,7 +428,7 @@ impl Evidence for TunnelEvidence {
         if idle {
             return vec![0.0; moved.len()];
         }
-        let prepared: Vec<Option<(LoopMap, Vec<SMatrix<Complex<f64>, 6, 6>>)>> = runs
+        let prepared: Vec<Option<(LoopMap, Vec<Spectrum>)>> = runs
             .par_iter()
             .map(|(run, start)| {
                 let map = LoopMap::new(run, plant, &self.declared)?;
@@ -665,7 +668,7 @@ fn random_of_run(run: &Prepared, plant: &Plant) -> Vec<Cov> {
 }
 
 /// Covariance of real and imaginary parts of a circular vector with covariance `E z zᴴ = s`.
-fn real_form(s: &SMatrix<Complex<f64>, 6, 6>) -> Cov {
+fn real_form(s: &Spectrum) -> Cov {
     let mut m = Cov::zeros();
     for i in 0..6 {
         for k in 0..6 {
