@@ -8,3 +8,4 @@ mod instruments;
 mod lander;
 mod rigid;
 mod scaling;
+mod solver;
