@@ -154,3 +154,35 @@ fn exact_weighting_by_spectrum_keeps_exact_data_exact() {
         assert!((found - truth).abs() < 1e-9, "{found} {truth}");
     }
 }
+
+/// The double sum of Morelli and Klein and Parzen's window as they are written, for two weighted series.
+#[test]
+fn exact_coloured_covariance_is_the_double_sum_over_lags() {
+    const LAGS: usize = 9;
+    let mut series = example();
+    for s in &mut series {
+        s.residuals = Colour::Corrected(LAGS);
+    }
+    let fit = solved(&series);
+    let parzen = |x: f64| if x <= 0.5 { 1.0 - 6.0 * x.powi(2) + 6.0 * x.powi(3) } else { 2.0 * (1.0 - x).powi(3) };
+    let (mut normal, mut meat, mut freedom) = (DMatrix::zeros(3, 3), DMatrix::zeros(3, 3), -3.0);
+    for (s, e) in series.iter().zip(&fit.residuals) {
+        let x = DMatrix::from_fn(40, 3, |i, j| s.weight[i] * s.regressors[j][i]);
+        let r: Vec<f64> =
+            (0..=LAGS).map(|k| parzen(k as f64 / 10.0) * (0..40 - k).map(|i| e[i] * e[i + k]).sum::<f64>() / 40.0).collect();
+        let coloured = DMatrix::from_fn(40, 40, |i: usize, j: usize| r.get(i.abs_diff(j)).copied().unwrap_or(0.0));
+        normal += x.transpose() * &x;
+        meat += x.transpose() * coloured * &x;
+        freedom += 40.0 * r[0] * r[0] / (r[0] * r[0] + 2.0 * r[1..].iter().map(|r| r * r).sum::<f64>());
+    }
+    let bread = normal.try_inverse().expect("three independent columns");
+    let expected = &bread * meat * &bread;
+    // Round-off of transforms over 50 numbers and of the normal equations, relative to the largest element.
+    assert!((&fit.covariance - &expected).amax() < 1e-10 * expected.amax(), "{} {expected}", fit.covariance);
+    assert!((fit.freedom - freedom).abs() < 1e-9, "{} {freedom}", fit.freedom);
+    // Singular values of the columns at unit length.
+    let x = DMatrix::from_fn(80, 3, |i, j| series[i / 40].weight[i % 40] * series[i / 40].regressors[j][i % 40]);
+    let unit = DMatrix::from_fn(80, 3, |i, j| x[(i, j)] / x.column(j).norm());
+    let singular = unit.singular_values();
+    assert!((fit.condition - singular.max() / singular.min()).abs() < 1e-9);
+}
