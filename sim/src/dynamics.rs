@@ -2,7 +2,8 @@
 //!
 //! Newton and Euler in vectors: `v̇ = g + R f/m` in tunnel axes, `I ω̇ = m − ω × I ω` in body axes, `q̇ = ½ q ∘ ω`. Forces
 //! come first; with them the acceleration, with it the wind-angle rates, with them the moments. Where forces themselves depend
-//! on accelerations (apparent mass, a loose part, α̇ in a force) see [`crate::coupled`].
+//! on accelerations (apparent mass, a loose part, α̇ in a force) see [`crate::coupled`]. The parts are always inlined: a call
+//! would pass some hundred numbers through memory, which costs a fifth of a flight (measured in benches/dopri5.rs).
 
 use crate::coupled;
 use crate::setup::Setup;
@@ -93,7 +94,7 @@ impl Setup<'_> {
     }
 
     /// Acceleration (body axes) and rate of body rates when no force needs an acceleration.
-    #[inline]
+    #[inline(always)]
     fn direct(&self, i: &Instant) -> (Vec3<Body>, Vec3<Body>, [f64; 2]) {
         let mut c = i.early;
         let aero = self.aerodynamic(&c, i);
@@ -108,7 +109,7 @@ impl Setup<'_> {
     }
 
     /// Adds the coefficients' terms that need the acceleration `a` (inertial, body axes, m/s²).
-    #[inline]
+    #[inline(always)]
     pub(crate) fn late(&self, i: &Instant, a: Vec3<Body>, c: &mut [f64; 6]) {
         let mut flow = i.flow;
         let v_rate = a - i.a_air - i.w.cross(i.v_air_cm);
@@ -124,14 +125,14 @@ impl Setup<'_> {
     }
 
     /// Euler's equation: rate of body rates under a moment.
-    #[inline]
+    #[inline(always)]
     fn euler(&self, w: Vec3<Body>, moment: Vec3<Body>) -> Vec3<Body> {
         let gyroscopic = w.xyz.cross(&(self.inertia * w.xyz));
         (self.inertia_inverse * (moment.xyz - gyroscopic)).into()
     }
 
     /// Everything that needs no acceleration.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn instant<const N: usize>(&self, y: &SVector<f64, N>) -> Instant {
         let s = self.sight(y);
         let a_air = s.r_body_tunnel * s.a_tunnel_air;
@@ -158,7 +159,7 @@ impl Setup<'_> {
     }
 
     /// Place, attitude and air: what follows from the state without any force.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn sight<const N: usize>(&self, y: &SVector<f64, N>) -> Sight {
         let p = Vec3::new(y[0], y[1], y[2]);
         let v = Vec3::new(y[3], y[4], y[5]);
@@ -181,7 +182,7 @@ impl Setup<'_> {
     }
 
     /// Adds tether and contacts.
-    #[inline]
+    #[inline(always)]
     fn pull(&self, i: &mut Instant) {
         let p_origin_cm = self.plant.vehicle.p_origin_cm;
         if let Some(tether) = &self.plant.tether {
@@ -194,7 +195,7 @@ impl Setup<'_> {
     }
 
     /// Flow variables, dynamic pressure and the coefficients that need no acceleration.
-    #[inline]
+    #[inline(always)]
     fn early(&self, v_air_cm: Vec3<Body>, w: Vec3<Body>, t_s: f64) -> (FlowState, f64, [f64; 6]) {
         let mut c = [0.0; 6];
         if v_air_cm.dot(v_air_cm) < STILL_AIR_M2_S2 {
@@ -210,7 +211,7 @@ impl Setup<'_> {
     }
 
     /// Wind with gusts.
-    #[inline]
+    #[inline(always)]
     fn gusty(&self, mut wind: Wind, t_s: f64) -> Wind {
         for (axis, gust) in &self.gusts {
             let (value, rate) = gust.at(t_s);
@@ -221,7 +222,7 @@ impl Setup<'_> {
     }
 
     /// Tunnel speed and its rate.
-    #[inline]
+    #[inline(always)]
     fn tunnel_speed<const N: usize>(&self, y: &SVector<f64, N>) -> (f64, f64) {
         match (&self.hand, self.hand_index) {
             (Some(hand), Some(k)) => (y[k], hand.rates(y[TIME], y[0], y[3], [y[k], y[k + 1]])[0]),
