@@ -20,6 +20,7 @@ use windfall_sim::Seed;
 
 pub use initial::{Initial, InitialStop, estimate_initial};
 pub use replay::{Replay, fly_like};
+pub(crate) use statistics::instant_errors;
 pub use statistics::{Statistic, Swing, TrajectoryError};
 
 /// A parameter's value as flown.

@@ -136,6 +136,20 @@ impl Squares {
     }
 }
 
+/// Errors at each sample, as far as the shorter record goes; rates are left out (zero).
+pub(crate) fn instant_errors(measured: &Record, simulated: &Record) -> Vec<TrajectoryError> {
+    (0..measured.len().min(simulated.len()))
+        .map(|i| {
+            let (a, b) = (place(measured, i), place(simulated, i));
+            TrajectoryError {
+                attitude_rms_deg: attitude(measured, i).angle_to(attitude(simulated, i)).to_degrees(),
+                position_rms_m: a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt(),
+                rate_rms_deg_s: 0.0,
+            }
+        })
+        .collect()
+}
+
 fn place(r: &Record, i: usize) -> [f64; 3] {
     std::array::from_fn(|k| r.position_m[k][i])
 }
