@@ -22,6 +22,13 @@ pub(crate) enum Command {
     Identify(IdentifyArgs),
     /// Fly the identified model against each run
     Resimulate(ResimulateArgs),
+    /// Find what the declared model lacks: residual, effect, its numbers, errors before and after
+    ///
+    /// Exit code 1 when the residual is beyond noise and no effect of the catalogue accounts for it (verdict "unexplained"); 0 when it
+    /// is noise ("consistent") or was explained ("effect").
+    Close(CloseArgs),
+    /// The page for a folder of results
+    Report(ReportArgs),
     /// Every check of the program's own truth; figure beside bound
     Verify(VerifyArgs),
     /// Read a file, validate it and print what was understood
@@ -40,6 +47,8 @@ impl Command {
             Self::Simulate(a) => Some(&a.common),
             Self::Identify(a) => Some(&a.common),
             Self::Resimulate(a) => Some(&a.common),
+            Self::Close(a) => Some(&a.common),
+            Self::Report(a) => Some(&a.common),
             Self::Verify(a) => Some(&a.common),
             Self::Check(a) => Some(&a.common),
             Self::Completions { .. } => None,
@@ -70,8 +79,8 @@ pub(crate) struct Common {
 /// `simulate`.
 #[derive(Args, Debug)]
 pub(crate) struct SimulateArgs {
-    /// Scenario file (.toml) or bundled scenario: appendix-c, sage-unperturbed, sage-perturbed, sage-combined, drop-test,
-    /// full-scale-venus-20km
+    /// Scenario file (.toml) or bundled scenario: appendix-c, sage-unperturbed, sage-perturbed, sage-combined,
+    /// sage-undeclared, drop-test, full-scale-venus-20km
     pub(crate) scenario: PathBuf,
     /// Seed of all chance, in place of the scenario's
     #[arg(long, value_name = "N")]
@@ -112,6 +121,29 @@ pub(crate) struct ResimulateArgs {
     /// Number of seeds over which simulated statistics are averaged
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) seeds: u16,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+/// `close`.
+#[derive(Args, Debug)]
+pub(crate) struct CloseArgs {
+    /// Campaign file (.toml), or a scenario, bundled (sage-undeclared) or by file (.toml): it is flown first, and its effects are not
+    /// declared
+    #[arg(required_unless_present = "statistics")]
+    pub(crate) campaign: Option<PathBuf>,
+    /// Published statistics (.toml), or table-5.6 for the bundled file, in place of a campaign
+    #[arg(long, value_name = "FILE", conflicts_with = "campaign")]
+    pub(crate) statistics: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+/// `report`.
+#[derive(Args, Debug)]
+pub(crate) struct ReportArgs {
+    /// Folder with close.json, identification.json, resimulation.json or verify.json
+    pub(crate) folder: PathBuf,
     #[command(flatten)]
     pub(crate) common: Common,
 }

@@ -5,7 +5,11 @@
 
 mod args;
 mod check;
+mod close;
+mod close_statistics;
+mod flights;
 mod identify;
+mod report;
 mod resimulate;
 mod session;
 mod simulate;
@@ -57,6 +61,8 @@ fn dispatch(command: &Command, session: &mut Session<'_>) -> Result<bool, Failur
         Command::Simulate(a) => simulate::run(a, session),
         Command::Identify(a) => identify::run(a, session),
         Command::Resimulate(a) => resimulate::run(a, session),
+        Command::Close(a) => close::run(a, session),
+        Command::Report(a) => report::run(a, session),
         Command::Verify(a) => verify::run(a, session),
         Command::Check(a) => check::run(a, session),
         Command::Completions { shell } => {

@@ -1,15 +1,15 @@
 //! cli: `windfall simulate`. In: a scenario. Out: records, truths, the campaign they make and the resolved scenario.
 
 use crate::args::SimulateArgs;
+use crate::flights::{end_words, fly_all, warn_of_end};
 use crate::session::{Failure, Session, scenario};
-use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;
 use windfall_model::{Flight, Use};
 use windfall_scenarios::{
     RunLine, ScenarioFile, write_campaign_toml, write_columns_csv, write_record_csv, write_resolved_scenario,
 };
-use windfall_sim::{End, Flown, Seed, Truth, fly};
+use windfall_sim::{Flown, Truth};
 
 /// What is printed with `--json`.
 #[derive(Serialize)]
@@ -63,14 +63,9 @@ pub(crate) fn run(args: &SimulateArgs, session: &mut Session<'_>) -> Result<bool
             }
         })
         .collect();
-    for (r, f) in reports.iter().zip(&file.scenario.flights) {
+    for ((r, flight), flown) in reports.iter().zip(&file.scenario.flights).zip(&flown) {
         session.say(&format!("{}: {} samples, {} at {:.3} s, {} steps", r.name, r.samples, r.end, r.end_t_s, r.steps));
-        if r.end != "completed" {
-            session.warn(&format!(
-                "{}: the model reached the {} after {:.3} of {} s; try: another release, operator or [section]",
-                r.name, r.end, r.end_t_s, f.duration_s
-            ));
-        }
+        warn_of_end(flight, flown, session);
     }
     if let Some(folder) = &folder {
         session.say(&format!("written to {}: {}", folder.display(), outputs.join(", ")));
@@ -89,19 +84,6 @@ fn names(flight: &Flight, flights: usize) -> (String, String) {
     } else {
         (format!("{}.csv", flight.name), format!("{}-truth.csv", flight.name))
     }
-}
-
-fn fly_all(file: &ScenarioFile, session: &Session<'_>) -> Result<Vec<Flown>, Failure> {
-    let s = &file.scenario;
-    let bar = session.bar("flying", s.flights.len());
-    let one = |(i, flight): (usize, &Flight)| {
-        let flown = fly(&s.plant.for_run(i, &[]), flight, Seed { campaign: s.seed, run: i as u64 });
-        bar.inc(1);
-        flown.map_err(|e| Failure::of_flight(&flight.name, e))
-    };
-    let all: Vec<Result<Flown, Failure>> = session.pool()?.install(|| s.flights.par_iter().enumerate().map(one).collect());
-    bar.finish_and_clear();
-    all.into_iter().collect()
 }
 
 fn write_all(folder: &Path, file: &ScenarioFile, names: &[(String, String)], flown: &[Flown]) -> Result<(), Failure> {
@@ -139,14 +121,4 @@ fn write_truth(path: &Path, truth: &Truth) -> Result<(), Failure> {
     ]);
     let views: Vec<(&str, &[f64])> = columns.iter().map(|(n, c)| (*n, c.as_slice())).collect();
     Ok(write_columns_csv(path, &views)?)
-}
-
-/// How a flight ended, and when, s.
-fn end_words(flown: &Flown) -> (&'static str, f64) {
-    match flown.end {
-        End::Completed => ("completed", flown.truth.t_s.last().copied().unwrap_or(0.0)),
-        End::Wall { t_s } => ("wall", t_s),
-        End::UpperNet { t_s } => ("upper net", t_s),
-        End::LowerNet { t_s } => ("lower net", t_s),
-    }
 }

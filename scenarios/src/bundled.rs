@@ -1,8 +1,15 @@
 //! scenarios: the bundled scenario files. In: a name. Out: its text.
 
 /// Names of the bundled scenarios.
-pub const NAMES: [&str; 6] =
-    ["appendix-c", "sage-unperturbed", "sage-perturbed", "sage-combined", "drop-test", "full-scale-venus-20km"];
+pub const NAMES: [&str; 7] = [
+    "appendix-c",
+    "sage-unperturbed",
+    "sage-perturbed",
+    "sage-combined",
+    "sage-undeclared",
+    "drop-test",
+    "full-scale-venus-20km",
+];
 
 /// Text of the bundled scenario of that name.
 ///
@@ -16,6 +23,7 @@ pub fn bundled(name: &str) -> Option<&'static str> {
         include_str!("../bundled/sage-unperturbed.toml"),
         include_str!("../bundled/sage-perturbed.toml"),
         include_str!("../bundled/sage-combined.toml"),
+        include_str!("../bundled/sage-undeclared.toml"),
         include_str!("../bundled/drop-test.toml"),
         include_str!("../bundled/full-scale-venus-20km.toml"),
     ];

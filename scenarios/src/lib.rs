@@ -14,6 +14,7 @@ mod point;
 mod record;
 mod reference;
 mod scenario;
+mod statistics;
 mod structure;
 mod table;
 mod toml_out;
@@ -31,6 +32,7 @@ pub use record::{
 };
 pub use reference::key_reference;
 pub use scenario::{EffectValues, ScenarioFile, read_bundled, read_scenario, read_scenario_file};
+pub use statistics::{PublishedFigure, StatisticsFile, TABLE_5_6, bundled_statistics, read_statistics};
 pub use structure::read_structure;
 pub use toml_out::{RunLine, write_campaign_toml, write_resolved_scenario, write_structure};
 pub use write::{text_atomically, write_json_atomically};

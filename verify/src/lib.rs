@@ -1,7 +1,7 @@
 //! The loop: recovery, re-simulation, tracing and closing, and the verdicts. No physics and no files of its own.
 
-pub mod close;
 mod checks;
+pub mod close;
 mod error;
 mod recovery;
 mod resimulate;

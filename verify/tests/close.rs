@@ -1,5 +1,7 @@
 //! verify: the closing loop against campaigns of an independent simulator. In: ../shared/data/campaigns. Out: families, numbers.
 
+#![expect(clippy::print_stdout, reason = "a test prints what it measured")]
+
 use serde_json::Value;
 use std::path::PathBuf;
 use windfall_scenarios::read_campaign;

@@ -85,7 +85,15 @@ impl Parameter {
         (self.low - value).max(value - self.high).max(0.0) / (self.high - self.low)
     }
     fn strength(name: &str, unit: &'static str, limit: f64) -> Self {
-        Self { name: name.to_owned(), unit, low: -limit, high: limit, null: 0.0, role: Role::Strength, step: 1e-3 * limit.min(1e3) }
+        Self {
+            name: name.to_owned(),
+            unit,
+            low: -limit,
+            high: limit,
+            null: 0.0,
+            role: Role::Strength,
+            step: 1e-3 * limit.min(1e3),
+        }
     }
     /// A strength that is never negative.
     fn positive(name: &str, unit: &'static str, limit: f64) -> Self {

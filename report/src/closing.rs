@@ -1,0 +1,329 @@
+//! report: the page of a closing. In: a closing and its figures. Out: HTML.
+
+use crate::html::{Cell, escape, page, section, table};
+use crate::svg::{Bar, bars, chart, dots};
+use crate::words::{number, p_value, sentence};
+use std::fmt::Write as _;
+use windfall_verify::close::{Closing, EffectLine, Figure, HeldOut, ParameterLine, Topic, Verdict};
+
+/// The page of a closing: verdict, errors before and after, effects, rivals, residuals, candidates, parameters, bounds, leads.
+/// Figures may be none.
+#[must_use]
+pub fn closing_page(c: &Closing, figures: &[Figure]) -> String {
+    page(&format!("{}: loop closed", c.campaign), &closing_body(c, figures))
+}
+
+/// Everything below `<main>`.
+pub(crate) fn closing_body(c: &Closing, figures: &[Figure]) -> String {
+    let mut out = head(c);
+    let held = "Parameters as identified; only each run's initial state is estimated from it, and the run is flown again with its \
+                recorded tunnel speed. Statistics are those of the thesis' Table 5.6.";
+    out += &section("Runs held out: before and after", held, &held_out(c));
+    out += &section("What the declared model lacks", "", &effects(c));
+    out += &topic(figures, Topic::Trajectory, "Runs held out, flown again", "");
+    let lead = "rms of what each model leaves in the coefficients (up to 5 Hz for tunnel runs; position in m for point masses), over what \
+                noise would leave; p: chance of as much or more from noise alone.";
+    out += &section("Residual against noise", lead, &residuals(c));
+    out += &topic(figures, Topic::Spectrum, "Residual spectra", "All identified runs joined, each point a band of frequencies.");
+    out += &topic(
+        figures,
+        Topic::Variable,
+        "Residual over the variable that it follows best",
+        "Means over intervals of equal count, of the channels that stand highest above noise.",
+    );
+    out +=
+        &section("What remains, as a lead", "A residual beyond noise that no effect of the catalogue accounts for.", &leads(c));
+    let lead = "Twice the gain of log-likelihood by one step from the declared model, every effect of the catalogue alone; p corrected \
+                for the forms tried. The ranking is confirmed by full fits, and on runs held out.";
+    out += &section("Candidates", lead, &candidates(c));
+    out += &section("Parameters: how they moved", "Declared parameters, with 95 % intervals.", &shifts(c));
+    let lead =
+        "How large an effect that was not found could still be and escape: its size stays under the bound with 95 % confidence.";
+    out += &section("Bounds on what was not found", lead, &bounds(c));
+    let _ = writeln!(
+        out,
+        "<footer>windfall {}. Chance of naming an effect in a campaign that has none: {} a round.</footer>",
+        env!("CARGO_PKG_VERSION"),
+        number(c.false_alarm_rate)
+    );
+    out
+}
+
+fn head(c: &Closing) -> String {
+    let word = match c.verdict {
+        Verdict::Consistent => "consistent",
+        Verdict::Effect => "effect",
+        Verdict::Unexplained => "unexplained",
+    };
+    format!(
+        "<h1>{}</h1>\n<p class=\"lead\">The loop closed with measured data: what the declared model lacks.</p>\n<div class=\"verdict \
+         {word}\"><b>{word}</b><p>{}</p></div>\n",
+        escape(&c.campaign),
+        escape(&sentence(c))
+    )
+}
+
+/// Marks by colour what they are; `what` by class.
+fn key(marks: &[(&str, &str)]) -> String {
+    let one = |(class, name): &(&str, &str)| format!("<span class=\"key {class}\"></span>{}", escape(name));
+    format!("<p class=\"note\">{}</p>\n", marks.iter().map(one).collect::<String>())
+}
+
+fn topic(figures: &[Figure], topic: Topic, title: &str, lead: &str) -> String {
+    let own: Vec<&Figure> = figures.iter().filter(|f| f.topic == topic).collect();
+    let drawn: String = own.iter().map(|f| chart(f)).collect();
+    if drawn.is_empty() {
+        return String::new();
+    }
+    let names =
+        [("measured", "measured"), ("before", "declared model"), ("after", "with the effects added"), ("noise", "noise alone")];
+    let used: Vec<(&str, &str)> = names
+        .into_iter()
+        .filter(|(class, _)| own.iter().any(|f| f.series.iter().any(|s| crate::svg::class(s.role) == *class)))
+        .collect();
+    section(title, lead, &format!("{}<div class=\"grid\">{drawn}</div>", key(&used)))
+}
+
+/// A line of the table before and after.
+struct Line {
+    what: String,
+    unit: &'static str,
+    before: f64,
+    after: f64,
+}
+
+fn held_out_lines(b: &HeldOut, a: &HeldOut) -> Vec<Line> {
+    let mut lines = Vec::new();
+    let mut line = |what: &str, unit, before: f64, after: f64| lines.push(Line { what: what.to_owned(), unit, before, after });
+    for (axis, name) in ["x", "y", "z"].iter().enumerate() {
+        if let (Some(b), Some(a)) = (b.specific_force_rms, a.specific_force_rms) {
+            line(&format!("force residual over mass, body {name}"), "m/s²", b[axis], a[axis]);
+        }
+    }
+    for (axis, name) in ["x", "y", "z"].iter().enumerate() {
+        if let (Some(b), Some(a)) = (b.specific_moment_rms, a.specific_moment_rms) {
+            line(&format!("moment residual over inertia, body {name}"), "rad/s²", b[axis], a[axis]);
+        }
+    }
+    if let (Some(b), Some(a)) = (b.trajectory, a.trajectory) {
+        line("attitude, flown again", "deg", b.attitude_rms_deg, a.attitude_rms_deg);
+        line("body rates, flown again", "deg/s", b.rate_rms_deg_s, a.rate_rms_deg_s);
+    }
+    if let (Some(b), Some(a)) = (b.position_rms_m, a.position_rms_m) {
+        line("position, flown again", "mm", 1e3 * b, 1e3 * a);
+    }
+    lines
+}
+
+fn held_out(c: &Closing) -> String {
+    let (Some(b), Some(a)) = (&c.before.hold_out, &c.after.hold_out) else {
+        return "<p>The campaign holds no run out: mark one with <code>use = \"hold-out\"</code>.</p>".to_owned();
+    };
+    let rows: Vec<Vec<Cell>> = held_out_lines(b, a)
+        .into_iter()
+        .map(|l| {
+            vec![
+                Cell::text(l.what),
+                Cell::text(l.unit),
+                Cell::number(l.before),
+                Cell::number(l.after),
+                Cell::Made(ratio(l.after / l.before)),
+            ]
+        })
+        .collect();
+    let mut out = table(&["rms error", "unit", "declared model", "with effects", "after / before"], &rows);
+    if let (Some(b), Some(a)) = (b.log_likelihood, a.log_likelihood) {
+        let _ = writeln!(
+            out,
+            "<p>Log-likelihood of these runs, up to a constant of the data: {} before, {} after, a gain of {}.</p>",
+            number(b),
+            number(a),
+            number(a - b)
+        );
+    }
+    let rows: Vec<Vec<Cell>> = b
+        .statistics
+        .iter()
+        .zip(&a.statistics)
+        .map(|(b, a)| {
+            vec![
+                Cell::text(format!("{} {}", b.statistic, statistic_name(&b.quantity))),
+                Cell::number(b.test),
+                Cell::number(b.simulation),
+                Cell::number(a.simulation),
+            ]
+        })
+        .collect();
+    if !rows.is_empty() {
+        out += &table(&["statistic", "test", "declared model", "with effects"], &rows);
+    }
+    out
+}
+
+fn statistic_name(quantity: &str) -> &str {
+    match quantity {
+        "theta_deg" => "of Θ (deg)",
+        "omega_qr_deg_s" => "of ω_q,r (deg/s)",
+        other => other,
+    }
+}
+
+fn ratio(r: f64) -> String {
+    let class = if r < 0.98 {
+        "better"
+    } else if r > 1.02 {
+        "worse"
+    } else {
+        ""
+    };
+    let text = if r.is_finite() { format!("× {r:.3}") } else { "–".to_owned() };
+    format!("<span class=\"{class}\">{text}</span>")
+}
+
+fn effects(c: &Closing) -> String {
+    if c.effects.is_empty() {
+        return "<p>No effect of the catalogue was needed, or none explained enough to be named.</p>\n".to_owned();
+    }
+    c.effects.iter().map(effect).collect()
+}
+
+fn effect(e: &EffectLine) -> String {
+    let mut out =
+        format!("<h3>{}</h3>\n<p>{}</p>\n<p class=\"note\">{}</p>\n", escape(&e.family), escape(&e.physics), escape(&e.source));
+    let rows: Vec<Vec<Cell>> = e.parameters.iter().map(parameter).collect();
+    out += &table(&["parameter", "estimate", "± 95 %", "95 % interval", "unit"], &rows);
+    let held = match e.held_out_gain {
+        Some(gain) => format!("Confirmed on runs held out: log-likelihood + {}.", number(gain)),
+        None => "Not confirmed on other runs: it lives in one run, or no run is held out.".to_owned(),
+    };
+    let _ = writeln!(
+        out,
+        "<p>Chance of such a find anywhere in the catalogue from noise alone: {}. {held}</p>",
+        escape(&p_value(e.p_value))
+    );
+    let _ = if e.rivals.is_empty() {
+        writeln!(out, "<p>No rival: these data tell it from every other effect.</p>")
+    } else {
+        let rivals = e.rivals.join(", ");
+        writeln!(
+            out,
+            "<p><strong>Rivals that these data cannot tell from it: {}.</strong> What would separate them: {}.</p>",
+            escape(&rivals),
+            escape(&e.separate_by)
+        )
+    };
+    out
+}
+
+fn parameter(p: &ParameterLine) -> Vec<Cell> {
+    let interval = p.ci95.map_or_else(|| "not determined".to_owned(), |[a, b]| format!("[{}, {}]", number(a), number(b)));
+    let half = p.std_error.map_or_else(|| "–".to_owned(), |s| number(1.96 * s));
+    vec![Cell::text(&p.name), Cell::number(p.estimate), Cell::Number(half), Cell::Number(interval), Cell::text(unit(&p.unit))]
+}
+
+fn unit(u: &str) -> &str {
+    if u == "-" { "" } else { u }
+}
+
+fn residuals(c: &Closing) -> String {
+    let pairs: Vec<_> = c.residual.per_channel.iter().zip(&c.residual_after.per_channel).collect();
+    let over = |rms: f64, expected: f64| rms / expected;
+    let highest = pairs
+        .iter()
+        .flat_map(|(b, a)| [over(b.rms, b.expected_rms), over(a.rms, a.expected_rms)])
+        .filter(|r| r.is_finite())
+        .fold(1.0, f64::max);
+    let rows: Vec<Vec<Cell>> = pairs
+        .iter()
+        .map(|(b, a)| {
+            let [before, after] = [over(b.rms, b.expected_rms), over(a.rms, a.expected_rms)];
+            vec![
+                Cell::text(&b.channel),
+                Cell::number(b.rms),
+                Cell::number(a.rms),
+                Cell::number(a.expected_rms),
+                Cell::Number(p_value(b.p_value)),
+                Cell::Number(p_value(a.p_value)),
+                Cell::Made(dots(before, after, highest)),
+            ]
+        })
+        .collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    let heads =
+        ["channel", "declared model", "with effects", "noise", "p before", "p after", "times noise, from 0.45 (log); dashes: 1"];
+    key(&[("before", "declared model"), ("after", "with the effects added")]) + &table(&heads, &rows)
+}
+
+fn leads(c: &Closing) -> String {
+    if c.unexplained.is_empty() {
+        return String::new();
+    }
+    let one = |u: &windfall_verify::close::Unexplained| {
+        format!("<li><strong>{}</strong>: {}</li>", escape(&u.channel), escape(&u.description))
+    };
+    format!("<ul>{}</ul>\n", c.unexplained.iter().map(one).collect::<String>())
+}
+
+fn candidates(c: &Closing) -> String {
+    let added = |family: &str| c.effects.iter().any(|e| e.family == family);
+    let rival = |family: &str| c.effects.iter().any(|e| e.rivals.iter().any(|r| r == family));
+    let mut sorted: Vec<_> = c.candidates.iter().collect();
+    sorted.sort_by(|a, b| b.score.total_cmp(&a.score));
+    let all: Vec<Bar> = sorted
+        .iter()
+        .map(|k| Bar {
+            name: k.family.clone(),
+            value: k.score,
+            note: format!("{}, p {}", number(k.score), p_value(k.p_value)),
+            class: if added(&k.family) {
+                "after-mark"
+            } else if rival(&k.family) {
+                "before-mark"
+            } else {
+                "plain-mark"
+            },
+        })
+        .collect();
+    if all.is_empty() {
+        return String::new();
+    }
+    key(&[("after", "added"), ("before", "rival"), ("plain", "neither")]) + &bars(&all, "score (logarithmic, from 1)")
+}
+
+fn shifts(c: &Closing) -> String {
+    let error = |of: &[ParameterLine], name: &str| of.iter().find(|p| p.name == name).and_then(|p| p.std_error);
+    let half = |s: Option<f64>| s.map_or_else(String::new, |s| format!(" ± {}", number(1.96 * s)));
+    let rows: Vec<Vec<Cell>> = c
+        .shifts
+        .iter()
+        .map(|s| {
+            let before = error(&c.before.parameters, &s.name);
+            let moved = (s.after - s.before) / before.unwrap_or(f64::NAN);
+            let moved = if moved.is_finite() { format!("{moved:+.1}") } else { "–".to_owned() };
+            vec![
+                Cell::text(&s.name),
+                Cell::Number(format!("{}{}", number(s.before), half(before))),
+                Cell::Number(format!("{}{}", number(s.after), half(error(&c.after.parameters, &s.name)))),
+                Cell::Number(moved),
+            ]
+        })
+        .collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    table(&["parameter", "declared model", "with effects", "moved, in its first standard errors"], &rows)
+}
+
+fn bounds(c: &Closing) -> String {
+    if c.bounds.is_empty() {
+        return String::new();
+    }
+    let rows: Vec<Vec<Cell>> = c
+        .bounds
+        .iter()
+        .map(|b| vec![Cell::text(&b.family), Cell::text(&b.parameter), Cell::number(b.upper95), Cell::text(unit(&b.unit))])
+        .collect();
+    format!("<div class=\"columns\">{}</div>", table(&["family", "parameter", "below", "unit"], &rows))
+}

@@ -1,0 +1,133 @@
+//! report: numbers and conclusions in words. In: results. Out: short text for people.
+
+use windfall_verify::close::{Closing, EffectLine, Verdict};
+
+/// A number in four digits, as short as its size allows.
+///
+/// ```
+/// assert_eq!(windfall_report::number(0.0199812), "0.01998");
+/// assert_eq!(windfall_report::number(-3.2e-7), "-3.200e-7");
+/// ```
+#[must_use]
+pub fn number(x: f64) -> String {
+    let size = x.abs();
+    if x == 0.0 {
+        "0".to_owned()
+    } else if !x.is_finite() {
+        "–".to_owned()
+    } else if !(1e-3..1e5).contains(&size) {
+        format!("{x:.3e}")
+    } else {
+        // Four significant digits: 0.001234, 1.234, 12.34, 1234.
+        let whole = [1e3, 1e2, 1e1, 1.0, 1e-1, 1e-2].iter().position(|t| size >= *t).unwrap_or(6);
+        format!("{x:.whole$}")
+    }
+}
+
+/// A probability in two digits.
+///
+/// ```
+/// assert_eq!(windfall_report::p_value(0.031), "0.031");
+/// assert_eq!(windfall_report::p_value(0.0), "< 1e-300");
+/// ```
+#[must_use]
+pub fn p_value(p: f64) -> String {
+    if !p.is_finite() {
+        "–".to_owned()
+    } else if p < 1e-300 {
+        "< 1e-300".to_owned()
+    } else if p < 1e-3 {
+        format!("{p:.0e}")
+    } else if p < 0.1 {
+        format!("{p:.3}")
+    } else {
+        format!("{p:.2}")
+    }
+}
+
+/// A list as people write it: `a`, `a and b`, `a, b and c`.
+pub(crate) fn listed<S: AsRef<str>>(items: &[S]) -> String {
+    match items {
+        [] => String::new(),
+        [one] => one.as_ref().to_owned(),
+        [head @ .., last] => format!("{} and {}", head.iter().map(AsRef::as_ref).collect::<Vec<_>>().join(", "), last.as_ref()),
+    }
+}
+
+/// The verdict as a sentence or two.
+#[must_use]
+pub fn sentence(c: &Closing) -> String {
+    match c.verdict {
+        Verdict::Consistent => {
+            format!("What the declared model leaves is noise: no effect of the {} weighed is needed.", c.candidates.len())
+        }
+        Verdict::Effect => {
+            let names: Vec<String> = c.effects.iter().map(effect_name).collect();
+            format!("The declared model lacks {}.{}{}", listed(&names), held_out_words(c), left_words(c))
+        }
+        Verdict::Unexplained => {
+            let channels: Vec<&str> = c.unexplained.iter().map(|u| u.channel.as_str()).collect();
+            format!(
+                "The declared model leaves a residual beyond noise in {} that no effect of the {} weighed accounts for.",
+                listed(&channels),
+                c.candidates.len()
+            )
+        }
+    }
+}
+
+fn effect_name(e: &EffectLine) -> String {
+    if e.rivals.is_empty() {
+        e.family.clone()
+    } else {
+        format!("{} (or {}, which these data cannot tell from it)", e.family, e.rivals.join(" or "))
+    }
+}
+
+/// The figure that falls most, of position and attitude.
+fn held_out_words(c: &Closing) -> String {
+    let (Some(b), Some(a)) = (&c.before.hold_out, &c.after.hold_out) else { return String::new() };
+    let attitude = b.trajectory.zip(a.trajectory).map(|(b, a)| ("attitude", b.attitude_rms_deg, a.attitude_rms_deg, "°"));
+    let position = b.position_rms_m.zip(a.position_rms_m).map(|(b, a)| ("position", 1e3 * b, 1e3 * a, " mm"));
+    let ratio = |x: &(&str, f64, f64, &str)| x.2 / x.1;
+    let most = [attitude, position].into_iter().flatten().min_by(|a, b| ratio(a).total_cmp(&ratio(b)));
+    most.map_or_else(String::new, |(what, b, a, unit)| {
+        let way = if a < b { "falls" } else { "goes" };
+        format!(" With it in, the {what} error of runs held out {way} from {}{unit} to {}{unit} rms.", number(b), number(a))
+    })
+}
+
+fn left_words(c: &Closing) -> String {
+    let channels: Vec<&str> = c.unexplained.iter().map(|u| u.channel.as_str()).collect();
+    if channels.is_empty() {
+        " What remains is noise.".to_owned()
+    } else {
+        format!(" A residual beyond noise remains in {}.", listed(&channels))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_numbers_have_four_digits() {
+        for (x, text) in [
+            (6.662, "6.662"),
+            (-205.4289, "-205.4"),
+            (0.012_345, "0.01235"),
+            (0.5, "0.5000"),
+            (12_345.6, "12346"),
+            (1e7, "1.000e7"),
+        ] {
+            assert_eq!(number(x), text);
+        }
+        assert_eq!(number(f64::NAN), "–");
+    }
+
+    #[test]
+    fn exact_lists() {
+        assert_eq!(listed(&["a"]), "a");
+        assert_eq!(listed(&["a", "b", "c"]), "a, b and c");
+    }
+}
