@@ -114,6 +114,31 @@ fn order_three_of_the_pose_before_release() {
     }
 }
 
+/// A clock that runs ahead (negative delay): beyond the last sample the pose is continued to second order as well.
+#[test]
+fn order_three_of_the_pose_after_the_end() {
+    let mut longer = order();
+    longer.duration_s += 6.0 / 150.0;
+    let future = fly(&lander(), &longer, Seed::default()).expect("flies").record;
+    let error = |samples: usize| {
+        let mut plant = lander();
+        plant.sensors.pose_delay_s = -(samples as f64) / 150.0;
+        let record = recorded(&plant);
+        let last = record.len() - 1;
+        for c in 0..6 {
+            let within = last - samples;
+            assert!((record.channels()[c][within] - future.channels()[c][last]).abs() < 1e-9, "channel {c}");
+        }
+        let far = |c: usize| (record.channels()[c][last] - future.channels()[c][last + samples]).abs();
+        [far(0).max(far(1)).max(far(2)), far(3).max(far(4)).max(far(5))]
+    };
+    let (near, far) = (error(3), error(6));
+    for (n, f) in near.iter().zip(far) {
+        let order = (f / n).log2();
+        assert!((order - 3.0).abs() < 0.6, "{order}: {near:?} {far:?}");
+    }
+}
+
 #[test]
 fn exact_wind_scale_and_delay() {
     let clean = recorded(&lander());
