@@ -41,13 +41,7 @@ impl Scale {
         if self.log {
             return self.log_ticks();
         }
-        let step = round_step((self.high - self.low) / 5.0);
-        let first = (self.low / step - 1e-9).ceil();
-        (0..12)
-            .map(|k| (first + f64::from(k)) * step)
-            .take_while(|v| *v <= self.high + 1e-9 * step)
-            .map(|v| (v, label(v, step)))
-            .collect()
+        linear_ticks(self.low, self.high)
     }
     fn log_ticks(&self) -> Vec<(f64, String)> {
         #[expect(clippy::cast_possible_truncation, reason = "exponents of doubles")]
@@ -55,9 +49,23 @@ impl Scale {
         let marks: &[f64] = if self.high - self.low < 1.6 { &[1.0, 2.0, 5.0] } else { &[1.0] };
         let all = (a..=b).flat_map(|e| marks.iter().map(move |m| m * 10_f64.powi(e)));
         let inside: Vec<f64> = all.filter(|v| (self.low..=self.high).contains(&v.log10())).collect();
+        if inside.len() < 2 {
+            return linear_ticks(10_f64.powf(self.low), 10_f64.powf(self.high));
+        }
         let every = inside.len().div_ceil(6).max(1);
         inside.into_iter().step_by(every).map(|v| (v, plain(v))).collect()
     }
+}
+
+/// Round values between two ends, with labels.
+fn linear_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
+    let step = round_step((high - low) / 5.0);
+    let first = (low / step - 1e-9).ceil();
+    (0..12)
+        .map(|k| (first + f64::from(k)) * step)
+        .take_while(|v| *v <= high + 1e-9 * step)
+        .map(|v| (v, label(v, step)))
+        .collect()
 }
 
 /// 1, 2 or 5 times a power of ten, not below what is asked for.
@@ -223,7 +231,7 @@ pub(crate) fn dots(before: f64, after: f64, highest: f64) -> String {
     format!(
         "<svg viewBox=\"0 0 {w} {h}\" style=\"width:{w}px\" role=\"img\" aria-label=\"{} before, {} after\"><path class=\"axis one\" \
          d=\"M{one:.1} 0V{h}\"/><path class=\"link\" d=\"M{b:.1} 8H{a:.1}\"/><circle class=\"before-mark\" cx=\"{b:.1}\" cy=\"8\" \
-         r=\"4.5\"/><circle class=\"after-mark\" cx=\"{a:.1}\" cy=\"8\" r=\"4.5\"/></svg>",
+         r=\"6\"/><circle class=\"after-mark\" cx=\"{a:.1}\" cy=\"8\" r=\"3.6\"/></svg>",
         crate::number(before),
         crate::number(after)
     )
