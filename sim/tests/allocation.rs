@@ -59,10 +59,14 @@ fn counted(plant: &Plant, method: Method, relative_tolerance: f64) -> (usize, u6
         numerics: Numerics { method, relative_tolerance, absolute_tolerance: relative_tolerance },
         sensor_noise: false,
     };
-    let region = Region::new(GLOBAL);
-    let steps = fly(plant, &order, Seed::default()).expect("flies").steps;
-    let change = region.change();
-    (change.allocations + change.reallocations, steps)
+    // The test harness' own thread may allocate meanwhile, which only adds: the least of several counts is the flight's.
+    let once = || {
+        let region = Region::new(GLOBAL);
+        let steps = fly(plant, &order, Seed::default()).expect("flies").steps;
+        let change = region.change();
+        (change.allocations + change.reallocations, steps)
+    };
+    (0..10).map(|_| once()).min().expect("ten counts")
 }
 
 #[test]
