@@ -61,11 +61,7 @@ impl Scale {
 fn linear_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     let step = round_step((high - low) / 5.0);
     let first = (low / step - 1e-9).ceil();
-    (0..12)
-        .map(|k| (first + f64::from(k)) * step)
-        .take_while(|v| *v <= high + 1e-9 * step)
-        .map(|v| (v, label(v, step)))
-        .collect()
+    (0..12).map(|k| (first + f64::from(k)) * step).take_while(|v| *v <= high + 1e-9 * step).map(|v| (v, label(v, step))).collect()
 }
 
 /// 1, 2 or 5 times a power of ten, not below what is asked for.
