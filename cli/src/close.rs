@@ -8,7 +8,7 @@ use crate::session::{Failure, Session, is_bundled, scenario};
 use std::fmt::Write as _;
 use std::path::Path;
 use windfall_model::Campaign;
-use windfall_report::{closing_page, number, p_value, sentence};
+use windfall_report::{closing_page, number, p_value, sentence, with_interval};
 use windfall_scenarios::{FileKind, kind_of, read_campaign_with_warnings, text_atomically, write_json_atomically};
 use windfall_verify::close::{Closing, EffectLine, HeldOut, Options, Verdict, close, figures};
 
@@ -79,7 +79,7 @@ fn story(c: &Closing) -> String {
         held_out(&mut text, b, a);
     }
     for u in &c.unexplained {
-        let _ = writeln!(text, "\nunexplained {}: {}", u.channel, folded(&u.description, 2));
+        let _ = writeln!(text, "\nunexplained {}: {}", u.channel, folded(&u.description, u.channel.len() + 14));
     }
     text
 }
@@ -107,8 +107,9 @@ fn effect(text: &mut String, e: &EffectLine) {
     let _ = writeln!(text, "  {}", folded(&e.physics, 2));
     for p in &e.parameters {
         let unit = if p.unit == "-" { "" } else { p.unit.as_str() };
-        let half = p.std_error.map_or_else(String::new, |s| format!(" ± {} (95 %)", number(1.96 * s)));
-        let _ = writeln!(text, "  {:<20}{:>11}{half} {unit}", p.name, number(p.estimate));
+        let (estimate, half) = with_interval(p.estimate, p.std_error.map(|s| 1.96 * s));
+        let half = half.map_or_else(String::new, |h| format!(" ± {h} (95 %)"));
+        let _ = writeln!(text, "  {:<20}{estimate:>12}{half} {unit}", p.name);
     }
     if !e.rivals.is_empty() {
         let rivals = format!("rivals on these data: {}; what would separate them: {}", e.rivals.join(", "), e.separate_by);
@@ -137,9 +138,9 @@ fn channels(text: &mut String, c: &Closing) {
 }
 
 fn held_out(text: &mut String, b: &HeldOut, a: &HeldOut) {
-    let _ = writeln!(text, "\n{:<34}{:>10}{:>10}{:>12}", "error on runs held out, rms", "before", "after", "after/before");
+    let _ = writeln!(text, "\n{:<34}{:>10}{:>10}{:>14}", "error on runs held out, rms", "before", "after", "after/before");
     let mut line = |what: &str, b: f64, a: f64| {
-        let _ = writeln!(text, "  {what:<32}{:>10}{:>10}{:>12.3}", number(b), number(a), a / b);
+        let _ = writeln!(text, "  {what:<32}{:>10}{:>10}{:>14.3}", number(b), number(a), a / b);
     };
     let three = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     if let (Some(b), Some(a)) = (b.specific_force_rms, a.specific_force_rms) {

@@ -2,7 +2,7 @@
 
 use crate::html::{Cell, escape, page, section, table};
 use crate::svg::{Bar, bars, chart, dots};
-use crate::words::{number, p_value, sentence};
+use crate::words::{number, p_value, sentence, with_interval};
 use std::fmt::Write as _;
 use windfall_verify::close::{Closing, EffectLine, Figure, HeldOut, ParameterLine, Topic, Verdict};
 
@@ -17,7 +17,8 @@ pub fn closing_page(c: &Closing, figures: &[Figure]) -> String {
 pub(crate) fn closing_body(c: &Closing, figures: &[Figure]) -> String {
     let mut out = head(c);
     let held = "Parameters as identified; only each run's initial state is estimated from it, and the run is flown again with its \
-                recorded tunnel speed. Statistics are those of the thesis' Table 5.6.";
+                recorded tunnel speed. Force and moment residuals include the sensor noise of the smoothed record. Statistics are \
+                those of the thesis' Table 5.6.";
     out += &section("Runs held out: before and after", held, &held_out(c));
     out += &section("What the declared model lacks", "", &effects(c));
     out += &topic(figures, Topic::Trajectory, "Runs held out, flown again", "");
@@ -42,9 +43,9 @@ pub(crate) fn closing_body(c: &Closing, figures: &[Figure]) -> String {
     out += &section("Bounds on what was not found", lead, &bounds(c));
     let _ = writeln!(
         out,
-        "<footer>windfall {}. Chance of naming an effect in a campaign that has none: {} a round.</footer>",
+        "<footer>windfall {}. Chance of naming an effect in a campaign that has none: {} % a round.</footer>",
         env!("CARGO_PKG_VERSION"),
-        number(c.false_alarm_rate)
+        100.0 * c.false_alarm_rate
     );
     out
 }
@@ -216,9 +217,16 @@ fn effect(e: &EffectLine) -> String {
 }
 
 fn parameter(p: &ParameterLine) -> Vec<Cell> {
-    let interval = p.ci95.map_or_else(|| "not determined".to_owned(), |[a, b]| format!("[{}, {}]", number(a), number(b)));
-    let half = p.std_error.map_or_else(|| "–".to_owned(), |s| number(1.96 * s));
-    vec![Cell::text(&p.name), Cell::number(p.estimate), Cell::Number(half), Cell::Number(interval), Cell::text(unit(&p.unit))]
+    let (estimate, half) = with_interval(p.estimate, p.std_error.map(|s| 1.96 * s));
+    let bound = |x: f64| with_interval(x, p.std_error.map(|s| 1.96 * s)).0;
+    let interval = p.ci95.map_or_else(|| "not determined".to_owned(), |[a, b]| format!("[{}, {}]", bound(a), bound(b)));
+    vec![
+        Cell::text(&p.name),
+        Cell::Number(estimate),
+        Cell::Number(half.unwrap_or_else(|| "–".to_owned())),
+        Cell::Number(interval),
+        Cell::text(unit(&p.unit)),
+    ]
 }
 
 fn unit(u: &str) -> &str {
@@ -251,8 +259,7 @@ fn residuals(c: &Closing) -> String {
     if rows.is_empty() {
         return String::new();
     }
-    let heads =
-        ["channel", "declared model", "with effects", "noise", "p before", "p after", "times noise, from 0.45 (log); dashes: 1"];
+    let heads = ["channel", "declared model", "with effects", "noise", "p before", "p after", "over noise (log; dashes: 1)"];
     key(&[("before", "declared model"), ("after", "with the effects added")]) + &table(&heads, &rows)
 }
 
@@ -294,7 +301,10 @@ fn candidates(c: &Closing) -> String {
 
 fn shifts(c: &Closing) -> String {
     let error = |of: &[ParameterLine], name: &str| of.iter().find(|p| p.name == name).and_then(|p| p.std_error);
-    let half = |s: Option<f64>| s.map_or_else(String::new, |s| format!(" ± {}", number(1.96 * s)));
+    let with = |x: f64, s: Option<f64>| {
+        let (estimate, half) = with_interval(x, s.map(|s| 1.96 * s));
+        half.map_or(estimate.clone(), |h| format!("{estimate} ± {h}"))
+    };
     let rows: Vec<Vec<Cell>> = c
         .shifts
         .iter()
@@ -304,8 +314,8 @@ fn shifts(c: &Closing) -> String {
             let moved = if moved.is_finite() { format!("{moved:+.1}") } else { "–".to_owned() };
             vec![
                 Cell::text(&s.name),
-                Cell::Number(format!("{}{}", number(s.before), half(before))),
-                Cell::Number(format!("{}{}", number(s.after), half(error(&c.after.parameters, &s.name)))),
+                Cell::Number(with(s.before, before)),
+                Cell::Number(with(s.after, error(&c.after.parameters, &s.name))),
                 Cell::Number(moved),
             ]
         })
@@ -313,7 +323,7 @@ fn shifts(c: &Closing) -> String {
     if rows.is_empty() {
         return String::new();
     }
-    table(&["parameter", "declared model", "with effects", "moved, in its first standard errors"], &rows)
+    table(&["parameter", "declared model", "with effects", "moved / std error before"], &rows)
 }
 
 fn bounds(c: &Closing) -> String {
@@ -325,5 +335,10 @@ fn bounds(c: &Closing) -> String {
         .iter()
         .map(|b| vec![Cell::text(&b.family), Cell::text(&b.parameter), Cell::number(b.upper95), Cell::text(unit(&b.unit))])
         .collect();
-    format!("<div class=\"columns\">{}</div>", table(&["family", "parameter", "below", "unit"], &rows))
+    let heads = ["family", "parameter", "below", "unit"];
+    let mut rows = rows.into_iter();
+    let half: Vec<Vec<Cell>> = rows.by_ref().take(c.bounds.len().div_ceil(2)).collect();
+    let rest: Vec<Vec<Cell>> = rows.collect();
+    let second = if rest.is_empty() { String::new() } else { table(&heads, &rest) };
+    format!("<div class=\"columns\">{}{second}</div>", table(&heads, &half))
 }

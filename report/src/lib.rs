@@ -10,4 +10,4 @@ mod words;
 
 pub use closing::closing_page;
 pub use folder::{FolderResults, folder_page};
-pub use words::{number, p_value, sentence};
+pub use words::{number, p_value, sentence, with_interval};

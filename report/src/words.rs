@@ -15,13 +15,32 @@ pub fn number(x: f64) -> String {
         "0".to_owned()
     } else if !x.is_finite() {
         "–".to_owned()
-    } else if !(1e-3..1e5).contains(&size) {
+    } else if !(1e-4..1e5).contains(&size) {
         format!("{x:.3e}")
     } else {
         // Four significant digits: 0.001234, 1.234, 12.34, 1234.
-        let whole = [1e3, 1e2, 1e1, 1.0, 1e-1, 1e-2].iter().position(|t| size >= *t).unwrap_or(6);
+        let whole = [1e3, 1e2, 1e1, 1.0, 1e-1, 1e-2, 1e-3].iter().position(|t| size >= *t).unwrap_or(7);
         format!("{x:.whole$}")
     }
+}
+
+/// An estimate with half its 95 % interval: two digits of the half, as many places of the estimate; four digits of an estimate that
+/// has no interval.
+///
+/// ```
+/// let (estimate, half) = windfall_report::with_interval(6.662_034, Some(1.152e-4));
+/// assert_eq!((estimate.as_str(), half.as_deref()), ("6.66203", Some("0.00012")));
+/// ```
+#[must_use]
+pub fn with_interval(estimate: f64, half: Option<f64>) -> (String, Option<String>) {
+    let Some(half) = half.filter(|h| h.is_finite() && *h > 0.0) else { return (number(estimate), None) };
+    let places = 1.0 - half.log10().floor();
+    if !(..=9.0).contains(&places) || estimate.abs() >= 1e9 {
+        return (number(estimate), Some(number(half)));
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 9")]
+    let places = places.max(0.0) as usize;
+    (format!("{estimate:.places$}"), Some(format!("{half:.places$}")))
 }
 
 /// A probability in two digits.
@@ -88,12 +107,13 @@ fn effect_name(e: &EffectLine) -> String {
 fn held_out_words(c: &Closing) -> String {
     let (Some(b), Some(a)) = (&c.before.hold_out, &c.after.hold_out) else { return String::new() };
     let attitude = b.trajectory.zip(a.trajectory).map(|(b, a)| ("attitude", b.attitude_rms_deg, a.attitude_rms_deg, "°"));
-    let position = b.position_rms_m.zip(a.position_rms_m).map(|(b, a)| ("position", 1e3 * b, 1e3 * a, " mm"));
+    let position = b.position_rms_m.zip(a.position_rms_m).map(|(b, a)| ("position", 1e3 * b, 1e3 * a, "\u{a0}mm"));
     let ratio = |x: &(&str, f64, f64, &str)| x.2 / x.1;
     let most = [attitude, position].into_iter().flatten().min_by(|a, b| ratio(a).total_cmp(&ratio(b)));
     most.map_or_else(String::new, |(what, b, a, unit)| {
         let way = if a < b { "falls" } else { "goes" };
-        format!(" With it in, the {what} error of runs held out {way} from {}{unit} to {}{unit} rms.", number(b), number(a))
+        let it = if c.effects.len() > 1 { "them" } else { "it" };
+        format!(" With {it} in, the {what} error of runs held out {way} from {}{unit} to {}{unit} rms.", number(b), number(a))
     })
 }
 
@@ -123,6 +143,14 @@ mod tests {
             assert_eq!(number(x), text);
         }
         assert_eq!(number(f64::NAN), "–");
+    }
+
+    #[test]
+    fn exact_places_follow_the_interval() {
+        for (x, half, text) in [(-205.62, 3.42, "-205.6"), (0.001_001_6, 2.293e-6, "0.0010016"), (-1234.5, 420.0, "-1234")] {
+            assert_eq!(with_interval(x, Some(half)).0, text);
+        }
+        assert_eq!(with_interval(0.5, None), ("0.5000".to_owned(), None));
     }
 
     #[test]
