@@ -29,19 +29,19 @@ pub struct Options {
     pub rival_odds: f64,
     /// Most effects that are added.
     pub most_effects: usize,
-    /// Noisy copies of the data.
+    /// Noisy copies of the data: the final intervals are known to one in the square root of twice that.
     pub copies: usize,
     /// Families fitted in full per round.
     pub shortlist: usize,
     /// Seed of the copies.
     pub seed: u64,
-    /// Flights of each held-out run when the model has random inputs.
+    /// Flights of each held-out run when the model has random inputs; 0: held-out runs are not flown again.
     pub flights: usize,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { false_alarm: 0.01, rival_odds: 20.0, most_effects: 4, copies: 8, shortlist: 6, seed: 1, flights: 8 }
+        Self { false_alarm: 0.01, rival_odds: 20.0, most_effects: 4, copies: 48, shortlist: 6, seed: 1, flights: 8 }
     }
 }
 
@@ -115,6 +115,7 @@ pub fn close(campaign: &Campaign, options: &Options) -> Result<Closing, VerifyEr
         }
     }
     let problem = problem(campaign, proof.as_ref());
+    problem.calibrate(&mut fit);
     let before = side(campaign, &problem, held_proof.as_deref(), &held, &start, options)?;
     let after = side(campaign, &problem, held_proof.as_deref(), &held, &fit, options)?;
     let left = channels(&problem, &fit);
@@ -143,6 +144,16 @@ pub fn close(campaign: &Campaign, options: &Options) -> Result<Closing, VerifyEr
 
 fn problem<'a>(campaign: &'a Campaign, evidence: &'a dyn Evidence) -> Problem<'a> {
     Problem { evidence, base: &campaign.plant, declared: &campaign.declared, inputs: &campaign.inputs }
+}
+
+/// Evidence of a campaign's runs to identify on and the fit of its declared model, for those who look beneath the loop.
+///
+/// # Errors
+/// As [`close`].
+pub fn declared(campaign: &Campaign, options: &Options) -> Result<(Box<dyn Evidence>, Fit), VerifyError> {
+    let mut proof = evidence(campaign, &runs_of(campaign, Use::Identify), &campaign.plant, options)?;
+    let fit = declared_fit(campaign, proof.as_mut())?;
+    Ok((proof, fit))
 }
 
 /// Declared model alone: fitted, noise measured at the fit, fitted again.
@@ -242,6 +253,7 @@ fn side(
     let hold_out = match (held, campaign.is_point_mass()) {
         (None, _) => None,
         (Some(h), true) => Some(HeldOut::of_points(h.rms_m(&plant), log_likelihood)),
+        (Some(_), false) if options.flights == 0 => None,
         (Some(_), false) => {
             let flights = if random { options.flights } else { 1 };
             Some(HeldOut::of_tunnel(hold_out(campaign, &plant, indices, flights)?, log_likelihood))

@@ -10,6 +10,9 @@ use crate::trace::{Evidence, Fit, Free, TunnelEvidence};
 use rayon::prelude::*;
 use windfall_model::{Campaign, Data};
 
+/// Copies for the weights of a fit to data without noise.
+const COPIES: usize = 8;
+
 /// Bias of each free number of a fit; `None` where it cannot be measured.
 pub(super) fn bias(campaign: &Campaign, indices: &[usize], fit: &Fit, options: &Options) -> Option<Vec<(Free, f64)>> {
     let plant = fit.hypothesis.plant(&campaign.plant);
@@ -29,7 +32,8 @@ pub(super) fn bias(campaign: &Campaign, indices: &[usize], fit: &Fit, options: &
     for (i, data) in flown {
         rehearsal.runs[i].data = data;
     }
-    let mut evidence = TunnelEvidence::new(&rehearsal, indices, &campaign.plant, options.copies, options.seed).ok()?;
+    let mut evidence =
+        TunnelEvidence::new(&rehearsal, indices, &campaign.plant, COPIES.min(options.copies), options.seed).ok()?;
     evidence.settle(&plant);
     evidence.forget_copies();
     let again = problem(&rehearsal, &evidence).fit(&fit.hypothesis, true);

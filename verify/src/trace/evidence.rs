@@ -24,7 +24,11 @@ pub trait Evidence: Sync {
     fn samples(&self) -> usize;
     /// Copies of the data with noise added again, for what noise in the regressors does (0: regressors are free of it).
     fn copies(&self) -> usize;
-    /// Residual of the data (copy 0) or of a noisy copy (1 ..= copies) under a plant. A run whose state the plant makes
+    /// All copies, with which noise is measured; fits are corrected with the first of them.
+    fn noisy(&self) -> usize {
+        self.copies()
+    }
+    /// Residual of the data (copy 0) or of a noisy copy (1 ..= noisy) under a plant. A run whose state the plant makes
     /// non-finite gives NaN.
     fn residual(&self, plant: &Plant, copy: usize) -> Residual;
     /// Covariance that sensor noise leaves, per bin.

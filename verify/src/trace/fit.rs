@@ -4,10 +4,10 @@
 //! ch. 3; the correction is measured on copies of the data with noise added again); sizes of random inputs and of the
 //! unmodelled residual by maximum likelihood; shapes of random inputs by line search.
 
-use super::evidence::{Cov, Evidence, Residual};
+use super::evidence::{BIN, Cov, Evidence, Residual};
 use super::hypothesis::{Free, Hypothesis, Instance};
-use super::likelihood::{Effort, Whitening, components, total};
-use nalgebra::{DMatrix, DVector};
+use super::likelihood::{Effort, NEGLIGIBLE, Whitening, components, one_step, total};
+use nalgebra::{DMatrix, DVector, SVector};
 use rayon::prelude::*;
 use windfall_model::Plant;
 
@@ -58,6 +58,8 @@ pub struct Fit {
     pub free: Vec<Free>,
     /// Their covariance.
     pub covariance: DMatrix<f64>,
+    /// Inverse of their information: what the score is multiplied by in a step.
+    pub inverse: DMatrix<f64>,
     /// Log-likelihood, up to a constant of the evidence.
     pub log_likelihood: f64,
     /// Residual of the data.
@@ -71,6 +73,11 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// True for a random strength that is not at zero.
+    fn is_sized(&self, f: Free) -> bool {
+        let there = matches!(f, Free::Effect(k, _) if k < self.hypothesis.effects.len());
+        there && self.hypothesis.get(f) > 0.0
+    }
     /// Standard error of any number of the hypothesis; infinite when the data do not give one.
     #[must_use]
     pub fn error_of(&self, f: Free) -> f64 {
@@ -106,14 +113,22 @@ pub(crate) struct Columns {
     pub(crate) looped: Vec<f64>,
 }
 
+/// Every bin of `z` times its covariance.
+fn times(all: &[Cov], z: &[f64]) -> Residual {
+    all.iter().zip(z.chunks_exact(BIN)).flat_map(|(m, z)| (m * SVector::<f64, BIN>::from_column_slice(z)).data.0[0]).collect()
+}
+
 fn minus(a: &[f64], b: &[f64], scale: f64) -> Residual {
     a.iter().zip(b).map(|(x, y)| (x - y) * scale).collect()
 }
 
 impl Problem<'_> {
     pub(crate) fn point(&self, plant: &Plant) -> Point {
-        let mut all: Vec<Residual> =
-            (0..=self.evidence.copies()).into_par_iter().map(|c| self.evidence.residual(plant, c)).collect();
+        self.points(plant, self.evidence.copies())
+    }
+
+    fn points(&self, plant: &Plant, copies: usize) -> Point {
+        let mut all: Vec<Residual> = (0..=copies).into_par_iter().map(|c| self.evidence.residual(plant, c)).collect();
         let z = all.remove(0);
         let dz = all.iter().map(|c| minus(c, &z, 1.0)).collect();
         Point { z, dz }
@@ -191,12 +206,34 @@ impl Problem<'_> {
             .map(|(f, _)| h.get(*f).powi(2).max(1e-8))
             .chain(h.generic.iter().map(|v| v.max(GENERIC_START)))
             .collect();
-        let (sizes, l) = components(self.evidence.noise(), &parts, z, &start, effort);
+        let from = |start: &[f64]| components(self.evidence.noise(), &parts, random.len(), z, start, effort);
+        let (mut sizes, mut l) = from(&start);
+        if let Some(other) = self.instead(&parts, random.len(), &h.generic) {
+            let (s, better) = from(&other);
+            if better > l {
+                (sizes, l) = (s, better);
+            }
+        }
         for ((f, _), v) in random.iter().zip(&sizes) {
             h.set(*f, v.sqrt());
         }
         h.generic = sizes[random.len()..].to_vec();
         (l, total(self.evidence.noise(), &parts, &sizes))
+    }
+
+    /// Sizes with which the random inputs leave as much as the unmodelled residual does now, and that next to nothing: two causes
+    /// of one residual give the likelihood two maxima. `None` when nothing is unmodelled or nothing random.
+    fn instead(&self, parts: &[&[Cov]], physical: usize, unmodelled: &[f64]) -> Option<Vec<f64>> {
+        if physical == 0 || unmodelled.iter().all(|v| *v < NEGLIGIBLE) {
+            return None;
+        }
+        let energy = |part: &[Cov]| -> f64 {
+            let one = |(m, n): (&Cov, &Cov)| m.diagonal().component_div(&n.diagonal()).sum();
+            part.iter().zip(self.evidence.noise()).map(one).sum()
+        };
+        let all: f64 = parts[physical..].iter().zip(unmodelled).map(|(p, v)| v * energy(p)).sum();
+        let own = parts[..physical].iter().map(|p| all / (physical as f64 * energy(p)).max(f64::MIN_POSITIVE));
+        Some(own.chain(unmodelled.iter().map(|v| (1e-2 * v).max(NEGLIGIBLE))).collect())
     }
 
     /// Fits everything together from the hypothesis' values; `shapes` says whether shapes move too. Strengths that would leave
@@ -246,6 +283,7 @@ impl Problem<'_> {
             hypothesis: h.clone(),
             free: free.clone(),
             covariance: DMatrix::zeros(free.len(), free.len()),
+            inverse: DMatrix::zeros(free.len(), free.len()),
             log_likelihood: f64::NEG_INFINITY,
             residual: Vec::new(),
             sigma: Vec::new(),
@@ -278,7 +316,8 @@ impl Problem<'_> {
                 fit.stop = StopReason::NotExcited;
                 return Ok(fit);
             };
-            fit.covariance = step.covariance.clone();
+            fit.covariance.clone_from(&step.covariance);
+            fit.inverse.clone_from(&step.inverse);
             let moved = apply(&mut h, &free, &step.delta);
             let worst = (0..free.len())
                 .map(|i| moved[i].abs() / step.covariance[(i, i)].max(f64::MIN_POSITIVE).sqrt())
@@ -295,6 +334,43 @@ impl Problem<'_> {
         fit.random_errors = self.random_errors(&h, &fit.residual);
         fit.hypothesis = h;
         Ok(fit)
+    }
+
+    /// Replaces the noise's share of each variance by what noise does to the estimates in copies of this evidence (a parametric
+    /// bootstrap of one step, Efron and Tibshirani 1993, ch. 6). The likelihood takes frequencies for independent; noise that
+    /// differs along a run makes them depend, and numbers that are known from a moment of it (a release) scatter more.
+    pub fn calibrate(&self, fit: &mut Fit) {
+        let (n, copies) = (fit.free.len(), self.evidence.noisy());
+        let Some(w) = Whitening::new(&fit.sigma).filter(|_| copies > 0 && n > 0) else { return };
+        let h = &fit.hypothesis;
+        let plant = h.plant(self.base);
+        self.evidence.focus(&plant);
+        let at = self.points(&plant, copies);
+        let weights: Vec<Residual> = fit
+            .free
+            .par_iter()
+            .map(|f| {
+                let step = h.step(*f);
+                let mut moved = h.clone();
+                moved.set(*f, h.get(*f) + step);
+                w.solve(&minus(&self.evidence.residual(&moved.plant(self.base), 0), &at.z, 1.0 / step))
+            })
+            .collect();
+        let carried: Vec<Residual> = weights.iter().map(|x| times(self.evidence.noise(), x)).collect();
+        let noise = DMatrix::from_fn(n, n, |i, k| dot(&weights[i], &carried[k]));
+        let formal = &fit.inverse * noise * fit.inverse.transpose();
+        let mut seen = DVector::<f64>::zeros(n);
+        for dz in &at.dz {
+            let score = DVector::from_fn(n, |i, _| dot(&weights[i], dz));
+            let moved = &fit.inverse * score;
+            seen += moved.component_mul(&moved) / copies as f64;
+        }
+        let scale = DVector::from_fn(n, |i, _| {
+            let c = fit.covariance[(i, i)];
+            let ratio = (c + seen[i] - formal[(i, i)]) / c;
+            if ratio.is_finite() { ratio.max(0.25).sqrt() } else { 1.0 }
+        });
+        fit.covariance = scaled_back(&fit.covariance, &scale);
     }
 
     /// Standard errors of sizes and shapes of random inputs from the curvature of the likelihood in their logarithms, all
@@ -361,32 +437,27 @@ impl Problem<'_> {
         if z.iter().all(|x| x.is_finite()) { self.likelihood(h, &z) } else { f64::NEG_INFINITY }
     }
 
-    /// Size that a random strength of an effect stays under with 95 % confidence: where the likelihood, other sizes refitted to
-    /// nothing better, has fallen by 1.35 (one-sided, χ² of one degree) from its maximum over that size.
+    /// Size that a random strength of an effect stays under with 95 % confidence: its estimated variance (not below zero, so that
+    /// a lull in the noise does not make the bound shorter) and 1.645 standard errors, those from the information at the bound
+    /// itself, with the sizes of the fit and of the unmodelled residual, in which the effect may hide, free beside it.
     #[must_use]
     pub fn random_bound(&self, fit: &Fit, instance: &Instance, i: usize) -> f64 {
         let mut h = fit.hypothesis.clone();
         h.effects.push(instance.clone());
-        let k = h.effects.len() - 1;
-        let likelihood = |size: f64| {
-            let mut trial = h.clone();
-            trial.effects[k].values[i] = size;
-            self.likelihood(&trial, &fit.residual)
-        };
-        let best = likelihood(h.effects[k].values[i]).max(likelihood(0.0));
-        let (mut low, mut high) = (h.effects[k].values[i], instance.parameters[i].high);
-        for _ in 0..30 {
-            let middle = (low.max(1e-6 * high) * high).sqrt();
-            if likelihood(middle) < best - 1.35 {
-                high = middle
-            } else {
-                low = middle
-            }
-            if high / low.max(1e-12) < 1.02 {
-                break;
-            }
+        let own = Free::Effect(h.effects.len() - 1, i);
+        let (random, _) = self.sigma(&h);
+        let generic = self.evidence.generic();
+        let live = random.iter().filter(|(f, _)| *f != own && fit.is_sized(*f)).map(|(_, m)| m.as_slice());
+        let Some((_, part)) = random.iter().find(|(f, _)| *f == own) else { return f64::INFINITY };
+        let parts: Vec<&[Cov]> = std::iter::once(part.as_slice()).chain(live).chain(generic.iter().map(Vec::as_slice)).collect();
+        let Some((estimate, mut error)) = one_step(&fit.sigma, &parts, &fit.residual) else { return f64::INFINITY };
+        let mut upper = 0.0;
+        for _ in 0..BOUND_ROUNDS {
+            upper = estimate.max(0.0) + 1.645 * error;
+            let Some((_, e)) = one_step(&total(&fit.sigma, &parts[..1], &[upper]), &parts, &fit.residual) else { break };
+            error = e;
         }
-        high
+        upper.sqrt().min(instance.parameters[i].high)
     }
 
     /// Line search of each shape of purely random effects, on the likelihood with sizes refitted, from steps of `width` in the
@@ -423,6 +494,8 @@ impl Problem<'_> {
     }
 }
 
+/// Rounds of a bound's fixed point.
+const BOUND_ROUNDS: usize = 4;
 /// Iterations of the joint fit.
 const ITERATIONS: usize = 8;
 /// Starting variance of the unmodelled residual, in units of its component (a hundredth of the noise floor).
@@ -452,6 +525,7 @@ fn apply(h: &mut Hypothesis, free: &[Free], delta: &DVector<f64>) -> Vec<f64> {
 pub(crate) struct Step {
     pub(crate) delta: DVector<f64>,
     pub(crate) covariance: DMatrix<f64>,
+    pub(crate) inverse: DMatrix<f64>,
 }
 
 /// Whitened residuals and columns.
@@ -468,8 +542,17 @@ impl Whitened {
     }
 }
 
+/// Inner product in eight partial sums, so that it uses vector units.
 fn dot(x: &[f64], y: &[f64]) -> f64 {
-    x.iter().zip(y).map(|(a, b)| a * b).sum()
+    let mut sums = [0.0; 8];
+    let (x, y) = (x.chunks_exact(8), y.chunks_exact(8));
+    let rest: f64 = x.remainder().iter().zip(y.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in x.zip(y) {
+        for ((s, a), b) in sums.iter_mut().zip(a).zip(b) {
+            *s += a * b;
+        }
+    }
+    sums.iter().sum::<f64>() + rest
 }
 
 /// Whitened normal equations with the correction for noise in the regressors.
@@ -479,7 +562,7 @@ pub(crate) struct Normal {
     pub(crate) g: DVector<f64>,
     /// Information `aᵀa` less what noise alone gives.
     pub(crate) j: DMatrix<f64>,
-    /// Variance of the score, `aᵀa`.
+    /// Variance of the score, `aᵀa`, and of the correction.
     pub(crate) v: DMatrix<f64>,
 }
 
@@ -510,12 +593,18 @@ impl Normal {
                 let v = dot(&more.a[i], other);
                 let noise: f64 = more.da.iter().zip(dother).map(|(d, o)| dot(&d[i], o)).sum();
                 for (r, c) in [(n + i, k), (k, n + i)] {
-                    all.v[(r, c)] = v;
+                    // The correction is a mean over the copies and has their scatter.
+                    all.v[(r, c)] = v + weight * weight * noise;
                     all.j[(r, c)] = v - weight * noise;
                 }
             }
         }
         all
+    }
+    /// Equations of some of the numbers.
+    pub(crate) fn some(&self, kept: &[usize]) -> Self {
+        let part = |m: &DMatrix<f64>| DMatrix::from_fn(kept.len(), kept.len(), |i, k| m[(kept[i], kept[k])]);
+        Self { g: DVector::from_fn(kept.len(), |i, _| self.g[kept[i]]), j: part(&self.j), v: part(&self.v) }
     }
     /// The number (of those that may be held) that weighs most in the direction of least information.
     pub(crate) fn undetermined(&self, may: impl Fn(usize) -> bool) -> Option<usize> {
@@ -536,7 +625,11 @@ impl Normal {
         let g = DVector::from_fn(p, |i, _| self.g[i] * scale[i]);
         let delta = -(&inverse * g);
         let covariance = &inverse * scaled(&self.v) * &inverse;
-        Some(Step { delta: delta.component_mul(&scale), covariance: scaled_back(&covariance, &scale) })
+        Some(Step {
+            delta: delta.component_mul(&scale),
+            covariance: scaled_back(&covariance, &scale),
+            inverse: scaled_back(&inverse, &scale),
+        })
     }
 }
 

@@ -2,7 +2,7 @@
 //! covariances. Out: log-likelihood, whitening, component sizes.
 
 use super::evidence::{BIN, Cov, Residual};
-use nalgebra::SVector;
+use nalgebra::{DMatrix, DVector, SVector};
 
 /// A covariance per bin with its Cholesky factors.
 pub(crate) struct Whitening {
@@ -16,9 +16,9 @@ impl Whitening {
         let mut inverse_lower = Vec::with_capacity(sigma.len());
         let mut log_det = 0.0;
         for s in sigma {
-            let l = s.cholesky()?.l();
-            log_det += 2.0 * (0..BIN).map(|i| l[(i, i)].ln()).sum::<f64>();
-            inverse_lower.push(l.solve_lower_triangular(&Cov::identity())?);
+            let (inverse, ln) = inverse_of_factor(s)?;
+            log_det += 2.0 * ln;
+            inverse_lower.push(inverse);
         }
         Some(Self { inverse_lower, log_det })
     }
@@ -26,20 +26,73 @@ impl Whitening {
     pub(crate) fn whiten(&self, z: &[f64]) -> Residual {
         let mut out = vec![0.0; z.len()];
         for ((li, zb), ob) in self.inverse_lower.iter().zip(z.chunks_exact(BIN)).zip(out.chunks_exact_mut(BIN)) {
+            if zb.iter().all(|x| *x == 0.0) {
+                continue;
+            }
             for i in 0..BIN {
                 ob[i] = (0..=i).map(|j| li[(i, j)] * zb[j]).sum();
             }
         }
         out
     }
+    /// Σ⁻¹z.
+    pub(crate) fn solve(&self, z: &[f64]) -> Residual {
+        let white = self.whiten(z);
+        let bins = self.inverse_lower.iter().zip(white.chunks_exact(BIN));
+        bins.flat_map(|(l, x)| l.tr_mul(&SVector::<f64, BIN>::from_column_slice(x)).data.0[0]).collect()
+    }
     /// −½ Σ (ln|Σ| + zᵀΣ⁻¹z); constants that no hypothesis changes are left out.
     pub(crate) fn log_likelihood(&self, z: &[f64]) -> f64 {
         -0.5 * (self.log_det + self.whiten(z).iter().map(|x| x * x).sum::<f64>())
     }
-    pub(crate) fn inverse(&self, bin: usize) -> Cov {
-        let l = &self.inverse_lower[bin];
-        l.transpose() * l
+}
+
+/// `LᵀL`, for the inverse `L` of a lower factor.
+fn squared(l: &Cov) -> Cov {
+    let mut inverse = Cov::zeros();
+    for j in 0..BIN {
+        for k in j..BIN {
+            let f = l[(k, j)];
+            for i in 0..=k {
+                inverse[(i, j)] += l[(k, i)] * f;
+            }
+        }
     }
+    inverse
+}
+
+/// Inverse of the lower Cholesky factor `L` of `Σ = LLᵀ`, and Σ ln L_ii; `None` when Σ is not positive definite.
+fn inverse_of_factor(s: &Cov) -> Option<(Cov, f64)> {
+    let mut l = *s;
+    let (mut inverse, mut ln) = (Cov::zeros(), 0.0);
+    for j in 0..BIN {
+        for k in 0..j {
+            let f = l[(j, k)];
+            for i in j..BIN {
+                l[(i, j)] -= l[(i, k)] * f;
+            }
+        }
+        let d = l[(j, j)];
+        if !(d > 0.0) {
+            return None;
+        }
+        let root = d.sqrt();
+        ln += root.ln();
+        for i in j..BIN {
+            l[(i, j)] /= root;
+        }
+    }
+    for j in 0..BIN {
+        inverse[(j, j)] = 1.0;
+        for k in j..BIN {
+            let x = inverse[(k, j)] / l[(k, k)];
+            inverse[(k, j)] = x;
+            for i in k + 1..BIN {
+                inverse[(i, j)] -= l[(i, k)] * x;
+            }
+        }
+    }
+    Some((inverse, ln))
 }
 
 /// Noise plus scaled components.
@@ -57,13 +110,26 @@ pub(crate) fn total(noise: &[Cov], components: &[&[Cov]], sizes: &[f64]) -> Vec<
 
 /// Maximum-likelihood sizes (variances, not negative) of components by the minorise-maximise update of Zhou, Hu, Zhou and
 /// Lange (2019), which never lowers the likelihood, extrapolated in the logarithm by the squared scheme of Varadhan and Roland
-/// (2008); from the given start, until the likelihood gains little.
-pub(crate) fn components(noise: &[Cov], parts: &[&[Cov]], z: &[f64], start: &[f64], effort: Effort) -> (Vec<f64>, f64) {
+/// (2008); from the given start, until the likelihood gains little. The first `physical` parts have a name; the rest stand for
+/// what is unmodelled, and their sizes v cost [`UNMODELLED`] · ln(1 + v / [`NEGLIGIBLE`]): a residual that a physical cause
+/// explains as well as an unnamed one is the physical cause's.
+pub(crate) fn components(
+    noise: &[Cov],
+    parts: &[&[Cov]],
+    physical: usize,
+    z: &[f64],
+    start: &[f64],
+    effort: Effort,
+) -> (Vec<f64>, f64) {
     let step = |log: &[f64]| -> Option<(Vec<f64>, f64)> {
         let sizes: Vec<f64> = log.iter().map(|x| x.exp()).collect();
-        let w = Whitening::new(&total(noise, parts, &sizes))?;
-        let next = ratios(&w, parts, &sizes, z).iter().zip(log).map(|(r, x)| (x + r.max(1e-6).ln()).max(SMALLEST)).collect();
-        Some((next, w.log_likelihood(z)))
+        let costs: Vec<f64> =
+            sizes.iter().enumerate().map(|(c, v)| if c < physical { 0.0 } else { UNMODELLED / (NEGLIGIBLE + v) }).collect();
+        let (ratios, l) = sweep(noise, parts, &sizes, &costs, z)?;
+        Some((
+            ratios.iter().zip(log).map(|(r, x)| (x + r.max(1e-6).ln()).max(SMALLEST)).collect(),
+            l - unmodelled(&sizes[physical..]),
+        ))
     };
     let mut x0: Vec<f64> = start.iter().map(|v| v.max(1e-300).ln().max(SMALLEST)).collect();
     let mut last = f64::NEG_INFINITY;
@@ -88,6 +154,17 @@ pub(crate) fn components(noise: &[Cov], parts: &[&[Cov]], z: &[f64], start: &[f6
     (x0.iter().map(|x| if *x <= SMALLEST { 0.0 } else { x.exp() }).collect(), last)
 }
 
+/// What unmodelled residuals of these sizes cost, in log-likelihood.
+pub(crate) fn unmodelled(sizes: &[f64]) -> f64 {
+    sizes.iter().map(|v| UNMODELLED * (v / NEGLIGIBLE).ln_1p()).sum()
+}
+
+/// Log-odds against an unmodelled residual per e-fold of its size (odds of fifty).
+const UNMODELLED: f64 = 4.0;
+/// Size (variance, in units of the mean noise of a channel over the band) below which an unmodelled residual does not matter: a
+/// tenth of what noise is at its lowest.
+pub(crate) const NEGLIGIBLE: f64 = 1e-4;
+
 /// How exactly sizes are found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Effort {
@@ -107,21 +184,60 @@ impl Effort {
 /// Logarithm below which a size counts as zero.
 const SMALLEST: f64 = -30.0;
 
-fn ratios(w: &Whitening, parts: &[&[Cov]], sizes: &[f64], z: &[f64]) -> Vec<f64> {
+/// Square roots of the update's ratios per component, and the log-likelihood, at given sizes.
+/// `costs` are the slopes of what sizes cost.
+fn sweep(noise: &[Cov], parts: &[&[Cov]], sizes: &[f64], costs: &[f64], z: &[f64]) -> Option<(Vec<f64>, f64)> {
     let mut num = vec![0.0; parts.len()];
-    let mut den = vec![0.0; parts.len()];
-    for (bin, zb) in z.chunks_exact(BIN).enumerate() {
-        let inv = w.inverse(bin);
-        let x = inv * SVector::<f64, BIN>::from_column_slice(zb);
+    let mut den: Vec<f64> = costs.iter().map(|c| 2.0 * c).collect();
+    let mut l = 0.0;
+    for (bin, (zb, start)) in z.chunks_exact(BIN).zip(noise).enumerate() {
+        let mut sigma = *start;
+        for (part, v) in parts.iter().zip(sizes) {
+            if *v > 0.0 {
+                sigma.zip_apply(&part[bin], |s, m| *s += m * v);
+            }
+        }
+        let (lower, ln) = inverse_of_factor(&sigma)?;
+        let inv = squared(&lower);
+        let z = SVector::<f64, BIN>::from_column_slice(zb);
+        let x = inv * z;
+        l -= ln + 0.5 * x.dot(&z);
         for (c, part) in parts.iter().enumerate() {
             if sizes[c] > 0.0 {
                 let m = &part[bin];
                 num[c] += x.dot(&(m * x));
-                den[c] += inv.component_mul(m).sum();
+                den[c] += inv.dot(m);
             }
         }
     }
-    num.iter().zip(den).map(|(n, d)| if d > 0.0 { (n / d).sqrt() } else { 0.0 }).collect()
+    Some((num.iter().zip(den).map(|(n, d)| if d > 0.0 { (n / d).sqrt() } else { 0.0 }).collect(), l))
+}
+
+/// One step of Fisher scoring from `sigma` in the size of the first part, all other parts free beside it: estimate of its size
+/// from zero, and standard error. `None` when the data say nothing of it.
+pub(crate) fn one_step(sigma: &[Cov], parts: &[&[Cov]], z: &[f64]) -> Option<(f64, f64)> {
+    let n = parts.len();
+    let (mut score, mut information) = (DVector::<f64>::zeros(n), DMatrix::<f64>::zeros(n, n));
+    for (bin, (zb, s)) in z.chunks_exact(BIN).zip(sigma).enumerate() {
+        let inv = squared(&inverse_of_factor(s)?.0);
+        let x = inv * SVector::<f64, BIN>::from_column_slice(zb);
+        let products: Vec<Cov> = parts.iter().map(|p| inv * p[bin]).collect();
+        for i in 0..n {
+            score[i] += 0.5 * (x.dot(&(parts[i][bin] * x)) - products[i].trace());
+            for k in 0..=i {
+                let t = 0.5 * products[i].dot(&products[k].transpose());
+                information[(i, k)] += t;
+                if i != k {
+                    information[(k, i)] += t;
+                }
+            }
+        }
+    }
+    let scale = DVector::from_fn(n, |i, _| 1.0 / information[(i, i)].max(f64::MIN_POSITIVE).sqrt());
+    let unit = DMatrix::from_fn(n, n, |i, k| information[(i, k)] * scale[i] * scale[k]);
+    let inverse = unit.cholesky()?.inverse();
+    let step = (inverse.row(0) * score.component_mul(&scale))[0] * scale[0];
+    Some((step, inverse[(0, 0)].sqrt() * scale[0]))
 }
 
 #[cfg(test)]
@@ -149,7 +265,7 @@ mod tests {
                 z.push(draw() + if c > 0 { draw() * f64::sqrt(va) } else { 0.0 } + gc * common);
             }
         }
-        let (v, _) = components(&noise, &[&a, &b], &z, &[1.0, 1.0], Effort { gain: 1e-4, rounds: 60 });
+        let (v, _) = components(&noise, &[&a, &b], 2, &z, &[1.0, 1.0], Effort { gain: 1e-4, rounds: 60 });
         // 22,000 numbers inform the first, 2,000 the second: 4 standard errors.
         assert!((v[0] - va).abs() < 4.0 * 1.5 * (2.0 / 22_000.0_f64).sqrt(), "{v:?}");
         assert!((v[1] - vb).abs() < 4.0 * vb * 1.3 * (2.0 / 2_000.0_f64).sqrt(), "{v:?}");

@@ -43,15 +43,7 @@ pub fn p_value(statistic: f64, degrees: usize, tried: usize) -> f64 {
 #[must_use]
 pub fn weigh(problem: &Problem<'_>, fit: &Fit, acts: Acts) -> Vec<Candidate> {
     let h = &fit.hypothesis;
-    let plant = h.plant(problem.base);
-    problem.evidence.focus(&plant);
-    let at = problem.point(&plant);
-    let known = h.free(problem.declared, false);
-    let columns = problem.columns(h, &known, &at, &fit.sigma);
-    let Some(whitening) = Whitening::new(&fit.sigma) else { return Vec::new() };
-    let (point, columns) = (at.whitened(&whitening), Whitened::new(&whitening, &columns));
-    let normal = Normal::new(&point, &columns);
-    let context = Context { problem, fit, at, point, columns, normal, whitening };
+    let Some(context) = Context::new(problem, fit) else { return Vec::new() };
     let mut all: Vec<Candidate> = CATALOGUE
         .into_par_iter()
         .filter(|e| e.acts == acts && !h.effects.iter().any(|x| x.effect.family == e.family))
@@ -59,6 +51,19 @@ pub fn weigh(problem: &Problem<'_>, fit: &Fit, acts: Acts) -> Vec<Candidate> {
         .collect();
     all.sort_by(|a, b| (b.statistic - b.degrees as f64).total_cmp(&(a.statistic - a.degrees as f64)));
     all
+}
+
+/// Size that each strength of one form of an effect must exceed to be seen: 1.96 standard errors, declared parameters and its
+/// other strengths free; for sizes of random inputs the 95 % bound. `None` where the data say nothing about the form.
+#[must_use]
+pub fn visible(problem: &Problem<'_>, fit: &Fit, form: &Instance) -> Option<Vec<(usize, f64)>> {
+    let context = Context::new(problem, fit)?;
+    let random = form.random_strengths().map(|i| (i, problem.random_bound(fit, form, i)));
+    let mut all: Vec<(usize, f64)> = random.collect();
+    if form.mean_strengths().next().is_some() {
+        all.extend(context.weighed(form.clone())?.std_errors.iter().map(|(i, s)| (*i, 1.96 * s)));
+    }
+    Some(all)
 }
 
 struct Context<'a> {
@@ -71,23 +76,36 @@ struct Context<'a> {
     whitening: Whitening,
 }
 
-impl Context<'_> {
+impl<'a> Context<'a> {
+    fn new(problem: &'a Problem<'a>, fit: &'a Fit) -> Option<Self> {
+        let h = &fit.hypothesis;
+        let plant = h.plant(problem.base);
+        problem.evidence.focus(&plant);
+        let at = problem.point(&plant);
+        let known = h.free(problem.declared, false);
+        let columns = problem.columns(h, &known, &at, &fit.sigma);
+        let whitening = Whitening::new(&fit.sigma)?;
+        let (point, columns) = (at.whitened(&whitening), Whitened::new(&whitening, &columns));
+        let normal = Normal::new(&point, &columns);
+        Some(Self { problem, fit, at, point, columns, normal, whitening })
+    }
+
+    /// One form weighed.
+    fn weighed(&self, form: Instance) -> Option<Candidate> {
+        if form.mean_strengths().next().is_none() {
+            self.random(form)
+        } else if form.is_local() {
+            self.local(form)
+        } else {
+            self.mean(form)
+        }
+    }
+
     fn family(&self, null: &Instance) -> Option<Candidate> {
         let forms = self.forms(null);
         let tried = forms.len();
-        let local = null.is_local();
-        let best = forms
-            .into_par_iter()
-            .filter_map(|form| {
-                if form.mean_strengths().next().is_none() {
-                    self.random(form)
-                } else if local {
-                    self.local(form)
-                } else {
-                    self.mean(form)
-                }
-            })
-            .max_by(|a, b| a.statistic.total_cmp(&b.statistic))?;
+        let best =
+            forms.into_par_iter().filter_map(|form| self.weighed(form)).max_by(|a, b| a.statistic.total_cmp(&b.statistic))?;
         let p_value = p_value(best.statistic, best.degrees, tried);
         Some(Candidate { tried, p_value, ..best })
     }
@@ -159,8 +177,7 @@ impl Context<'_> {
                 z.iter().zip(&base).map(|(x, y)| (x - y) / step).collect()
             })
             .collect();
-        let zero = vec![vec![0.0; self.at.z.len()]; strengths.len()];
-        self.judge(form, &strengths, Columns { looped: vec![0.0; a.len()], a, da: vec![zero; self.at.dz.len()] })
+        self.judge(form, &strengths, Columns { looped: vec![0.0; a.len()], a, da: Vec::new() })
     }
 
     fn judge(&self, mut form: Instance, strengths: &[usize], own: Columns) -> Option<Candidate> {
@@ -170,17 +187,13 @@ impl Context<'_> {
         // Strengths that do nothing to these data are left out, and then, one at a time, those that would leave their range.
         let mut live: Vec<usize> = (0..strengths.len()).filter(|&j| own.a[j].iter().any(|x| *x != 0.0)).collect();
         let n = self.normal.g.len();
+        let all = self.normal.with(&self.point, &self.columns, &Whitened::new(&self.whitening, &own));
         loop {
             if live.is_empty() {
                 return None;
             }
-            let some = |all: &[Residual]| live.iter().map(|&j| all[j].clone()).collect::<Vec<_>>();
-            let columns = Columns {
-                a: some(&own.a),
-                da: own.da.iter().map(|d| some(d)).collect(),
-                looped: live.iter().map(|&j| own.looped[j]).collect(),
-            };
-            let normal = self.normal.with(&self.point, &self.columns, &Whitened::new(&self.whitening, &columns));
+            let kept: Vec<usize> = (0..n).chain(live.iter().map(|j| n + j)).collect();
+            let normal = all.some(&kept);
             let Some(step) = normal.solve() else {
                 live.remove(normal.undetermined(|i| i >= n)? - n);
                 continue;

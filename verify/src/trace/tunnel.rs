@@ -36,6 +36,8 @@ const BLUR_S: f64 = 0.3;
 const NARROW: Window = Window { half_width_s: 0.1, degree: 6 };
 /// Window for predictions.
 const WIDE: Window = Window { half_width_s: 0.2, degree: 6 };
+/// Copies with which fits are corrected for noise in the regressors; all of them measure noise.
+const CORRECTING: usize = 8;
 /// Lowest rate of predictions, Hz: five times the band.
 const PREDICTION_HZ: f64 = 25.0;
 
@@ -185,8 +187,11 @@ impl TunnelEvidence {
         let p = &self.runs[run];
         let focus = self.focus.read().ok();
         let bare = without_aero(plant);
-        let kept =
-            focus.as_deref().and_then(|f| f.as_ref()).filter(|(known, _)| *known == bare).map(|(_, rows)| &rows[run][copy]);
+        let kept = focus
+            .as_deref()
+            .and_then(|f| f.as_ref())
+            .filter(|(known, _)| *known == bare)
+            .and_then(|(_, rows)| rows[run].get(copy));
         let fresh;
         let rows = match kept {
             Some(rows) => rows,
@@ -385,6 +390,9 @@ impl Evidence for TunnelEvidence {
         self.bins() * BIN
     }
     fn copies(&self) -> usize {
+        self.copies.min(CORRECTING)
+    }
+    fn noisy(&self) -> usize {
         self.copies
     }
     fn residual(&self, plant: &Plant, copy: usize) -> Residual {
@@ -464,7 +472,7 @@ impl Evidence for TunnelEvidence {
             return;
         }
         let rows: Option<Vec<Vec<Vec<Row>>>> = (0..self.runs.len())
-            .map(|r| (0..=self.copies).into_par_iter().map(|c| self.rows(plant, r, c)).collect::<Option<Vec<_>>>())
+            .map(|r| (0..=self.copies()).into_par_iter().map(|c| self.rows(plant, r, c)).collect::<Option<Vec<_>>>())
             .collect();
         if let (Ok(mut f), Some(rows)) = (self.focus.write(), rows) {
             *f = Some((bare, rows));

@@ -65,7 +65,7 @@ impl Own<'_> {
             g.iter().for_each(|i| z[b * BIN + i % BIN] = self.z[*i]);
         }
         let parts = self.parts.map(|p| cut(p, 0.0));
-        let (sizes, _) = components(&cut(self.noise, 1.0), &[&parts[0], &parts[1]], &z, &[1.0, 1.0], EFFORT);
+        let (sizes, _) = components(&cut(self.noise, 1.0), &[&parts[0], &parts[1]], 2, &z, &[1.0, 1.0], EFFORT);
         [sizes[0], sizes[1]]
     }
 

@@ -1,0 +1,266 @@
+//! verify: draws of the closing study. In: a family, a size, a seed. Out: a campaign flown with it, and what the loop says.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use windfall_model::{Acts, CATALOGUE, Campaign, Plant, Role, Use};
+use windfall_scenarios::{ScenarioFile, read_bundled};
+use windfall_sim::{Seed, fly};
+use windfall_verify::campaign_of;
+use windfall_verify::close::{Closing, Options, Verdict, close, declared};
+use windfall_verify::trace::{Evidence, Fit, Instance, Problem, visible};
+
+mod table;
+pub(crate) use table::report;
+
+/// How large a planted effect is, in units of what the same flights without it can see (1.96 standard errors).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Size {
+    /// Half: below detection.
+    Hidden,
+    /// Two and a half.
+    Small,
+    /// Six.
+    Large,
+}
+
+impl Size {
+    fn units(self) -> f64 {
+        match self {
+            Self::Hidden => 0.5,
+            Self::Small => 2.5,
+            Self::Large => 6.0,
+        }
+    }
+}
+
+/// One draw of the study.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Draw {
+    /// Families planted; none for a campaign with nothing in it.
+    pub(crate) families: Vec<String>,
+    /// How large.
+    pub(crate) size: Size,
+    /// Seed of form, sizes and noise.
+    pub(crate) seed: u64,
+    /// Place of the first family in the catalogue.
+    pub(crate) place: usize,
+}
+
+/// All draws: `seeds` per family and size, `nulls`, `pairs` per pair of turbulence and another, `hidden` per family.
+pub(crate) fn draws(seeds: u64, nulls: u64, pairs: u64, hidden: u64) -> Vec<Draw> {
+    let families: Vec<&str> = CATALOGUE.iter().filter(|e| e.acts == Acts::Lander).map(|e| e.family).collect();
+    let draw = |families: &[&str], place: usize, size: Size, seed: u64| Draw {
+        families: families.iter().map(|f| (*f).to_owned()).collect(),
+        size,
+        seed,
+        place,
+    };
+    let mut all: Vec<Draw> = (0..nulls).map(|s| draw(&[], 0, Size::Large, s)).collect();
+    for seed in 0..seeds {
+        for (place, f) in families.iter().enumerate() {
+            all.extend([Size::Large, Size::Small].map(|size| draw(&[f], place, size, seed)));
+        }
+    }
+    // The ten partners are spread over the catalogue.
+    let others: Vec<&str> =
+        families.iter().copied().filter(|f| *f != "turbulence").step_by(families.len() / 10).take(10).collect();
+    for seed in 0..pairs {
+        all.extend(others.iter().map(|f| draw(&["turbulence", f], 0, Size::Large, seed)));
+    }
+    for seed in 0..hidden {
+        all.extend(families.iter().enumerate().map(|(place, f)| draw(&[f], place, Size::Hidden, seed)));
+    }
+    all
+}
+
+/// One number put in, and what came out.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Number {
+    pub(crate) family: String,
+    pub(crate) name: String,
+    pub(crate) unit: String,
+    pub(crate) strength: bool,
+    pub(crate) truth: f64,
+    /// Estimate and standard error when the family was named.
+    pub(crate) found: Option<(f64, f64)>,
+    /// Upper bound when it was not.
+    pub(crate) bound: Option<f64>,
+}
+
+/// What came of a draw.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Planted {
+    pub(crate) draw: Draw,
+    pub(crate) verdict: String,
+    /// Families in the order they were added, each with its rivals.
+    pub(crate) named: Vec<(String, Vec<String>)>,
+    pub(crate) unexplained: usize,
+    pub(crate) numbers: Vec<Number>,
+    /// Shifts of declared parameters against the truth, in their standard errors.
+    pub(crate) declared_z: Vec<f64>,
+    pub(crate) error: Option<String>,
+}
+
+impl Planted {
+    /// Every planted family is named or a rival of one that is; nothing is named where nothing is.
+    pub(crate) fn right(&self) -> bool {
+        let known = |f: &String| self.named.iter().any(|(n, rivals)| n == f || rivals.contains(f));
+        match self.draw.families.as_slice() {
+            [] => self.named.is_empty() && self.error.is_none(),
+            [one] => self.named.first().is_some_and(|(n, rivals)| n == one || rivals.contains(one)),
+            both => both.iter().all(known),
+        }
+    }
+}
+
+/// Flights and what they can see.
+pub(crate) struct Study {
+    file: ScenarioFile,
+    proof: Box<dyn Evidence>,
+    fit: Fit,
+    null: Campaign,
+    options: Options,
+}
+
+impl Study {
+    pub(crate) fn new() -> Self {
+        let mut file = read_bundled("sage-undeclared").expect("bundled");
+        file.scenario.plant = file.declared_plant.clone();
+        // Two perturbed runs and half an unperturbed one to identify on, one perturbed run held out.
+        file.scenario.flights.truncate(4);
+        file.scenario.flights[2].duration_s = 20.0;
+        let options = Options { flights: 0, ..Options::default() };
+        let null = campaign(&file, &file.declared_plant, 1_000_000);
+        let (proof, fit) = declared(&null, &options).expect("a campaign without effects is fitted");
+        Self { file, proof, fit, null, options }
+    }
+
+    fn problem(&self) -> Problem<'_> {
+        Problem { evidence: self.proof.as_ref(), base: &self.null.plant, declared: &self.null.declared, inputs: &[] }
+    }
+
+    /// A form and sizes of a family.
+    fn instance(&self, family: &str, size: Size, rng: &mut ChaCha8Rng) -> Instance {
+        let effect = CATALOGUE.iter().find(|e| e.family == family && e.acts == Acts::Lander).expect("of the catalogue");
+        let mut form = Instance::null(effect, &self.null.plant, &[]);
+        let margin_s = self.proof.margin_s();
+        let (runs, durations) = (self.proof.run_indices(), self.proof.durations_s());
+        let mut run = 0;
+        for i in 0..form.values.len() {
+            form.values[i] = match form.parameters[i].role {
+                Role::Strength => 0.0,
+                Role::Shape(tried) => between(tried, rng),
+                Role::Run => {
+                    run = rng.random_range(0..runs.len());
+                    runs[run] as f64
+                }
+                Role::Instant => rng.random_range(margin_s..durations[run] - margin_s - 0.5),
+            };
+        }
+        let units = visible(&self.problem(), &self.fit, &form).expect("every family can be seen in these flights");
+        let mut direction: Vec<f64> = units.iter().map(|_| StandardNormal.sample(rng)).collect();
+        let norm = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
+        direction.iter_mut().for_each(|x| *x /= norm);
+        for ((i, unit), d) in units.iter().zip(direction) {
+            let p = &form.parameters[*i];
+            let v = size.units() * unit * if p.low < 0.0 { d } else { d.abs() };
+            form.values[*i] = v.clamp(p.low, p.high);
+        }
+        form
+    }
+
+    /// Flies a draw and closes the loop on it.
+    pub(crate) fn close(&self, draw: &Draw) -> Planted {
+        let mut rng = ChaCha8Rng::seed_from_u64(draw.seed);
+        rng.set_stream(draw.place as u64 * 8 + draw.families.len() as u64 * 2 + draw.size as u64);
+        let forms: Vec<Instance> = draw.families.iter().map(|f| self.instance(f, draw.size, &mut rng)).collect();
+        let mut plant = self.file.declared_plant.clone();
+        for f in &forms {
+            (f.effect.apply)(&mut plant, &f.values);
+        }
+        let seed = draw.place as u64 * 1000 + draw.seed + 100_000 * (draw.families.len() as u64 + 4 * draw.size as u64);
+        let flown = campaign(&self.file, &plant, seed);
+        match close(&flown, &self.options) {
+            Ok(c) => said(draw, &forms, &self.file.declared_plant, &c),
+            Err(e) => Planted {
+                draw: draw.clone(),
+                verdict: "error".to_owned(),
+                named: Vec::new(),
+                unexplained: 0,
+                numbers: Vec::new(),
+                declared_z: Vec::new(),
+                error: Some(e.to_string()),
+            },
+        }
+    }
+}
+
+/// Log-uniform between the smallest and largest value tried; uniform where they change sign; whole where all are whole.
+fn between(tried: &[f64], rng: &mut ChaCha8Rng) -> f64 {
+    let (low, high) = tried.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+    let u: f64 = rng.random();
+    if tried.len() > 2 && tried.iter().all(|x| x.fract() == 0.0) {
+        tried[rng.random_range(0..tried.len())]
+    } else if low > 0.0 {
+        low * (high / low).powf(u)
+    } else {
+        low + (high - low) * u
+    }
+}
+
+fn campaign(file: &ScenarioFile, plant: &Plant, seed: u64) -> Campaign {
+    let one = |(i, flight): (usize, &_)| fly(&plant.for_run(i, &[]), flight, Seed { campaign: seed, run: i as u64 });
+    let flown: Vec<_> = file.scenario.flights.par_iter().enumerate().map(one).collect();
+    let records: Vec<_> = file
+        .scenario
+        .flights
+        .iter()
+        .zip(flown)
+        .map(|(f, r)| (f, r.expect("the lander stays in the tunnel's air").record))
+        .collect();
+    let mut campaign = campaign_of(&file.declared_plant, &records);
+    campaign.plant.clone_from(&file.declared_plant);
+    campaign.declared.clone_from(&file.declared);
+    campaign.runs.retain(|r| r.used == Use::Identify || r.used == Use::HoldOut);
+    campaign
+}
+
+fn said(draw: &Draw, forms: &[Instance], truth: &Plant, c: &Closing) -> Planted {
+    let numbers = forms
+        .iter()
+        .flat_map(|f| {
+            f.parameters.iter().zip(&f.values).filter(|(p, _)| p.role != Role::Run).map(|(p, v)| {
+                let own = c.effects.iter().find(|e| e.family == f.effect.family);
+                let line = own.and_then(|e| e.parameters.iter().find(|q| q.name == p.name));
+                let bound = c.bounds.iter().find(|b| b.family == f.effect.family && b.parameter == p.name);
+                Number {
+                    family: f.effect.family.to_owned(),
+                    name: p.name.clone(),
+                    unit: p.unit.to_owned(),
+                    strength: p.role == Role::Strength,
+                    truth: *v,
+                    found: line.and_then(|l| Some((l.estimate, l.std_error?))),
+                    bound: bound.map(|b| b.upper95),
+                }
+            })
+        })
+        .collect();
+    let z = |s: &windfall_verify::close::Shift| Some((s.after - truth.aero.value(&s.name)?) / s.std_error_after);
+    Planted {
+        draw: draw.clone(),
+        verdict: match c.verdict {
+            Verdict::Consistent => "consistent",
+            Verdict::Effect => "effect",
+            Verdict::Unexplained => "unexplained",
+        }
+        .to_owned(),
+        named: c.effects.iter().map(|e| (e.family.clone(), e.rivals.clone())).collect(),
+        unexplained: c.unexplained.len(),
+        numbers,
+        declared_z: c.shifts.iter().filter_map(z).filter(|z| z.is_finite()).collect(),
+        error: None,
+    }
+}
