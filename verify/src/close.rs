@@ -41,7 +41,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { false_alarm: 0.01, rival_odds: 20.0, most_effects: 4, copies: 48, shortlist: 6, seed: 1, flights: 8 }
+        Self { false_alarm: 0.005, rival_odds: 20.0, most_effects: 4, copies: 48, shortlist: 6, seed: 1, flights: 8 }
     }
 }
 
@@ -317,7 +317,7 @@ fn bounds(weighed: &[Candidate], problem: &Problem<'_>, fit: &Fit) -> Vec<Bound>
         .par_iter()
         .flat_map_iter(|c| {
             let random = c.instance.random_strengths().map(|i| (i, problem.random_bound(fit, &c.instance, i)));
-            let mean = c.std_errors.iter().map(|(i, s)| (*i, c.instance.values[*i].abs() + 1.96 * s));
+            let mean = c.bounds.iter().copied();
             random
                 .chain(mean)
                 .map(|(i, upper95)| {

@@ -27,6 +27,8 @@ pub struct Candidate {
     pub p_value: f64,
     /// Standard error of each mean strength in the best form, by parameter index.
     pub std_errors: Vec<(usize, f64)>,
+    /// Upper 95 % bound of each mean strength's size, by parameter index, in the form tried that hides it best.
+    pub bounds: Vec<(usize, f64)>,
 }
 
 /// Upper tail of χ², corrected for `tried` attempts (Šidák 1967).
@@ -104,10 +106,17 @@ impl<'a> Context<'a> {
     fn family(&self, null: &Instance) -> Option<Candidate> {
         let forms = self.forms(null);
         let tried = forms.len();
-        let best =
-            forms.into_par_iter().filter_map(|form| self.weighed(form)).max_by(|a, b| a.statistic.total_cmp(&b.statistic))?;
+        let all: Vec<Candidate> = forms.into_par_iter().filter_map(|form| self.weighed(form)).collect();
+        let mut bounds: Vec<(usize, f64)> = Vec::new();
+        for (i, bound) in all.iter().flat_map(|c| &c.bounds) {
+            match bounds.iter_mut().find(|(k, _)| k == i) {
+                Some((_, worst)) => *worst = worst.max(*bound),
+                None => bounds.push((*i, *bound)),
+            }
+        }
+        let best = all.into_iter().max_by(|a, b| a.statistic.total_cmp(&b.statistic))?;
         let p_value = p_value(best.statistic, best.degrees, tried);
-        Some(Candidate { tried, p_value, ..best })
+        Some(Candidate { tried, p_value, bounds, ..best })
     }
 
     /// All combinations of shapes, instants and runs that are tried.
@@ -188,6 +197,9 @@ impl<'a> Context<'a> {
         let mut live: Vec<usize> = (0..strengths.len()).filter(|&j| own.a[j].iter().any(|x| *x != 0.0)).collect();
         let n = self.normal.g.len();
         let all = self.normal.with(&self.point, &self.columns, &Whitened::new(&self.whitening, &own));
+        // A strength that these data do not determine can have any value of its range.
+        let mut bounds: Vec<(usize, f64)> = strengths.iter().map(|&i| (i, form.parameters[i].high)).collect();
+        let mut first = true;
         loop {
             if live.is_empty() {
                 return None;
@@ -198,6 +210,13 @@ impl<'a> Context<'a> {
                 live.remove(normal.undetermined(|i| i >= n)? - n);
                 continue;
             };
+            if std::mem::take(&mut first) {
+                for (i, &j) in live.iter().enumerate() {
+                    let p = &form.parameters[strengths[j]];
+                    let (v, s) = (step.delta[n + i].clamp(p.low, p.high).abs(), step.covariance[(n + i, n + i)].sqrt());
+                    bounds[j].1 = (v + 1.96 * s).min(p.high);
+                }
+            }
             let beyond = |i: usize| form.parameters[strengths[live[i]]].beyond(step.delta[n + i]);
             if let Some(worst) = (0..live.len()).filter(|&i| beyond(i) > 0.0).max_by(|a, b| beyond(*a).total_cmp(&beyond(*b))) {
                 live.remove(worst);
@@ -212,7 +231,7 @@ impl<'a> Context<'a> {
                 form.values[strengths[j]] = estimate[i];
                 std_errors.push((strengths[j], covariance[(i, i)].sqrt()));
             }
-            return Some(Candidate { instance: form, statistic, degrees: m, tried: 1, p_value: 1.0, std_errors });
+            return Some(Candidate { instance: form, statistic, degrees: m, tried: 1, p_value: 1.0, std_errors, bounds });
         }
     }
 
@@ -227,6 +246,7 @@ impl<'a> Context<'a> {
             tried: 1,
             p_value: 1.0,
             std_errors: Vec::new(),
+            bounds: Vec::new(),
         })
     }
 }

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use windfall_model::{Acts, CATALOGUE, Campaign, Plant, Role, Use};
+use windfall_model::{Acts, CATALOGUE, Campaign, Effect, Plant, Role, Use};
 use windfall_scenarios::{ScenarioFile, read_bundled};
 use windfall_sim::{Seed, fly};
 use windfall_verify::campaign_of;
@@ -142,9 +142,13 @@ impl Study {
         Problem { evidence: self.proof.as_ref(), base: &self.null.plant, declared: &self.null.declared, inputs: &[] }
     }
 
-    /// A form and sizes of a family.
+    /// A form and sizes of a family: forms are drawn until one can be seen within its range in these flights.
     fn instance(&self, family: &str, size: Size, rng: &mut ChaCha8Rng) -> Instance {
         let effect = CATALOGUE.iter().find(|e| e.family == family && e.acts == Acts::Lander).expect("of the catalogue");
+        (0..100).find_map(|_| self.sized(effect, size, rng)).expect("every family has forms that these flights can show")
+    }
+
+    fn sized(&self, effect: &'static Effect, size: Size, rng: &mut ChaCha8Rng) -> Option<Instance> {
         let mut form = Instance::null(effect, &self.null.plant, &[]);
         let margin_s = self.proof.margin_s();
         let (runs, durations) = (self.proof.run_indices(), self.proof.durations_s());
@@ -160,16 +164,19 @@ impl Study {
                 Role::Instant => rng.random_range(margin_s..durations[run] - margin_s - 0.5),
             };
         }
-        let units = visible(&self.problem(), &self.fit, &form).expect("every family can be seen in these flights");
+        let units = visible(&self.problem(), &self.fit, &form)?;
         let mut direction: Vec<f64> = units.iter().map(|_| StandardNormal.sample(rng)).collect();
         let norm = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
         direction.iter_mut().for_each(|x| *x /= norm);
         for ((i, unit), d) in units.iter().zip(direction) {
             let p = &form.parameters[*i];
             let v = size.units() * unit * if p.low < 0.0 { d } else { d.abs() };
-            form.values[*i] = v.clamp(p.low, p.high);
+            if v < p.low || v > p.high {
+                return None;
+            }
+            form.values[*i] = v;
         }
-        form
+        Some(form)
     }
 
     /// Flies a draw and closes the loop on it.
