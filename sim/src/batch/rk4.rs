@@ -1,0 +1,83 @@
+//! sim: the classical Runge-Kutta method of fourth order on lanes (Kutta 1901). In: a kernel, states at release, inputs. Out:
+//! states at the sample times, shown to the tracks.
+
+use super::kernel::Kernel;
+use super::lane::Lanes;
+use super::terms::ROOM;
+use super::track::Tracks;
+use crate::setup::Setup;
+use pulp::Simd;
+
+/// Steps whose inputs are tabulated at a time.
+const BLOCK: usize = 32;
+
+/// Sampling and stepping, the same for all lanes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Grid {
+    pub(super) samples: usize,
+    pub(super) rate_hz: f64,
+    pub(super) steps_per_sample: usize,
+}
+
+impl Grid {
+    /// Length of a step, s.
+    pub(super) fn step_s(self) -> f64 {
+        1.0 / (self.rate_hz * self.steps_per_sample as f64)
+    }
+}
+
+/// Flies the lanes; `setups` has one for each.
+#[inline(always)]
+pub(super) fn fly<S: Simd, const N: usize>(
+    simd: S,
+    kernel: &Kernel<'_, S>,
+    setups: &[&Setup<'_>],
+    grid: Grid,
+    mut y: [Lanes<S>; N],
+    tracks: &mut Tracks<'_, '_, S>,
+) {
+    let channels = kernel.parts.channels;
+    let width = channels.count() * S::F64_LANES;
+    let mut table = vec![0.0; (2 * BLOCK + 1) * width];
+    let mut slots = [Lanes::zero(simd); ROOM];
+    let steps = (grid.samples - 1) * grid.steps_per_sample;
+    let h = grid.step_s();
+    for n in 0..=steps {
+        let place = n % BLOCK;
+        if place == 0 {
+            tabulate(setups, channels, n, grid, &mut table);
+        }
+        let row = |k: usize| &table[(2 * place + k) * width..(2 * place + k + 1) * width];
+        if n % grid.steps_per_sample == 0 {
+            tracks.observe(simd, kernel, &y, row(0), |_| true);
+            if tracks.done() {
+                return;
+            }
+        }
+        // y ← y + h (k₁ + 2k₂ + 2k₃ + k₄)/6, the next stage's argument y + c h k beside it.
+        let (mut argument, mut sum) = (y, y);
+        for (input, ahead, weight) in [(0, 0.5, 1.0 / 6.0), (1, 0.5, 1.0 / 3.0), (1, 1.0, 1.0 / 3.0), (2, 0.0, 1.0 / 6.0)] {
+            let k = kernel.rate(simd, &argument, row(input), &mut slots);
+            let (ahead, weight) = (Lanes::splat(simd, ahead * h), Lanes::splat(simd, weight * h));
+            for i in 0..N {
+                argument[i] = ahead.mul_add(k[i], y[i]);
+                sum[i] = weight.mul_add(k[i], sum[i]);
+            }
+        }
+        y = sum;
+    }
+}
+
+/// Inputs at the starts, middles and ends of the steps from `first` on.
+#[inline(never)]
+fn tabulate(setups: &[&Setup<'_>], channels: super::inputs::Channels, first: usize, grid: Grid, table: &mut [f64]) {
+    let lanes = setups.len();
+    let width = channels.count() * lanes;
+    for (k, row) in table.chunks_exact_mut(width).enumerate() {
+        // Half steps since release over half steps a second: one rounding, the same whatever the block.
+        let t_s = (2 * first + k) as f64 / (2.0 * grid.rate_hz * grid.steps_per_sample as f64);
+        for (lane, setup) in setups.iter().enumerate() {
+            channels.fill(setup, t_s, lane, lanes, row);
+        }
+    }
+}
