@@ -21,7 +21,7 @@ use crate::record::record;
 use crate::seed::Seed;
 use crate::setup::Setup;
 use crate::truth::{End, Flown, Truth};
-use inputs::Channels;
+use inputs::{Channels, Inputs};
 use kernel::{Constants, HELD, Kernel, PLAIN, Parts};
 use lane::Lanes;
 use nalgebra::SVector;
@@ -29,7 +29,7 @@ use pulp::{Arch, Simd, WithSimd};
 use rk4::Grid;
 use std::collections::HashMap;
 use terms::{Layout, Terms};
-use track::{Keep, Track, Tracks};
+use track::{Keep, Series, Track, Tracks};
 use windfall_model::{Flight, Plant};
 
 /// One flight of a batch. The plant must already be the one of this run (`Plant::for_run`).
@@ -51,13 +51,12 @@ pub struct Order<'a> {
 /// β̇, which need the coupled solver; a step that could jump over an input.
 #[must_use]
 pub fn fly_batch(orders: &[Order<'_>], steps_per_sample: u32) -> Vec<Result<Flown, SimError>> {
-    let recorded = |(order, track): (&Order<'_>, Track<'_>)| {
-        let end = track.end.expect("a flown track has ended")?;
-        let record = record(order.plant, order.flight, &track.truth, order.seed);
-        let steps = (track.count.max(1) - 1) as u64 * u64::from(steps_per_sample);
-        Ok(Flown { truth: track.truth, record, end, steps })
-    };
-    flown(orders, steps_per_sample, Keep::Truth, recorded)
+    collected(orders, steps_per_sample, Keep::Truth, |order, series, end| {
+        let truth = std::mem::take(&mut series.truth);
+        let record = record(order.plant, order.flight, &truth, order.seed);
+        let steps = (truth.len() - 1) as u64 * u64::from(steps_per_sample);
+        Flown { truth, record, end, steps }
+    })
 }
 
 /// As [`fly_batch`], without instruments.
@@ -66,20 +65,30 @@ pub fn fly_batch(orders: &[Order<'_>], steps_per_sample: u32) -> Vec<Result<Flow
 /// As [`fly_batch`].
 #[must_use]
 pub fn fly_truth_batch(orders: &[Order<'_>], steps_per_sample: u32) -> Vec<Result<(Truth, End), SimError>> {
-    flown(orders, steps_per_sample, Keep::Truth, |(_, t)| Ok((t.truth, t.end.expect("a flown track has ended")?)))
+    collected(orders, steps_per_sample, Keep::Truth, |_, series, end| (std::mem::take(&mut series.truth), end))
 }
 
-/// States alone, at the sample times, of each flight: c.m. position (m) and velocity (m/s) in tunnel axes, quaternion body to
-/// tunnel (scalar first, its length as integrated), body rates (rad/s).
-pub type States = Vec<[f64; 13]>;
+/// As [`fly_truth_batch`], but each flight is shown to `see` with its index and then forgotten, its memory used again: nothing
+/// grows with the number of orders. `see` is called once for each order, those of equal structure after one another.
+pub fn for_each_truth(
+    orders: &[Order<'_>],
+    steps_per_sample: u32,
+    mut see: impl FnMut(usize, Result<(&Truth, End), SimError>),
+) {
+    flown(orders, steps_per_sample, Keep::Truth, |k, flown| see(k, flown.map(|(series, end)| (&series.truth, end))));
+}
 
-/// As [`fly_truth_batch`], states alone.
-///
-/// # Errors
-/// As [`fly_batch`].
-#[must_use]
-pub fn fly_states_batch(orders: &[Order<'_>], steps_per_sample: u32) -> Vec<Result<(States, End), SimError>> {
-    flown(orders, steps_per_sample, Keep::States, |(_, t)| Ok((t.states, t.end.expect("a flown track has ended")?)))
+/// States at the sample times of a flight: c.m. position (m) and velocity (m/s) in tunnel axes, quaternion body to tunnel
+/// (scalar first, its length as integrated), body rates (rad/s).
+pub type States = [[f64; 13]];
+
+/// As [`for_each_truth`], states alone.
+pub fn for_each_states(
+    orders: &[Order<'_>],
+    steps_per_sample: u32,
+    mut see: impl FnMut(usize, Result<(&States, End), SimError>),
+) {
+    flown(orders, steps_per_sample, Keep::States, |k, flown| see(k, flown.map(|(series, end)| (&series.states[..], end))));
 }
 
 /// What flights side by side have in common.
@@ -99,38 +108,57 @@ struct Ready<'a> {
     index: usize,
 }
 
-fn flown<'a, T>(
-    orders: &'a [Order<'a>],
+/// What `make` makes of each flight, in the order of the orders.
+fn collected<T>(
+    orders: &[Order<'_>],
     steps_per_sample: u32,
     keep: Keep,
-    finish: impl Fn((&'a Order<'a>, Track<'a>)) -> Result<T, SimError>,
+    make: impl Fn(&Order<'_>, &mut Series, End) -> T,
 ) -> Vec<Result<T, SimError>> {
-    orders.chunks(WINDOW).flat_map(|window| flown_window(window, steps_per_sample, keep, &finish)).collect()
+    let mut results: Vec<Option<Result<T, SimError>>> = orders.iter().map(|_| None).collect();
+    flown(orders, steps_per_sample, keep, |k, flown| {
+        results[k] = Some(flown.map(|(series, end)| make(&orders[k], series, end)));
+    });
+    results.into_iter().map(|r| r.expect("every order is flown or refused")).collect()
 }
 
 /// Orders made ready at a time: bounds the memory that their inputs take. Flights of equal structure find each other within it.
 const WINDOW: usize = 128;
 
-fn flown_window<'a, T>(
-    orders: &'a [Order<'a>],
+fn flown(
+    orders: &[Order<'_>],
     steps_per_sample: u32,
     keep: Keep,
-    finish: &impl Fn((&'a Order<'a>, Track<'a>)) -> Result<T, SimError>,
-) -> Vec<Result<T, SimError>> {
-    let mut results: Vec<Option<Result<T, SimError>>> = orders.iter().map(|_| None).collect();
-    for (kin, group) in groups(orders, steps_per_sample, |index, error| results[index] = Some(Err(error))) {
+    mut see: impl FnMut(usize, Result<(&mut Series, End), SimError>),
+) {
+    let mut spare = Vec::new();
+    for (k, window) in orders.chunks(WINDOW).enumerate() {
+        flown_window(window, steps_per_sample, keep, &mut spare, |index, flown| see(k * WINDOW + index, flown));
+    }
+}
+
+fn flown_window(
+    orders: &[Order<'_>],
+    steps_per_sample: u32,
+    keep: Keep,
+    spare: &mut Vec<Series>,
+    mut see: impl FnMut(usize, Result<(&mut Series, End), SimError>),
+) {
+    for (kin, group) in groups(orders, steps_per_sample, |index, error| see(index, Err(error))) {
         let rate_hz = f64::from_bits(kin.rate_bits);
         let grid = Grid { samples: kin.samples, rate_hz, steps_per_sample: steps_per_sample as usize };
         let mut rest = &group[..];
         while !rest.is_empty() {
-            let (used, tracks) = Arch::new().dispatch(Side { kin: &kin, ready: rest, orders, grid, keep });
-            for (ready, track) in rest.iter().zip(tracks) {
-                results[ready.index] = Some(finish((&orders[ready.index], track)));
+            let tracks = Arch::new().dispatch(Side { kin: &kin, ready: rest, orders, grid, keep, spare });
+            let used = tracks.len();
+            for (ready, mut track) in rest.iter().zip(tracks) {
+                let end = track.end.take().expect("a flown track has ended");
+                see(ready.index, end.map(|end| (&mut track.series, end)));
+                spare.push(track.series);
             }
             rest = &rest[used..];
         }
     }
-    results.into_iter().map(|r| r.expect("every order is in a group or has an error")).collect()
 }
 
 /// Orders by kinship, in the order of their first member.
@@ -157,7 +185,7 @@ fn groups<'a>(
 }
 
 fn ready<'a>(order: &Order<'a>, index: usize, steps_per_sample: u32) -> Result<(Kin, Ready<'a>), SimError> {
-    let setup = Setup::new(order.plant, order.flight, order.seed)?;
+    let setup = Setup::without_history(order.plant, order.flight, order.seed)?;
     within(order.flight)?;
     if steps_per_sample == 0 {
         return Err(SimError::Setup { what: "steps_per_sample", value: 0.0, allowed: "at least 1" });
@@ -206,48 +234,56 @@ struct Side<'a, 'g> {
     orders: &'a [Order<'a>],
     grid: Grid,
     keep: Keep,
+    spare: &'g mut Vec<Series>,
 }
 
 impl<'a> WithSimd for Side<'a, '_> {
-    /// Number of lanes, and the tracks.
-    type Output = (usize, Vec<Track<'a>>);
+    type Output = Vec<Track<'a>>;
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let used = self.ready.len().min(S::F64_LANES);
-        let mut tracks: Vec<Track<'a>> = self.ready[..used].iter().map(|r| Track::new(&self.orders[r.index], self.keep)).collect();
+        let fresh = |r: &Ready<'a>| Track::new(&self.orders[r.index], self.keep, self.spare.pop().unwrap_or_default());
+        let mut tracks: Vec<Track<'a>> = self.ready[..used].iter().map(fresh).collect();
         // Lanes to spare fly the last flight again; nobody looks.
         let ready: Vec<&Ready<'a>> = (0..S::F64_LANES).map(|k| &self.ready[k.min(used - 1)]).collect();
+        let (kin, orders, grid) = (self.kin, self.orders, self.grid);
         let mut sink = Tracks::new(simd, &mut tracks, self.keep);
-        if self.kin.held {
-            self.fly::<S, HELD, 16>(simd, &ready, &mut sink);
+        if kin.held {
+            fly::<S, HELD, 16>(simd, kin, orders, grid, &ready, &mut sink);
         } else {
-            self.fly::<S, PLAIN, 14>(simd, &ready, &mut sink);
+            fly::<S, PLAIN, 14>(simd, kin, orders, grid, &ready, &mut sink);
         }
-        (used, tracks)
+        tracks
     }
 }
 
-impl<'a> Side<'a, '_> {
-    /// `N` states on lanes, `M` in a single flight, which carries time as one more.
-    #[inline(always)]
-    fn fly<S: Simd, const N: usize, const M: usize>(&self, simd: S, ready: &[&Ready<'a>], sink: &mut Tracks<'_, '_, S>) {
-        let setups: Vec<&Setup<'_>> = ready.iter().map(|r| &r.setup).collect();
-        let starts: Vec<SVector<f64, M>> = ready.iter().map(|r| start(&r.setup, self.orders[r.index].flight)).collect();
-        let gather = |of: &dyn Fn(usize) -> f64| Lanes::load(simd, &(0..S::F64_LANES).map(of).collect::<Vec<_>>());
-        let mut y = [Lanes::zero(simd); N];
-        for (k, lanes) in y.iter_mut().enumerate() {
-            let from = if k < PLAIN { k } else { k + 1 };
-            *lanes = gather(&|lane| starts[lane][from]);
-        }
-        let weights: Vec<_> = (0..ready[0].terms.weights.len()).map(|k| gather(&|lane| ready[lane].terms.weights[k])).collect();
-        let widths: Vec<_> = (0..ready[0].terms.per_width.len()).map(|k| gather(&|lane| ready[lane].terms.per_width[k])).collect();
-        let kernel = Kernel {
-            parts: self.kin.parts,
-            layout: &self.kin.layout,
-            weights: &weights,
-            per_width: &widths,
-            c: Constants::gather(simd, &setups),
-        };
-        rk4::fly(simd, &kernel, &setups, self.grid, y, sink);
+/// `N` states on lanes, `M` in a single flight, which carries time as one more.
+#[inline(always)]
+fn fly<S: Simd, const N: usize, const M: usize>(
+    simd: S,
+    kin: &Kin,
+    orders: &[Order<'_>],
+    grid: Grid,
+    ready: &[&Ready<'_>],
+    sink: &mut Tracks<'_, '_, S>,
+) {
+    let setups: Vec<&Setup<'_>> = ready.iter().map(|r| &r.setup).collect();
+    let starts: Vec<SVector<f64, M>> = ready.iter().map(|r| start(&r.setup, orders[r.index].flight)).collect();
+    let gather = |of: &dyn Fn(usize) -> f64| Lanes::load(simd, &(0..S::F64_LANES).map(of).collect::<Vec<_>>());
+    let mut y = [Lanes::zero(simd); N];
+    for (k, lanes) in y.iter_mut().enumerate() {
+        let from = if k < PLAIN { k } else { k + 1 };
+        *lanes = gather(&|lane| starts[lane][from]);
     }
+    let weights: Vec<_> = (0..ready[0].terms.weights.len()).map(|k| gather(&|lane| ready[lane].terms.weights[k])).collect();
+    let widths: Vec<_> = (0..ready[0].terms.per_width.len()).map(|k| gather(&|lane| ready[lane].terms.per_width[k])).collect();
+    let kernel = Kernel {
+        parts: kin.parts,
+        layout: &kin.layout,
+        weights: &weights,
+        per_width: &widths,
+        c: Constants::gather(simd, &setups),
+    };
+    let mut inputs: Vec<Inputs<'_>> = ready.iter().map(|r| Inputs::new(&r.setup, orders[r.index].flight)).collect();
+    rk4::fly(simd, &kernel, &mut inputs, grid, y, sink);
 }

@@ -5,6 +5,25 @@
 //! functions that a single flight calls.
 
 use crate::setup::Setup;
+use crate::smooth::Stream;
+use windfall_model::{Flight, TunnelSpeed};
+
+/// A flight's inputs in time: its setup and its tunnel speed, which is read along the way.
+pub(super) struct Inputs<'a> {
+    pub(super) setup: &'a Setup<'a>,
+    speed: Stream<'a>,
+}
+
+impl<'a> Inputs<'a> {
+    pub(super) fn new(setup: &'a Setup<'a>, flight: &'a Flight) -> Self {
+        let speed = match &flight.speed {
+            TunnelSpeed::History { interval_s, vw_m_s } => Stream::new(*interval_s, vw_m_s),
+            TunnelSpeed::Constant(vw_m_s) => Stream::new(1.0, std::slice::from_ref(vw_m_s)),
+            TunnelSpeed::Operator(_) => Stream::new(1.0, &[]),
+        };
+        Self { setup, speed }
+    }
+}
 
 /// Which channels a group has beyond the first two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -36,12 +55,13 @@ impl Channels {
         2 + 6 * (self.gusts as usize + self.noise as usize + self.contacts as usize)
     }
 
-    /// Writes one lane of a row: the inputs of `setup` at `t_s`.
+    /// Writes one lane of a row: the inputs at `t_s`.
     #[inline]
-    pub(super) fn fill(self, setup: &Setup<'_>, t_s: f64, lane: usize, lanes: usize, row: &mut [f64]) {
+    pub(super) fn fill(self, inputs: &mut Inputs<'_>, t_s: f64, lane: usize, lanes: usize, row: &mut [f64]) {
+        let setup = inputs.setup;
         let mut put = |k: usize, x: f64| row[k * lanes + lane] = x;
         let (value, rate) = match &setup.hand {
-            None => setup.history.at(t_s),
+            None => inputs.speed.at(t_s),
             Some(hand) => (hand.unsteady.as_ref().map_or(0.0, |s| s.at(t_s).0), 0.0),
         };
         put(0, value);

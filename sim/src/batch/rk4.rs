@@ -1,11 +1,11 @@
 //! sim: the classical Runge-Kutta method of fourth order on lanes (Kutta 1901). In: a kernel, states at release, inputs. Out:
 //! states at the sample times, shown to the tracks.
 
+use super::inputs::{Channels, Inputs};
 use super::kernel::Kernel;
 use super::lane::Lanes;
 use super::terms::ROOM;
 use super::track::Tracks;
-use crate::setup::Setup;
 use pulp::Simd;
 
 /// Steps whose inputs are tabulated at a time.
@@ -26,12 +26,12 @@ impl Grid {
     }
 }
 
-/// Flies the lanes; `setups` has one for each.
+/// Flies the lanes; there are inputs for each.
 #[inline(always)]
 pub(super) fn fly<S: Simd, const N: usize>(
     simd: S,
     kernel: &Kernel<'_, S>,
-    setups: &[&Setup<'_>],
+    inputs: &mut [Inputs<'_>],
     grid: Grid,
     mut y: [Lanes<S>; N],
     tracks: &mut Tracks<'_, '_, S>,
@@ -45,7 +45,7 @@ pub(super) fn fly<S: Simd, const N: usize>(
     for n in 0..=steps {
         let place = n % BLOCK;
         if place == 0 {
-            tabulate(setups, channels, n, grid, &mut table);
+            tabulate(inputs, channels, n, grid, &mut table);
         }
         let row = |k: usize| &table[(2 * place + k) * width..(2 * place + k + 1) * width];
         if n % grid.steps_per_sample == 0 {
@@ -70,14 +70,14 @@ pub(super) fn fly<S: Simd, const N: usize>(
 
 /// Inputs at the starts, middles and ends of the steps from `first` on.
 #[inline(never)]
-fn tabulate(setups: &[&Setup<'_>], channels: super::inputs::Channels, first: usize, grid: Grid, table: &mut [f64]) {
-    let lanes = setups.len();
+fn tabulate(inputs: &mut [Inputs<'_>], channels: Channels, first: usize, grid: Grid, table: &mut [f64]) {
+    let lanes = inputs.len();
     let width = channels.count() * lanes;
-    for (k, row) in table.chunks_exact_mut(width).enumerate() {
-        // Half steps since release over half steps a second: one rounding, the same whatever the block.
-        let t_s = (2 * first + k) as f64 / (2.0 * grid.rate_hz * grid.steps_per_sample as f64);
-        for (lane, setup) in setups.iter().enumerate() {
-            channels.fill(setup, t_s, lane, lanes, row);
+    let half_steps_hz = 2.0 * grid.rate_hz * grid.steps_per_sample as f64;
+    for (lane, inputs) in inputs.iter_mut().enumerate() {
+        for (k, row) in table.chunks_exact_mut(width).enumerate() {
+            // One rounding, the same whatever the block.
+            channels.fill(inputs, (2 * first + k) as f64 / half_steps_hz, lane, lanes, row);
         }
     }
 }

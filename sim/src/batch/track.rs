@@ -25,54 +25,70 @@ const STATES: usize = 13;
 const SEEN: usize = STATES + 7;
 /// Lanes at most.
 const LANES_MAX: usize = 16;
+/// Numbers seen at a sample, by channel and lane.
+type Seen = [[f64; LANES_MAX]; SEEN];
+
+/// Series of one flight; flown again their memory is used again.
+#[derive(Debug, Default)]
+pub(super) struct Series {
+    pub(super) truth: Truth,
+    pub(super) states: Vec<[f64; STATES]>,
+}
 
 /// One flight's results so far.
 pub(super) struct Track<'a> {
     order: &'a Order<'a>,
-    pub(super) truth: Truth,
-    pub(super) states: Vec<[f64; STATES]>,
-    last: Option<[f64; 6]>,
-    /// Samples so far.
-    pub(super) count: usize,
+    keep: Keep,
+    total: usize,
+    pub(super) series: Series,
     /// How the flight ended, once it has.
     pub(super) end: Option<Result<End, SimError>>,
 }
 
 impl<'a> Track<'a> {
-    pub(super) fn new(order: &'a Order<'a>, keep: Keep) -> Self {
-        let n = samples(order.flight);
-        let (truth, states) = match keep {
-            Keep::Truth => (Truth::with_capacity(n), Vec::new()),
-            Keep::States => (Truth::default(), Vec::with_capacity(n)),
-        };
-        Self { order, truth, states, last: None, count: 0, end: None }
+    pub(super) fn new(order: &'a Order<'a>, keep: Keep, mut series: Series) -> Self {
+        let total = samples(order.flight);
+        series.states.clear();
+        series.truth.clear();
+        match keep {
+            Keep::Truth => series.truth.reserve(total),
+            Keep::States => series.states.reserve(total),
+        }
+        Self { order, keep, total, series, end: None }
+    }
+    /// Samples so far.
+    pub(super) fn count(&self) -> usize {
+        match self.keep {
+            Keep::Truth => self.series.truth.len(),
+            Keep::States => self.series.states.len(),
+        }
     }
 
-    /// Takes one sample, unless the flight has ended.
-    fn take(&mut self, row: &[f64; SEEN], keep: Keep) {
+    /// Takes a lane's sample, unless the flight has ended. `calm` is false where something is not finite or spins beyond reason.
+    #[inline]
+    fn take(&mut self, seen: &Seen, lane: usize, calm: bool) {
         if self.end.is_some() {
             return;
         }
-        let y: &[f64; STATES] = row.first_chunk().expect("a row begins with the states");
-        let k = self.count;
-        let t_s = k as f64 / self.order.flight.rate_hz;
-        let now = [y[0], y[1], y[2], y[3], y[4], y[5]];
-        self.end = self.stop(y, t_s, &now);
-        if self.end.is_some() {
-            return;
+        if !calm || self.order.flight.section.is_some() {
+            self.end = self.stop(seen, lane);
+            if self.end.is_some() {
+                return;
+            }
         }
-        self.last = Some(now);
-        self.count += 1;
-        match keep {
-            Keep::States => self.states.push(*y),
-            Keep::Truth => self.push(t_s, row),
+        match self.keep {
+            Keep::States => self.series.states.push(row(seen, 0, lane)),
+            Keep::Truth => self.push(seen, lane),
         }
-        if self.count == samples(self.order.flight) {
+        if self.count() == self.total {
             self.end = Some(Ok(End::Completed));
         }
     }
 
-    fn stop(&self, y: &[f64; STATES], t_s: f64, now: &[f64; 6]) -> Option<Result<End, SimError>> {
+    #[inline(never)]
+    fn stop(&self, seen: &Seen, lane: usize) -> Option<Result<End, SimError>> {
+        let y: [f64; STATES] = row(seen, 0, lane);
+        let t_s = self.count() as f64 / self.order.flight.rate_hz;
         if !y.iter().sum::<f64>().is_finite() {
             let parts = [("position", 0..3), ("velocity", 3..6), ("attitude", 6..10), ("body rate", 10..13)];
             let bad = |r: &std::ops::Range<usize>| y[r.clone()].iter().any(|x| !x.is_finite());
@@ -83,27 +99,46 @@ impl<'a> Track<'a> {
             return Some(Err(SimError::Runaway { limit_rad_s: RUNAWAY_RAD_S, t_s }));
         }
         let section = self.order.flight.section.filter(|s| outside(s, [y[0], y[1], y[2]]))?;
-        let before = self.last.as_ref()?;
+        let before = self.before()?;
+        let now = Vector6::from_column_slice(&y[..6]);
         let dt = 1.0 / self.order.flight.rate_hz;
-        Some(Ok(crossing(&section, t_s - dt, dt, &Vector6::from(*before), &Vector6::from(*now))))
+        Some(Ok(crossing(&section, t_s - dt, dt, &before, &now)))
     }
 
-    fn push(&mut self, t_s: f64, row: &[f64; SEEN]) {
-        let three = |k: usize| [row[k], row[k + 1], row[k + 2]];
-        let truth = &mut self.truth;
+    /// Position and velocity at the sample before.
+    fn before(&self) -> Option<Vector6<f64>> {
+        match self.keep {
+            Keep::States => self.series.states.last().map(|y| Vector6::from_column_slice(&y[..6])),
+            Keep::Truth => {
+                let (p, v) = (self.series.truth.p_tunnel_cm.last()?, self.series.truth.v_tunnel_cm.last()?);
+                Some(Vector6::new(p[0], p[1], p[2], v[0], v[1], v[2]))
+            }
+        }
+    }
+
+    #[inline]
+    fn push(&mut self, seen: &Seen, lane: usize) {
+        let t_s = self.series.truth.len() as f64 / self.order.flight.rate_hz;
+        let truth = &mut self.series.truth;
         truth.t_s.push(t_s);
-        truth.p_tunnel_cm.push(three(0));
-        truth.v_tunnel_cm.push(three(3));
-        let q = [row[6], row[7], row[8], row[9]];
+        truth.p_tunnel_cm.push(row(seen, 0, lane));
+        truth.v_tunnel_cm.push(row(seen, 3, lane));
+        let q: [f64; 4] = row(seen, 6, lane);
         let per_norm = 1.0 / q.iter().map(|c| c * c).sum::<f64>().sqrt();
         truth.quaternion.push(q.map(|c| c * per_norm));
-        truth.w_tunnel_body.push(three(10));
-        truth.attitude_rad.push(three(13));
-        truth.vw_m_s.push(row[16]);
-        truth.alpha_t_rad.push(row[17]);
-        truth.airspeed_m_s.push(row[18]);
-        truth.tether_n.push(row[19]);
+        truth.w_tunnel_body.push(row(seen, 10, lane));
+        truth.attitude_rad.push(row(seen, 13, lane));
+        truth.vw_m_s.push(seen[16][lane]);
+        truth.alpha_t_rad.push(seen[17][lane]);
+        truth.airspeed_m_s.push(seen[18][lane]);
+        truth.tether_n.push(seen[19][lane]);
     }
+}
+
+/// `N` channels of one lane from `first` on.
+#[inline]
+fn row<const N: usize>(seen: &Seen, first: usize, lane: usize) -> [f64; N] {
+    std::array::from_fn(|k| seen[first + k][lane % LANES_MAX])
 }
 
 /// The tracks of the lanes, and the roll angles of the sample before, from which the next are unwrapped.
@@ -132,7 +167,7 @@ impl<'a, 't, S: Simd> Tracks<'a, 't, S> {
         row: &[f64],
         whose: impl Fn(usize) -> bool,
     ) {
-        let mut seen = [[0.0; LANES_MAX]; SEEN];
+        let mut seen: Seen = [[0.0; LANES_MAX]; SEEN];
         for k in 0..STATES {
             y[k].store(&mut seen[k][..S::F64_LANES]);
         }
@@ -145,11 +180,17 @@ impl<'a, 't, S: Simd> Tracks<'a, 't, S> {
             }
             roll = derived[0];
         }
-        self.hand_out(&seen, &whose);
+        // Finite and below the limit when every state is finite and the spin is.
+        let mut spin = y[10].mul_add(y[10], y[11].mul_add(y[11], y[12] * y[12]));
+        for x in y {
+            spin = spin + x.scale(0.0);
+        }
+        let mut calm = [0.0; LANES_MAX];
+        spin.store(&mut calm[..S::F64_LANES]);
+        self.hand_out(&seen, &calm, &whose);
         // A lane that is not at a sample keeps its roll.
-        let mut kept = [0.0; LANES_MAX];
+        let (mut kept, mut fresh) = ([0.0; LANES_MAX], [0.0; LANES_MAX]);
         self.roll.store(&mut kept[..S::F64_LANES]);
-        let mut fresh = [0.0; LANES_MAX];
         roll.store(&mut fresh[..S::F64_LANES]);
         for lane in 0..S::F64_LANES {
             if whose(lane) {
@@ -160,14 +201,10 @@ impl<'a, 't, S: Simd> Tracks<'a, 't, S> {
     }
 
     #[inline(never)]
-    fn hand_out(&mut self, seen: &[[f64; LANES_MAX]; SEEN], whose: &impl Fn(usize) -> bool) {
+    fn hand_out(&mut self, seen: &Seen, spin2: &[f64; LANES_MAX], whose: &impl Fn(usize) -> bool) {
         for (lane, track) in self.lanes.iter_mut().enumerate() {
             if whose(lane) {
-                let mut row = [0.0; SEEN];
-                for (x, channel) in row.iter_mut().zip(seen) {
-                    *x = channel[lane];
-                }
-                track.take(&row, self.keep);
+                track.take(seen, lane, spin2[lane] <= RUNAWAY_RAD_S * RUNAWAY_RAD_S);
             }
         }
     }

@@ -9,7 +9,7 @@ use windfall_model::{
     ApparentMass, Coefficient, Contact, Factor, Flight, LooseMass, MeanFlow, Method, Numerics, Operator, Plant, Release,
     TestSection, Turbulence, TunnelSpeed, Variable, WakeShedding,
 };
-use windfall_sim::{Order, Seed, SimError, Truth, fly, fly_batch, fly_states_batch, fly_truth, fly_truth_batch};
+use windfall_sim::{Order, Seed, SimError, Truth, fly, fly_batch, fly_truth, fly_truth_batch, for_each_states, for_each_truth};
 
 const TILTED: Release = Release {
     position_m: [0.1, 0.2, -0.1],
@@ -92,17 +92,18 @@ fn order_four_toward_the_single_flight() {
         let (coarse, fine) = (error(&plant, &order, 2), error(&plant, &order, 4));
         let rate = (coarse / fine).log2();
         assert!((3.6..5.0).contains(&rate), "{name}: order {rate}, errors {coarse} {fine}");
-        let last = error(&plant, &order, 64);
+        let last = error(&plant, &order, 128);
         assert!(last < 1e-9, "{name}: {last}");
     }
 }
 
-/// Random inputs, contacts and operator: inputs with a limited number of derivatives, so the bound is 1e-7, not an order.
+/// Random inputs, contacts and operator: with two derivatives of the input the method's order falls to between two and four, and
+/// the reference has an error of its own, so the test asks for 1e-7 at 12,800 steps a second and a fall toward it.
 #[test]
 fn law_inputs_as_in_the_single_flight() {
     let gusty = Plant {
         turbulence: Turbulence { axial_rms_m_s: 0.1, lateral_rms_m_s: 0.1, axial_scale_m: 0.5, lateral_scale_m: 0.3 },
-        ..crowded()
+        ..lander()
     };
     let shed = Plant { shedding: WakeShedding { moment_rms: 0.02, strouhal: 0.15, bandwidth: 0.2 }, ..lander() };
     let contact = Contact {
@@ -135,8 +136,8 @@ fn law_inputs_as_in_the_single_flight() {
         ("operator", &lander(), &held),
         ("all", &all, &held),
     ] {
-        let (coarse, fine) = (error(plant, order, 16), error(plant, order, 64));
-        assert!(fine < 1e-7 && fine < 0.2 * coarse, "{name}: {coarse} {fine}");
+        let (coarse, fine) = (error(plant, order, 8), error(plant, order, 256));
+        assert!(fine < 1e-7 && fine < 0.01 * coarse, "{name}: {coarse} {fine}");
     }
 }
 
@@ -172,6 +173,27 @@ fn law_bits_do_not_depend_on_the_grouping() {
     }
 }
 
+/// More orders than are made ready at a time, of several structures, with one that is refused.
+#[test]
+fn law_each_order_is_shown_once() {
+    let made: Vec<_> = (0..150).map(|k| varied(k % 11)).collect();
+    let mut broken = made[0].clone();
+    broken.0.vehicle.mass_kg = f64::NAN;
+    let pairs = made.iter().take(140).chain([&broken]).chain(made.iter().skip(140));
+    let orders: Vec<_> = pairs.map(|(plant, flight)| Order { plant, flight, seed: Seed::default() }).collect();
+    let kept = fly_truth_batch(&orders, 1);
+    let mut seen = vec![0; orders.len()];
+    for_each_truth(&orders, 1, |k, flown| {
+        seen[k] += 1;
+        match (&kept[k], flown) {
+            (Ok((a, end)), Ok((b, other))) => assert!(a == b && *end == other, "flight {k}"),
+            (Err(_), Err(_)) => assert_eq!(k, 140),
+            _ => panic!("flight {k} in one and not in the other"),
+        }
+    });
+    assert!(seen.iter().all(|&n| n == 1));
+}
+
 #[test]
 fn law_states_and_records_are_those_of_the_truth() {
     let (plant, mut order) = varied(0);
@@ -179,10 +201,15 @@ fn law_states_and_records_are_those_of_the_truth() {
     order.numerics = Numerics::default();
     let orders = [Order { plant: &plant, flight: &order, seed: Seed { campaign: 1, run: 2 } }];
     let flown = fly_batch(&orders, 2).remove(0).expect("flies");
-    let (states, end) = fly_states_batch(&orders, 2).remove(0).expect("flies");
-    assert_eq!(end, flown.end);
-    assert_eq!(states.len(), flown.truth.len());
-    assert_eq!(states[7][..3], flown.truth.p_tunnel_cm[7]);
+    let mut seen = 0;
+    for_each_states(&orders, 2, |_, states| {
+        let (states, end) = states.expect("flies");
+        assert_eq!(end, flown.end);
+        assert_eq!(states.len(), flown.truth.len());
+        assert_eq!(states[7][..3], flown.truth.p_tunnel_cm[7]);
+        seen += 1;
+    });
+    assert_eq!(seen, 1);
     let alone = fly(&plant, &order, orders[0].seed).expect("flies");
     assert_eq!(alone.record.t_s, flown.record.t_s);
     // RK4 at 5 ms: errors far below a micrometre here (see the order's test).
