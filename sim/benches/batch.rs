@@ -22,10 +22,10 @@ const DURATION_S: f64 = 30.0;
 const RATE_HZ: f64 = 100.0;
 const STEPS: f64 = DURATION_S * RATE_HZ;
 /// Flights of a piece.
-const SIDE: usize = 64;
+const SIDE: usize = 32;
 const ROUNDS: usize = 9;
 /// Pieces of a round, and flights of the peer's.
-const PIECES: usize = 12;
+const PIECES: usize = 16;
 const PEER_FLIGHTS: usize = 150;
 
 /// Flights that differ in aerodynamics, mass and release.

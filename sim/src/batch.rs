@@ -195,7 +195,7 @@ fn ready<'a>(order: &Order<'a>, index: usize, steps_per_sample: u32) -> Result<(
         let allowed = "short enough not to jump over gusts, contacts or the operator's hand; try more steps_per_sample";
         return Err(SimError::Setup { what: "step of the batch, s", value: step_s, allowed });
     }
-    let terms = Terms::new(&order.plant.aero).ok_or(SimError::NotInBatch { what: "an aerodynamic structure of this many terms" })?;
+    let terms = Terms::new(&order.plant.aero).ok_or(SimError::NotInBatch { what: "an aerodynamic structure of this many different terms" })?;
     if terms.layout.force_needs_rates() {
         return Err(SimError::NotInBatch { what: "a force that depends on the rate of a wind angle" });
     }
@@ -219,6 +219,8 @@ fn parts(setup: &Setup<'_>) -> Parts {
         line_rate: plant.tether.as_ref().is_some_and(|t| t.line_rate_n_s_m != 0.0),
         flow: plant.flow != windfall_model::MeanFlow::default(),
         apparent: setup.apparent,
+        offset: plant.vehicle.p_origin_cm != windfall_model::frames::Vec3::zero(),
+        products: [plant.vehicle.inertia.xy, plant.vehicle.inertia.xz, plant.vehicle.inertia.yz] != [0.0; 3],
         channels: Channels {
             gusts: !setup.gusts.is_empty(),
             noise: !setup.coefficient_noise.is_empty(),

@@ -98,7 +98,12 @@ impl<'a> Stream<'a> {
         if i != self.number {
             self.turn_to(i);
         }
-        evaluate(&self.piece, x - i as f64, self.per_interval)
+        let s = x - i as f64;
+        if s == 0.0 {
+            // The sample itself: a flight's steps often meet the samples of its history.
+            return (self.piece[0], self.piece[1] * self.per_interval);
+        }
+        evaluate(&self.piece, s, self.per_interval)
     }
     fn turn_to(&mut self, i: usize) {
         let next = self.number.wrapping_add(1) == i;
@@ -129,11 +134,20 @@ fn stencils(n: usize) -> [Stencil; 7] {
 fn derivatives(samples: &[f64], i: usize, stencils: &[Stencil; 7]) -> [f64; 2] {
     let width = samples.len().min(7);
     let start = i.saturating_sub(width / 2).min(samples.len() - width);
-    let near = &samples[start..start + width];
+    let (near, weights) = (&samples[start..start + width], &stencils[i - start]);
+    match near.first_chunk::<7>() {
+        // The same sum, its length known to the compiler.
+        Some(seven) => weighted(seven, weights, samples[i]),
+        None => weighted(near, weights, samples[i]),
+    }
+}
+
+#[inline(always)]
+fn weighted(near: &[f64], weights: &Stencil, sample: f64) -> [f64; 2] {
     let mut out = [0.0; 2];
-    for (w, sample) in stencils[i - start].iter().zip(near) {
-        // Differences against sample i, so that a constant gives exactly zero.
-        let difference = sample - samples[i];
+    for (w, other) in weights.iter().zip(near) {
+        // Differences against the sample itself, so that a constant gives exactly zero.
+        let difference = other - sample;
         out[0] += w[0] * difference;
         out[1] += w[1] * difference;
     }

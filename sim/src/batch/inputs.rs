@@ -10,7 +10,8 @@ use windfall_model::{Flight, TunnelSpeed};
 
 /// A flight's inputs in time: its setup and its tunnel speed, which is read along the way.
 pub(super) struct Inputs<'a> {
-    pub(super) setup: &'a Setup<'a>,
+    setup: &'a Setup<'a>,
+    flight: &'a Flight,
     speed: Stream<'a>,
 }
 
@@ -21,7 +22,11 @@ impl<'a> Inputs<'a> {
             TunnelSpeed::Constant(vw_m_s) => Stream::new(1.0, std::slice::from_ref(vw_m_s)),
             TunnelSpeed::Operator(_) => Stream::new(1.0, &[]),
         };
-        Self { setup, speed }
+        Self { setup, flight, speed }
+    }
+    /// True when both have the same given tunnel speed, as the draws of a study often do.
+    pub(super) fn same_speed(&self, other: &Self) -> bool {
+        self.setup.hand.is_none() && other.setup.hand.is_none() && self.flight.speed == other.flight.speed
     }
 }
 
@@ -55,17 +60,21 @@ impl Channels {
         2 + 6 * (self.gusts as usize + self.noise as usize + self.contacts as usize)
     }
 
-    /// Writes one lane of a row: the inputs at `t_s`.
+    /// Writes tunnel speed and rate, or the operator's unsteadiness, at `t_s` into one lane of a row.
     #[inline]
-    pub(super) fn fill(self, inputs: &mut Inputs<'_>, t_s: f64, lane: usize, lanes: usize, row: &mut [f64]) {
-        let setup = inputs.setup;
-        let mut put = |k: usize, x: f64| row[k * lanes + lane] = x;
-        let (value, rate) = match &setup.hand {
+    pub(super) fn fill_speed(inputs: &mut Inputs<'_>, t_s: f64, lane: usize, lanes: usize, row: &mut [f64]) {
+        let (value, rate) = match &inputs.setup.hand {
             None => inputs.speed.at(t_s),
             Some(hand) => (hand.unsteady.as_ref().map_or(0.0, |s| s.at(t_s).0), 0.0),
         };
-        put(0, value);
-        put(1, rate);
+        row[lane] = value;
+        row[lanes + lane] = rate;
+    }
+    /// Writes the other channels at `t_s` into one lane of a row.
+    #[inline]
+    pub(super) fn fill_rest(self, inputs: &Inputs<'_>, t_s: f64, lane: usize, lanes: usize, row: &mut [f64]) {
+        let setup = inputs.setup;
+        let mut put = |k: usize, x: f64| row[k * lanes + lane] = x;
         if let Some(first) = self.gusts() {
             (first..first + 6).for_each(|k| put(k, 0.0));
             for (axis, gust) in &setup.gusts {

@@ -6,7 +6,7 @@
 
 use super::inputs::Channels;
 use super::lane::Lanes;
-use super::terms::{Layout, ROOM, SIN2, V_HAT, W_HAT};
+use super::terms::{Layout, ONE, ROOM, SIN2, V_HAT, W_HAT};
 use crate::operator::Hand;
 use crate::setup::Setup;
 use nalgebra::{Matrix3, Vector3};
@@ -29,6 +29,10 @@ pub(super) struct Parts {
     /// Speed varies over the section.
     pub(super) flow: bool,
     pub(super) apparent: bool,
+    /// The c.m. is not at the geometric origin.
+    pub(super) offset: bool,
+    /// Products of inertia.
+    pub(super) products: bool,
     pub(super) channels: Channels,
 }
 
@@ -226,16 +230,17 @@ impl<S: Simd> Kernel<'_, S> {
         let w = [y[10], y[11], y[12]];
         let flow = Flow::new(simd, &s, c);
         self.variables(simd, &flow, w, slots);
-        let mut k = [Lanes::zero(simd); 6];
+        let mut k = [Lanes::zero(simd); 8];
         if let Some(first) = self.parts.channels.noise() {
             let (force, moment) = (three(simd, row, first), three(simd, row, first + 3));
-            k = [force[0], force[1], force[2], moment[0], moment[1], moment[2]];
+            k[..3].copy_from_slice(&force);
+            k[3..6].copy_from_slice(&moment);
         }
-        self.layout.fill(false, self.per_width, slots);
-        self.layout.add(false, self.weights, slots, &mut k);
+        self.layout.add(false, self.weights, self.per_width, slots, &mut k);
         let qs = flow.q * c.area;
         let f_air = [-(qs * k[0]), qs * k[1], -(qs * k[2])];
-        let (mut f, mut m) = (f_air, cross(f_air, c.p_origin_cm));
+        let mut f = f_air;
+        let mut m = if self.parts.offset { cross(f_air, c.p_origin_cm) } else { [Lanes::zero(simd); 3] };
         if self.parts.tether {
             let pull = self.pull(&s, y, flow.q);
             f = plus(f, pull);
@@ -248,13 +253,23 @@ impl<S: Simd> Kernel<'_, S> {
         let a = self.acceleration(&s, w, &mut f, &mut m);
         if self.layout.needs_rates() {
             self.damping(&s, &flow, w, a, slots);
-            self.layout.fill(true, self.per_width, slots);
-            self.layout.add(true, self.weights, slots, &mut k);
+            self.layout.add(true, self.weights, self.per_width, slots, &mut k);
         }
         let qsd = qs * c.diameter;
         let m = [qsd.mul_add(k[3], m[0]), qsd.mul_add(k[4], m[1]), qsd.mul_add(k[5], m[2])];
-        let spin = symmetric(&c.per_inertia, minus(m, cross(w, symmetric(&c.inertia, w))));
+        let spin = self.spin(w, m);
         self.assemble(y, &s, a, spin)
+    }
+
+    /// Euler's equation: rate of body rates under a moment.
+    #[inline(always)]
+    fn spin(&self, w: Three<S>, m: Three<S>) -> Three<S> {
+        let (i, per) = (&self.c.inertia, &self.c.per_inertia);
+        if self.parts.products {
+            return symmetric(per, minus(m, cross(w, symmetric(i, w))));
+        }
+        let net = minus(m, cross(w, [i[0] * w[0], i[1] * w[1], i[2] * w[2]]));
+        [per[0] * net[0], per[1] * net[1], per[2] * net[2]]
     }
 
     #[inline(always)]
@@ -290,6 +305,7 @@ impl<S: Simd> Kernel<'_, S> {
         let needs = &self.layout.needs;
         let [u, v, ww] = flow.b;
         slots[SIN2] = flow.cross2 * flow.per_speed * flow.per_speed;
+        slots[ONE] = Lanes::splat(simd, 1.0);
         slots[V_HAT] = v * flow.per_speed;
         slots[W_HAT] = ww * flow.per_speed;
         slots[V::CosAlphaT as usize] = u * flow.per_speed;
@@ -325,9 +341,10 @@ impl<S: Simd> Kernel<'_, S> {
         let [u, v, ww] = flow.b;
         let [ud, vd, wd] = minus(minus(a, s.a_air), cross(w, s.b));
         // α̇ = (u ẇ − w u̇)/(u² + w²), β̇ = (v̇ (u² + w²) − v (u u̇ + w ẇ))/(V² √(u² + w²)).
-        let alpha_rate = ww.neg_mul_add(ud, u * wd) / flow.uw2;
+        let per_uw = flow.uw.recip();
+        let alpha_rate = ww.neg_mul_add(ud, u * wd) * per_uw * per_uw;
         let along = u.mul_add(ud, ww * wd);
-        let beta_rate = v.neg_mul_add(along, vd * flow.uw2) * flow.per_speed * flow.per_speed / flow.uw;
+        let beta_rate = v.neg_mul_add(along, vd * flow.uw2) * (flow.per_speed * flow.per_speed * per_uw);
         let zero = flow.uw2.scale(0.0);
         let half = flow.hat;
         slots[Variable::PitchDamping as usize] = (w[1] + flow.uw2.where_above(0.0, alpha_rate, zero)) * half;

@@ -53,7 +53,7 @@ impl<S: Simd> Lanes<S> {
     /// `c − self·b`, rounded as [`Lanes::mul_add`].
     #[inline(always)]
     pub(super) fn neg_mul_add(self, b: Self, c: Self) -> Self {
-        (-self).mul_add(b, c)
+        self.with(self.simd.negate_mul_add_e_f64s(self.x, b.x, c.x))
     }
     /// `self + k`.
     #[inline(always)]

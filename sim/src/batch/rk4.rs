@@ -42,10 +42,11 @@ pub(super) fn fly<S: Simd, const N: usize>(
     let mut slots = [Lanes::zero(simd); ROOM];
     let steps = (grid.samples - 1) * grid.steps_per_sample;
     let h = grid.step_s();
+    let one_speed = inputs[1..].iter().all(|other| other.same_speed(&inputs[0]));
     for n in 0..=steps {
         let place = n % BLOCK;
         if place == 0 {
-            tabulate(inputs, channels, n, grid, &mut table);
+            tabulate(inputs, one_speed, channels, n, grid, &mut table);
         }
         let row = |k: usize| &table[(2 * place + k) * width..(2 * place + k + 1) * width];
         if n % grid.steps_per_sample == 0 {
@@ -70,14 +71,25 @@ pub(super) fn fly<S: Simd, const N: usize>(
 
 /// Inputs at the starts, middles and ends of the steps from `first` on.
 #[inline(never)]
-fn tabulate(inputs: &mut [Inputs<'_>], channels: Channels, first: usize, grid: Grid, table: &mut [f64]) {
+fn tabulate(inputs: &mut [Inputs<'_>], one_speed: bool, channels: Channels, first: usize, grid: Grid, table: &mut [f64]) {
     let lanes = inputs.len();
     let width = channels.count() * lanes;
-    let half_steps_hz = 2.0 * grid.rate_hz * grid.steps_per_sample as f64;
+    let half_step_s = 0.5 * grid.step_s();
+    // From the number of half steps, the same whatever the block.
+    let t_s = |k: usize| (2 * first + k) as f64 * half_step_s;
     for (lane, inputs) in inputs.iter_mut().enumerate() {
         for (k, row) in table.chunks_exact_mut(width).enumerate() {
-            // One rounding, the same whatever the block.
-            channels.fill(inputs, (2 * first + k) as f64 / half_steps_hz, lane, lanes, row);
+            if one_speed && lane > 0 {
+                row[lane] = row[0];
+                row[lanes + lane] = row[lanes];
+            } else {
+                Channels::fill_speed(inputs, t_s(k), lane, lanes, row);
+            }
+        }
+        if channels.count() > 2 {
+            for (k, row) in table.chunks_exact_mut(width).enumerate() {
+                channels.fill_rest(inputs, t_s(k), lane, lanes, row);
+            }
         }
     }
 }

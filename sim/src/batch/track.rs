@@ -24,7 +24,7 @@ const STATES: usize = 13;
 /// States, then R_x, R_y, R_z, V_W, α_T, airspeed and tether force.
 const SEEN: usize = STATES + 7;
 /// Lanes at most.
-const LANES_MAX: usize = 16;
+const LANES_MAX: usize = 8;
 /// Numbers seen at a sample, by channel and lane.
 type Seen = [[f64; LANES_MAX]; SEEN];
 
@@ -146,11 +146,12 @@ pub(super) struct Tracks<'a, 't, S: Simd> {
     pub(super) lanes: &'t mut [Track<'a>],
     keep: Keep,
     roll: Lanes<S>,
+    seen: Seen,
 }
 
 impl<'a, 't, S: Simd> Tracks<'a, 't, S> {
     pub(super) fn new(simd: S, lanes: &'t mut [Track<'a>], keep: Keep) -> Self {
-        Self { lanes, keep, roll: Lanes::zero(simd) }
+        Self { lanes, keep, roll: Lanes::zero(simd), seen: [[0.0; LANES_MAX]; SEEN] }
     }
     /// True when every flight has ended.
     pub(super) fn done(&self) -> bool {
@@ -167,16 +168,15 @@ impl<'a, 't, S: Simd> Tracks<'a, 't, S> {
         row: &[f64],
         whose: impl Fn(usize) -> bool,
     ) {
-        let mut seen: Seen = [[0.0; LANES_MAX]; SEEN];
         for k in 0..STATES {
-            y[k].store(&mut seen[k][..S::F64_LANES]);
+            y[k].store(&mut self.seen[k][..S::F64_LANES]);
         }
         let mut roll = self.roll;
         if self.keep == Keep::Truth {
             let s = kernel.sight(simd, y, row);
             let derived = Self::derived(kernel, &s, y, roll);
             for (k, x) in derived.iter().enumerate() {
-                x.store(&mut seen[STATES + k][..S::F64_LANES]);
+                x.store(&mut self.seen[STATES + k][..S::F64_LANES]);
             }
             roll = derived[0];
         }
@@ -187,7 +187,7 @@ impl<'a, 't, S: Simd> Tracks<'a, 't, S> {
         }
         let mut calm = [0.0; LANES_MAX];
         spin.store(&mut calm[..S::F64_LANES]);
-        self.hand_out(&seen, &calm, &whose);
+        self.hand_out(&calm, &whose);
         // A lane that is not at a sample keeps its roll.
         let (mut kept, mut fresh) = ([0.0; LANES_MAX], [0.0; LANES_MAX]);
         self.roll.store(&mut kept[..S::F64_LANES]);
@@ -201,10 +201,10 @@ impl<'a, 't, S: Simd> Tracks<'a, 't, S> {
     }
 
     #[inline(never)]
-    fn hand_out(&mut self, seen: &Seen, spin2: &[f64; LANES_MAX], whose: &impl Fn(usize) -> bool) {
+    fn hand_out(&mut self, spin2: &[f64; LANES_MAX], whose: &impl Fn(usize) -> bool) {
         for (lane, track) in self.lanes.iter_mut().enumerate() {
             if whose(lane) {
-                track.take(seen, lane, spin2[lane] <= RUNAWAY_RAD_S * RUNAWAY_RAD_S);
+                track.take(&self.seen, lane, spin2[lane] <= RUNAWAY_RAD_S * RUNAWAY_RAD_S);
             }
         }
     }

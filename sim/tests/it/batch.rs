@@ -97,8 +97,8 @@ fn order_four_toward_the_single_flight() {
     }
 }
 
-/// Random inputs, contacts and operator: with two derivatives of the input the method's order falls to between two and four, and
-/// the reference has an error of its own, so the test asks for 1e-7 at 12,800 steps a second and a fall toward it.
+/// Random inputs, contacts and operator at 12,800 steps a second. Gusts on their fine grid have two derivatives only, which the
+/// reference, too, feels: halving the batch's step again leaves 2e-7 between the two, hence the wider bound there.
 #[test]
 fn law_inputs_as_in_the_single_flight() {
     let gusty = Plant {
@@ -129,15 +129,15 @@ fn law_inputs_as_in_the_single_flight() {
         hold_x_m: 0.1,
     });
     let given = wandering(5.0, 50.0);
-    for (name, plant, order) in [
-        ("gusts", &gusty, &given),
-        ("shedding", &shed, &given),
-        ("contact", &touched, &given),
-        ("operator", &lander(), &held),
-        ("all", &all, &held),
+    for (name, plant, order, bound) in [
+        ("gusts", &gusty, &given, 1e-6),
+        ("shedding", &shed, &given, 1e-9),
+        ("contact", &touched, &given, 1e-9),
+        ("operator", &lander(), &held, 1e-9),
+        ("all", &all, &held, 1e-6),
     ] {
         let (coarse, fine) = (error(plant, order, 8), error(plant, order, 256));
-        assert!(fine < 1e-7 && fine < 0.01 * coarse, "{name}: {coarse} {fine}");
+        assert!(fine < bound && fine < 0.01 * coarse, "{name}: {coarse} {fine}");
     }
 }
 
