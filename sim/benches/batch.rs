@@ -16,11 +16,12 @@ use std::hint::black_box;
 use std::sync::Barrier;
 use std::time::Instant;
 use windfall_model::{Flight, Method, Plant};
-use windfall_sim::{Order, Seed, fly_truth, for_each_states, for_each_truth};
+use windfall_sim::{Order, Seed, Stepping, fly_truth, for_each_states, for_each_truth};
 
 const DURATION_S: f64 = 30.0;
 const RATE_HZ: f64 = 100.0;
 const STEPS: f64 = DURATION_S * RATE_HZ;
+const STEP: Stepping = Stepping::Rk4 { steps_per_sample: 1 };
 /// Flights of a piece.
 const SIDE: usize = 32;
 const ROUNDS: usize = 9;
@@ -42,9 +43,9 @@ fn drawn(k: usize) -> (Plant, Flight) {
 
 fn fly_all(orders: &[Order<'_>], seen: bool) {
     if seen {
-        for_each_truth(black_box(orders), 1, |_, flown| drop(black_box(flown)));
+        for_each_truth(black_box(orders), STEP, |_, flown| drop(black_box(flown)));
     } else {
-        for_each_states(black_box(orders), 1, |_, flown| drop(black_box(flown)));
+        for_each_states(black_box(orders), STEP, |_, flown| drop(black_box(flown)));
     }
 }
 
@@ -94,7 +95,9 @@ fn main() {
     let reference = states(&fly_truth(plant, order, Seed::default()).expect("flies").0);
     let error = |m: u32| {
         let mut far = f64::NAN;
-        for_each_states(&orders[..1], m, |_, flown| far = distance(flown.expect("flies").0, &reference));
+        for_each_states(&orders[..1], Stepping::Rk4 { steps_per_sample: m }, |_, flown| {
+            far = distance(flown.expect("flies").0, &reference)
+        });
         far
     };
     println!("30 s lander flights, 100 Hz, recorded V_W; unit {:?}", pulp::Arch::new());
@@ -128,7 +131,10 @@ fn main() {
             let mut ratios: Vec<f64> = ours.iter().zip(&*rates).map(|(a, b)| a / b).collect();
             let (middle, least, most) = (median(&mut ratios), ratios[0], ratios[ratios.len() - 1]);
             let rate = median(rates);
-            println!("  peer {name}: {:.2} M steps/s; ours/peer {middle:.2} (rounds {least:.2} to {most:.2}); goal 3", rate * 1e-6);
+            println!(
+                "  peer {name}: {:.2} M steps/s; ours/peer {middle:.2} (rounds {least:.2} to {most:.2}); goal 3",
+                rate * 1e-6
+            );
         }
         println!("  ours: {:.2} M steps/s, {:.0} flights/s a core", median(&mut ours) * 1e-6, median(&mut ours) / STEPS);
     }

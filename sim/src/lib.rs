@@ -19,7 +19,7 @@ mod setup;
 mod smooth;
 mod truth;
 
-pub use batch::{Order, States, fly_batch, fly_truth_batch, for_each_states, for_each_truth};
+pub use batch::{Order, States, Stepping, fly_batch, fly_truth_batch, for_each_states, for_each_truth};
 pub use error::SimError;
 pub use fly::{fly, fly_truth};
 pub use noise::realise;

@@ -126,7 +126,13 @@ impl Peer {
         std::fs::create_dir_all(&folder).map_err(|e| e.to_string())?;
         let peer = Self { folder };
         let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/peer/peer.cpp");
-        let run = Command::new("g++").args(["-std=c++17", "-O3"]).args(flags).arg("-o").arg(peer.folder.join("peer")).arg(source).output();
+        let run = Command::new("g++")
+            .args(["-std=c++17", "-O3"])
+            .args(flags)
+            .arg("-o")
+            .arg(peer.folder.join("peer"))
+            .arg(source)
+            .output();
         match run {
             Err(e) => Err(format!("no g++ here ({e})")),
             Ok(o) if !o.status.success() => {
@@ -142,7 +148,8 @@ impl Peer {
         let (input, output) = (self.folder.join("input"), self.folder.join("states"));
         std::fs::write(&input, peer_input(plant, flight)).map_err(|e| e.to_string())?;
         let mut command = Command::new(self.folder.join("peer"));
-        let run = command.arg(&input).arg(repetitions.to_string()).arg(&output).arg(method).output().map_err(|e| e.to_string())?;
+        let run =
+            command.arg(&input).arg(repetitions.to_string()).arg(&output).arg(method).output().map_err(|e| e.to_string())?;
         let text = String::from_utf8_lossy(&run.stdout).into_owned();
         let numbers: Vec<f64> = text.split_whitespace().filter_map(|x| x.parse().ok()).collect();
         let [best_ns, _, steps] = numbers[..] else { return Err(format!("it printed {text:?}")) };

@@ -102,11 +102,7 @@ fn dot<S: Simd>(a: Three<S>, b: Three<S>) -> Lanes<S> {
 }
 #[inline(always)]
 fn cross<S: Simd>(a: Three<S>, b: Three<S>) -> Three<S> {
-    [
-        a[2].neg_mul_add(b[1], a[1] * b[2]),
-        a[0].neg_mul_add(b[2], a[2] * b[0]),
-        a[1].neg_mul_add(b[0], a[0] * b[1]),
-    ]
+    [a[2].neg_mul_add(b[1], a[1] * b[2]), a[0].neg_mul_add(b[2], a[2] * b[0]), a[1].neg_mul_add(b[0], a[0] * b[1])]
 }
 #[inline(always)]
 fn plus<S: Simd>(a: Three<S>, b: Three<S>) -> Three<S> {
@@ -152,11 +148,7 @@ impl<S: Simd> Kernel<'_, S> {
         let (xx, xy, xz, xw) = (sx * x, sx * yy, sx * z, sx * w);
         let (yyy, yz, yw, zz, zw) = (sy * yy, sy * z, sy * w, sz * z, sz * w);
         let one = Lanes::splat(simd, 1.0);
-        let m = [
-            [one - (yyy + zz), xy - zw, xz + yw],
-            [xy + zw, one - (xx + zz), yz - xw],
-            [xz - yw, yz + xw, one - (xx + yyy)],
-        ];
+        let m = [[one - (yyy + zz), xy - zw, xz + yw], [xy + zw, one - (xx + zz), yz - xw], [xz - yw, yz + xw, one - (xx + yyy)]];
         let (vw, vw_rate, height_error) = self.tunnel_speed(simd, y, row);
         let v = [y[3], y[4], y[5]];
         let (mut b, mut a_air);
@@ -197,13 +189,7 @@ impl<S: Simd> Kernel<'_, S> {
 
     /// Velocity of the air and its rate following the vehicle, where speed varies over the section, tunnel axes.
     #[inline(always)]
-    fn section_air<const N: usize>(
-        &self,
-        simd: S,
-        y: &[Lanes<S>; N],
-        vw: Lanes<S>,
-        vw_rate: Lanes<S>,
-    ) -> (Three<S>, Three<S>) {
+    fn section_air<const N: usize>(&self, simd: S, y: &[Lanes<S>; N], vw: Lanes<S>, vw_rate: Lanes<S>) -> (Three<S>, Three<S>) {
         let c = &self.c;
         let [gy, gz] = c.gradient;
         let one = Lanes::splat(simd, 1.0);

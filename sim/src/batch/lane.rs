@@ -187,7 +187,6 @@ const TAYLOR: [f64; 14] = {
     }
     c
 };
-#[expect(clippy::excessive_precision, reason = "digits that name the nearest double")]
 const ATAN: [f64; 12] = [
     -0.333_333_333_333_333_26,
     0.199_999_999_999_977_06,
@@ -258,9 +257,7 @@ mod tests {
         fn with_simd<S: Simd>(self, simd: S) -> Vec<f64> {
             let mut out = Vec::new();
             for chunk in self.0.chunks(S::F64_LANES) {
-                let pick = |k: usize| -> Vec<f64> {
-                    (0..S::F64_LANES).map(|i| chunk[i.min(chunk.len() - 1)][k]).collect()
-                };
+                let pick = |k: usize| -> Vec<f64> { (0..S::F64_LANES).map(|i| chunk[i.min(chunk.len() - 1)][k]).collect() };
                 let (a, b) = (Lanes::load(simd, &pick(0)), Lanes::load(simd, &pick(1)));
                 let mut row = vec![0.0; S::F64_LANES];
                 (if self.1 { a.atan2(b) } else { a.exp_of_negative() }).store(&mut row);
@@ -300,7 +297,8 @@ mod tests {
 
     #[test]
     fn exact_arc_tangent_on_the_axes() {
-        let cases = [[0.0, 1.0], [-0.0, 1.0], [0.0, -1.0], [-0.0, -1.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 0.0], [1.0, 1.0], [1.0, -1.0]];
+        let cases =
+            [[0.0, 1.0], [-0.0, 1.0], [0.0, -1.0], [-0.0, -1.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 0.0], [1.0, 1.0], [1.0, -1.0]];
         for ([y, x], a) in cases.iter().zip(Arch::new().dispatch(Both(&cases, true))) {
             assert_eq!(a.to_bits(), y.atan2(*x).to_bits(), "atan2({y}, {x}) = {a}");
         }

@@ -66,6 +66,9 @@ pub(super) fn fly<S: Simd, const N: usize>(
             }
         }
         y = sum;
+        for track in tracks.lanes.iter_mut().filter(|track| track.end.is_none()) {
+            track.steps += 1;
+        }
     }
 }
 

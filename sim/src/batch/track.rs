@@ -24,7 +24,7 @@ const STATES: usize = 13;
 /// States, then R_x, R_y, R_z, V_W, α_T, airspeed and tether force.
 const SEEN: usize = STATES + 7;
 /// Lanes at most.
-const LANES_MAX: usize = 8;
+pub(super) const LANES_MAX: usize = 8;
 /// Numbers seen at a sample, by channel and lane.
 type Seen = [[f64; LANES_MAX]; SEEN];
 
@@ -41,6 +41,8 @@ pub(super) struct Track<'a> {
     keep: Keep,
     total: usize,
     pub(super) series: Series,
+    /// Steps taken.
+    pub(super) steps: u64,
     /// How the flight ended, once it has.
     pub(super) end: Option<Result<End, SimError>>,
 }
@@ -54,7 +56,7 @@ impl<'a> Track<'a> {
             Keep::Truth => series.truth.reserve(total),
             Keep::States => series.states.reserve(total),
         }
-        Self { order, keep, total, series, end: None }
+        Self { order, keep, total, series, steps: 0, end: None }
     }
     /// Samples so far.
     pub(super) fn count(&self) -> usize {
@@ -168,8 +170,8 @@ impl<'a, 't, S: Simd> Tracks<'a, 't, S> {
         row: &[f64],
         whose: impl Fn(usize) -> bool,
     ) {
-        for k in 0..STATES {
-            y[k].store(&mut self.seen[k][..S::F64_LANES]);
+        for (x, seen) in y.iter().zip(&mut self.seen[..STATES]) {
+            x.store(&mut seen[..S::F64_LANES]);
         }
         let mut roll = self.roll;
         if self.keep == Keep::Truth {
@@ -183,7 +185,7 @@ impl<'a, 't, S: Simd> Tracks<'a, 't, S> {
         // Finite and below the limit when every state is finite and the spin is.
         let mut spin = y[10].mul_add(y[10], y[11].mul_add(y[11], y[12] * y[12]));
         for x in y {
-            spin = spin + x.scale(0.0);
+            spin += x.scale(0.0);
         }
         let mut calm = [0.0; LANES_MAX];
         spin.store(&mut calm[..S::F64_LANES]);
