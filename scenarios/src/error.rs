@@ -138,6 +138,8 @@ pub enum FileKind {
     Structure,
     /// A run.
     Run,
+    /// A study.
+    Study,
 }
 
 /// What a file looks like, by its ending and by the tables that only one kind of TOML file has; TOML that fits none is taken for a
@@ -165,6 +167,8 @@ pub fn kind_of(path: &Path) -> Result<FileKind, ReadError> {
     let has = |head: &str| text.lines().any(|l| l.trim_start().starts_with(head));
     Ok(if has("[campaign]") || has("[[run]]") {
         FileKind::Campaign
+    } else if has("[study]") {
+        FileKind::Study
     } else if has("[[term]]") {
         FileKind::Structure
     } else {
