@@ -16,7 +16,7 @@ mod simulate;
 mod study;
 mod verify;
 
-pub use study::{Drawing, StudyError};
+pub use study::{Drawing, PartRule, StudyError};
 
 use args::{Cli, Command};
 use clap::{CommandFactory as _, Parser as _};

@@ -176,13 +176,27 @@ impl Drawing {
         let draws = store.merged_draws()?;
         summarise(&self.prepared, draws, |c: &Column| store.column(c))
     }
+    /// The stopping rule after the parts that a folder has.
+    ///
+    /// # Errors
+    /// A part that is corrupt.
+    pub fn rule(&self, store: &Store) -> Result<PartRule, StudyError> {
+        let mut rule = PartRule { progress: self.progress()?, next: 0, waiting: BTreeMap::new(), enough: false };
+        if rule.progress.is_some() && !store.is_merged() {
+            store.each_part(|part| {
+                rule.add(&part);
+                !rule.enough
+            })?;
+        }
+        Ok(rule)
+    }
     /// Draws what a folder lacks of its share. `see` is told of each draw.
     ///
     /// # Errors
     /// A full disk and the like.
     pub fn draw(&self, store: &Store, see: impl Fn(&Row) + Sync) -> Result<(), StudyError> {
         store.settle()?;
-        let rule = Mutex::new(Rule::new(self.progress()?, store)?);
+        let rule = Mutex::new(self.rule(store)?);
         let over = |part: Option<Part>| {
             let mut rule = rule.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             if let Some(part) = part {
@@ -202,25 +216,22 @@ impl Drawing {
 }
 
 /// The stopping rule fed with parts in any order; it looks at them in the order of their index.
-struct Rule {
+#[derive(Debug)]
+pub struct PartRule {
     progress: Option<Progress>,
     next: u64,
     waiting: BTreeMap<u64, (Moments, u64)>,
     enough: bool,
 }
 
-impl Rule {
-    fn new(progress: Option<Progress>, store: &Store) -> Result<Self, StoreError> {
-        let mut rule = Self { progress, next: 0, waiting: BTreeMap::new(), enough: false };
-        if rule.progress.is_some() {
-            store.each_part(|part| {
-                rule.add(&part);
-                !rule.enough
-            })?;
-        }
-        Ok(rule)
+impl PartRule {
+    /// Whether the study may end.
+    #[must_use]
+    pub fn enough(&self) -> bool {
+        self.enough
     }
-    fn add(&mut self, part: &Part) {
+    /// Takes a part into account.
+    pub fn add(&mut self, part: &Part) {
         let Some(progress) = &mut self.progress else { return };
         self.waiting.insert(part.index, (progress.of_part(&part.rows), part.rows.len() as u64));
         while let Some((moments, draws)) = self.waiting.remove(&self.next) {

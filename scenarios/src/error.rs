@@ -150,9 +150,9 @@ pub enum FileKind {
 pub fn kind_of(path: &Path) -> Result<FileKind, ReadError> {
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("toml") => {}
-        Some("csv") => return Ok(FileKind::Run),
+        Some("csv" | "parquet") => return Ok(FileKind::Run),
         _ => {
-            let what = "is not a file of this program; read: .toml, .csv";
+            let what = "is not a file of this program; read: .toml, .csv, .parquet";
             return Err(ReadError::Faults(vec![crate::columns::fault(
                 path,
                 None,

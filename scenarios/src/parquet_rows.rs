@@ -125,6 +125,19 @@ pub(crate) fn decode(columns: &[Column], bytes: Vec<u8>) -> Result<Vec<Row>> {
     Ok(rows)
 }
 
+/// Columns of a file made by a study, whatever the study.
+pub(crate) fn columns_of<R: ChunkReader + 'static>(file: &SerializedFileReader<R>) -> Result<Vec<Column>> {
+    let schema = file.metadata().file_metadata().schema_descr();
+    let kind = |physical| match physical {
+        Physical::DOUBLE => Ok(Kind::Number),
+        Physical::BOOLEAN => Ok(Kind::Flag),
+        Physical::BYTE_ARRAY => Ok(Kind::Word),
+        _ => Err(ParquetError::General("has a column that no study has".to_owned())),
+    };
+    let one = |i| Ok(Column { name: schema.column(i).name().to_owned(), kind: kind(schema.column(i).physical_type())? });
+    (1..schema.num_columns()).map(one).collect()
+}
+
 pub(crate) fn same_columns<R: ChunkReader + 'static>(file: &SerializedFileReader<R>, columns: &[Column]) -> Result<()> {
     let schema = file.metadata().file_metadata().schema_descr();
     let names = (0..schema.num_columns()).map(|i| schema.column(i).name().to_owned());

@@ -532,6 +532,22 @@ pub fn part_bytes(columns: &[Column], rows: &[Row]) -> Result<Vec<u8>, StoreErro
     parquet_rows::encode(columns, rows).map_err(|e| StoreError::corrupt(Path::new(PARTS), e))
 }
 
+/// All of a `runs.parquet`: numbers of the draws, and each column with its cells.
+///
+/// # Errors
+/// A file that cannot be read or was not made by a study.
+pub fn read_runs(path: &Path) -> Result<(Vec<u64>, Vec<(Column, Vec<Cell>)>), StoreError> {
+    let file = File::open(path).map_err(|reason| StoreError::Read { path: path.to_owned(), reason })?;
+    let read = || -> parquet::errors::Result<_> {
+        let file = SerializedFileReader::new(file)?;
+        let one = |(i, c): (usize, Column)| Ok((parquet_rows::column(&file, i + 1, c.kind)?, c));
+        let columns: Vec<(Vec<Cell>, Column)> =
+            parquet_rows::columns_of(&file)?.into_iter().enumerate().map(one).collect::<parquet::errors::Result<_>>()?;
+        Ok((parquet_rows::draws(&file)?, columns.into_iter().map(|(cells, c)| (c, cells)).collect()))
+    };
+    read().map_err(|e| StoreError::corrupt(path, e))
+}
+
 fn read_identity(folder: &Path) -> Result<Option<Identity>, StoreError> {
     let path = folder.join(IDENTITY);
     match fs::read_to_string(&path) {
