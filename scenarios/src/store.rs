@@ -21,7 +21,7 @@ use std::sync::{Mutex, PoisonError};
 use windfall_model::study::{Cell, Column, Row};
 
 /// Rows in each group of `runs.parquet`, rounded up to whole parts.
-const GROUP_ROWS: usize = 16_384;
+const GROUP_ROWS: usize = 4096;
 const IDENTITY: &str = "study.json";
 const RUNS: &str = "runs.parquet";
 const PARTS: &str = "parts";
