@@ -532,11 +532,14 @@ pub fn part_bytes(columns: &[Column], rows: &[Row]) -> Result<Vec<u8>, StoreErro
     parquet_rows::encode(columns, rows).map_err(|e| StoreError::corrupt(Path::new(PARTS), e))
 }
 
-/// All of a `runs.parquet`: numbers of the draws, and each column with its cells.
+/// Numbers of the draws, and each column with its cells.
+pub type Runs = (Vec<u64>, Vec<(Column, Vec<Cell>)>);
+
+/// All of a `runs.parquet`.
 ///
 /// # Errors
 /// A file that cannot be read or was not made by a study.
-pub fn read_runs(path: &Path) -> Result<(Vec<u64>, Vec<(Column, Vec<Cell>)>), StoreError> {
+pub fn read_runs(path: &Path) -> Result<Runs, StoreError> {
     let file = File::open(path).map_err(|reason| StoreError::Read { path: path.to_owned(), reason })?;
     let read = || -> parquet::errors::Result<_> {
         let file = SerializedFileReader::new(file)?;
