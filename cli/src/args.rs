@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use windfall_scenarios::Shard;
 
 /// Verification-first simulator of a tethered lander in a vertical wind tunnel, and identifier of its aerodynamics.
 ///
@@ -27,6 +28,10 @@ pub(crate) enum Command {
     /// Exit code 1 when the residual is beyond noise and no effect of the catalogue accounts for it (verdict "unexplained"); 0 when it
     /// is noise ("consistent") or was explained ("effect").
     Close(CloseArgs),
+    /// Many draws around a scenario or campaign: what a test will tell
+    ///
+    /// The same bits on any number of threads, in shards, or resumed after a kill. Parts are kept in DIR/parts until all are there.
+    Study(StudyArgs),
     /// The page for a folder of results
     Report(ReportArgs),
     /// Every check of the program's own truth; figure beside bound
@@ -48,6 +53,7 @@ impl Command {
             Self::Identify(a) => Some(&a.common),
             Self::Resimulate(a) => Some(&a.common),
             Self::Close(a) => Some(&a.common),
+            Self::Study(a) => Some(&a.common),
             Self::Report(a) => Some(&a.common),
             Self::Verify(a) => Some(&a.common),
             Self::Check(a) => Some(&a.common),
@@ -137,6 +143,29 @@ pub(crate) struct CloseArgs {
     pub(crate) statistics: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) common: Common,
+}
+
+/// `study`.
+#[derive(Args, Debug)]
+pub(crate) struct StudyArgs {
+    /// Study file (.toml)
+    pub(crate) study: PathBuf,
+    /// Go on with the draws that another run of this study left in the folder
+    #[arg(long, conflicts_with = "force")]
+    pub(crate) resume: bool,
+    /// Draw share i of n only, i from 1 to n; when all shares are there, --resume without --shard joins them
+    #[arg(long, value_name = "i/n", value_parser = shard, conflicts_with = "force")]
+    pub(crate) shard: Option<Shard>,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+fn shard(word: &str) -> Result<Shard, String> {
+    let parts = word.split_once('/').and_then(|(i, n)| Some((i.parse::<u64>().ok()?, n.parse::<u64>().ok()?)));
+    match parts {
+        Some((i, of)) if i >= 1 && i <= of => Ok(Shard { index: i - 1, of }),
+        _ => Err("must be i/n with whole numbers and i from 1 to n, e.g. 1/8".to_owned()),
+    }
 }
 
 /// `report`.

@@ -2,6 +2,7 @@
 
 use crate::args::CheckArgs;
 use crate::session::{Failure, Session, is_bundled, scenario};
+use crate::study::Drawing;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -47,6 +48,7 @@ fn understand(file: &Path) -> Result<Understood, Failure> {
         FileKind::Run => run_file(file),
         FileKind::Campaign => Ok(read_campaign_with_warnings(file).map(|(c, w)| campaign(&c, w))?),
         FileKind::Structure => structure(file),
+        FileKind::Study => study(file),
         FileKind::Scenario => scenario(file).map(|s| scenario_summary(&s)),
     }
 }
@@ -101,6 +103,22 @@ fn scenario_summary(s: &ScenarioFile) -> Understood {
     }
     summary.push(format!("seed {}", s.scenario.seed));
     Understood { kind: "scenario", name: s.scenario.name.clone(), summary, warnings: Vec::new() }
+}
+
+fn study(file: &Path) -> Result<Understood, Failure> {
+    let (drawing, warnings) = Drawing::read(file)?;
+    let s = drawing.prepared().study();
+    let mut summary =
+        vec![format!("{} draws of {} flights, seed {}, {} draws a part", s.draws, s.flights.len(), s.seed, s.part_draws)];
+    summary.extend(s.vary.iter().map(|v| format!("varies {}: {:?}", v.name, v.distribution)));
+    summary.extend(s.histories.iter().map(|h| format!("tunnel speed: one of {} histories", h.speeds.len())));
+    summary.extend(s.effects.iter().map(|e| format!("effect {}", e.effect.family)));
+    summary.push(format!("steps: simulate{}", s.steps.identify.iter().map(|m| format!(", identify {m}")).collect::<String>()));
+    summary.push(format!(
+        "columns: {}",
+        drawing.prepared().columns().iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", ")
+    ));
+    Ok(Understood { kind: "study", name: s.name.clone(), summary, warnings })
 }
 
 fn structure(file: &Path) -> Result<Understood, Failure> {

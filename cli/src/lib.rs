@@ -13,7 +13,10 @@ mod report;
 mod resimulate;
 mod session;
 mod simulate;
+mod study;
 mod verify;
+
+pub use study::{Drawing, PartRule, StudyError};
 
 use args::{Cli, Command};
 use clap::{CommandFactory as _, Parser as _};
@@ -62,6 +65,7 @@ fn dispatch(command: &Command, session: &mut Session<'_>) -> Result<bool, Failur
         Command::Identify(a) => identify::run(a, session),
         Command::Resimulate(a) => resimulate::run(a, session),
         Command::Close(a) => close::run(a, session),
+        Command::Study(a) => study::run(a, session),
         Command::Report(a) => report::run(a, session),
         Command::Verify(a) => verify::run(a, session),
         Command::Check(a) => check::run(a, session),

@@ -89,16 +89,16 @@ impl AeroProgram {
         self.needed[Variable::PitchDamping as usize] || self.needed[Variable::YawDamping as usize]
     }
     /// Adds the terms that need no acceleration to the six coefficients.
-    #[inline]
+    #[inline(always)]
     pub fn early(&self, f: &FlowState, c: &mut [f64; 6]) {
         self.add(&self.early, f, c);
     }
     /// Adds the terms that need the damping variables.
-    #[inline]
+    #[inline(always)]
     pub fn late(&self, f: &FlowState, c: &mut [f64; 6]) {
         self.add(&self.late, f, c);
     }
-    #[inline]
+    #[inline(always)]
     fn add(&self, step: &Step, f: &FlowState, c: &mut [f64; 6]) {
         let mut values = [1.0; ROOM];
         values[..VARIABLES].copy_from_slice(&f.values);

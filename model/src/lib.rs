@@ -17,6 +17,7 @@ mod point;
 mod record;
 mod scenario;
 mod sensors;
+pub mod study;
 mod tether;
 mod vehicle;
 

@@ -20,6 +20,8 @@ pub enum Method {
 }
 
 impl Method {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Thesis, Self::EquationError];
     /// Name on the command line and in results.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -137,6 +139,13 @@ impl Group {
         self.series = runs.iter().map(&mut one).collect();
         self
     }
+}
+
+/// Coefficient (as in results) and name of each parameter that an identification of this plant looks for.
+#[must_use]
+pub fn estimated(plant: &Plant, declared: &[bool]) -> Vec<(&'static str, String)> {
+    let name = |g: &Group, p: &usize| (g.label(), plant.aero.structure.parameters[*p].clone());
+    groups(plant, declared).iter().flat_map(|g| g.parameters.iter().map(|p| name(g, p)).collect::<Vec<_>>()).collect()
 }
 
 fn groups(plant: &Plant, declared: &[bool]) -> Vec<Group> {

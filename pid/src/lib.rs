@@ -18,4 +18,4 @@ pub mod window;
 pub use angles::{Angles, rates_and_angles};
 pub use error::PidError;
 pub use identification::{CoefficientFit, DataSet, Estimate, Identification};
-pub use identify::{Method, RunRows, identify, identify_with, process};
+pub use identify::{Method, RunRows, estimated, identify, identify_with, process};

@@ -16,6 +16,9 @@ pub(crate) struct Columns {
 }
 
 impl Columns {
+    pub(crate) fn new(names: Vec<String>, data: Vec<Vec<f64>>, lines: Vec<usize>) -> Self {
+        Self { names, data, lines }
+    }
     pub(crate) fn get(&self, name: &str) -> Option<&[f64]> {
         self.names.iter().position(|n| n == name).map(|i| self.data[i].as_slice())
     }
@@ -59,8 +62,9 @@ pub(crate) fn fault(path: &Path, line: Option<usize>, key: &str, value: &str, al
 pub(crate) fn read_columns(path: &Path) -> Result<Columns, ReadError> {
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("csv") => parse(path, &crate::error::text_of(path)?),
+        Some("parquet") => crate::parquet_columns::read(path),
         other => {
-            let what = "is not a kind of run file that this version reads; read: .csv";
+            let what = "is not a kind of run file that this version reads; read: .csv, .parquet";
             let value = other.map_or_else(String::new, |e| format!(".{e}"));
             Err(ReadError::Faults(vec![fault(
                 path,

@@ -138,6 +138,8 @@ pub enum FileKind {
     Structure,
     /// A run.
     Run,
+    /// A study.
+    Study,
 }
 
 /// What a file looks like, by its ending and by the tables that only one kind of TOML file has; TOML that fits none is taken for a
@@ -148,9 +150,9 @@ pub enum FileKind {
 pub fn kind_of(path: &Path) -> Result<FileKind, ReadError> {
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("toml") => {}
-        Some("csv") => return Ok(FileKind::Run),
+        Some("csv" | "parquet") => return Ok(FileKind::Run),
         _ => {
-            let what = "is not a file of this program; read: .toml, .csv";
+            let what = "is not a file of this program; read: .toml, .csv, .parquet";
             return Err(ReadError::Faults(vec![crate::columns::fault(
                 path,
                 None,
@@ -165,6 +167,8 @@ pub fn kind_of(path: &Path) -> Result<FileKind, ReadError> {
     let has = |head: &str| text.lines().any(|l| l.trim_start().starts_with(head));
     Ok(if has("[campaign]") || has("[[run]]") {
         FileKind::Campaign
+    } else if has("[study]") {
+        FileKind::Study
     } else if has("[[term]]") {
         FileKind::Structure
     } else {

@@ -341,8 +341,161 @@ pub(crate) static TERM: TableSpec = TableSpec {
     ],
 };
 
-/// All tables in the order of the reference: campaign files, scenario files, structure files.
-pub(crate) static ALL: [(&str, &[&TableSpec]); 3] = [
+pub(crate) static STUDY_FILE: TableSpec = TableSpec {
+    path: "",
+    meaning: "A study file: many draws around a scenario or a measured campaign.",
+    keys: &[
+        other("study", Kind::Table, "name, what is drawn from, how often"),
+        optional(other("do", Kind::Table, "what is done to each draw after it is flown; absent: nothing")),
+        optional(other("keep", Kind::Table, "what is kept of each draw; absent: all")),
+        optional(other("vary", Kind::Tables, "what varies beside noise and gusts, [[vary]]")),
+        optional(other("correlation", Kind::Tables, "what varies together, [[correlation]]")),
+        optional(other(
+            "effects",
+            Kind::Table,
+            "effects in the truth beside the scenario's, or in place of one of the same family",
+        )),
+        optional(other("histories", Kind::Table, "recorded tunnel speeds, of which each draw takes one")),
+        optional(other("stop", Kind::Table, "when the study may end before all draws; absent: never")),
+    ],
+};
+pub(crate) static STUDY: TableSpec = TableSpec {
+    path: "study",
+    meaning: "Exactly one of `scenario` and `campaign`. A campaign's runs are flown again with their recorded tunnel speed, from the \
+              initial state estimated from each.",
+    keys: &[
+        other("name", Kind::Text, "name"),
+        optional(other("note", Kind::Text, "anything")),
+        optional(other("scenario", Kind::Text, "bundled scenario, or scenario file beside the study file")),
+        optional(other("campaign", Kind::Text, "campaign file beside the study file")),
+        optional(other(
+            "model",
+            Kind::Text,
+            "identification.json that is flown, with `campaign`; absent: the campaign's own values",
+        )),
+        Key { name: "draws", kind: Kind::Integer, unit: "-", range: [1.0, 1e12], needed: true, meaning: "number of draws" },
+        Key {
+            name: "seed",
+            kind: Kind::Integer,
+            unit: "-",
+            range: [0.0, 9_007_199_254_740_992.0],
+            needed: true,
+            meaning: "seed of all chance",
+        },
+        optional(Key {
+            name: "part_draws",
+            kind: Kind::Integer,
+            unit: "-",
+            range: [1.0, 1e6],
+            needed: false,
+            meaning: "draws in each part of the results; 256 when absent",
+        }),
+    ],
+};
+pub(crate) static DO: TableSpec = TableSpec {
+    path: "do",
+    meaning: "What is done to each draw after it is flown.",
+    keys: &[
+        optional(other("identify", Kind::Words, "methods to identify with: thesis, equation-error")),
+        optional(other(
+            "resimulate",
+            Kind::Bool,
+            "fly each identified model against the draw's runs, hold-out ones where there are any",
+        )),
+        optional(other("close", Kind::Bool, "close the loop")),
+    ],
+};
+pub(crate) static KEEP: TableSpec = TableSpec {
+    path: "keep",
+    meaning: "What is kept of each draw beside its number, its failure and what varied; each true when absent.",
+    keys: &[
+        optional(other("flights", Kind::Bool, "duration, largest angle and Table 5.6's statistics of each flight's truth")),
+        optional(other("estimates", Kind::Bool, "estimate, error, standard error, whether the interval covers the truth")),
+        optional(other("intervals", Kind::Bool, "ends of the 95 % intervals")),
+        optional(other("resimulation", Kind::Bool, "errors of the re-simulation")),
+        optional(other("closing", Kind::Bool, "verdict, effects and their numbers")),
+    ],
+};
+pub(crate) static VARY: TableSpec = TableSpec {
+    path: "vary",
+    meaning: "One number that varies. `quantity` is a key of the scenario file with its table (`vehicle.mass_kg`, \
+              `flight.release.attitude_deg.Ry`), `aero.<parameter>` or `effects.<family>.<parameter>`; values have that key's unit. \
+              Exactly one of normal, uniform, log_normal, choice.",
+    keys: &[
+        other("quantity", Kind::Text, "what varies"),
+        optional(other("flights", Kind::Words, "flights concerned, for `flight.` and `environment.static_`; absent: all")),
+        optional(other("known", Kind::Bool, "the declared model has each draw's value; absent: false, it keeps the nominal one")),
+        optional(other("normal", Kind::Table, "normal distribution, cut where low and high say")),
+        optional(other("uniform", Kind::Table, "uniform distribution")),
+        optional(other("log_normal", Kind::Table, "median times exp(sigma z)")),
+        optional(other("choice", Kind::Table, "one of some values, each as likely")),
+    ],
+};
+const WIDE: f64 = 1e15;
+pub(crate) static NORMAL: TableSpec = TableSpec {
+    path: "vary.normal",
+    meaning: "Normal distribution.",
+    keys: &[
+        num("mean", "-", -WIDE, WIDE, "mean, before cutting"),
+        num("std", "-", 1e-30, WIDE, "standard deviation, before cutting"),
+        optional(num("low", "-", -WIDE, WIDE, "nothing below")),
+        optional(num("high", "-", -WIDE, WIDE, "nothing above")),
+    ],
+};
+pub(crate) static UNIFORM: TableSpec = TableSpec {
+    path: "vary.uniform",
+    meaning: "Uniform distribution.",
+    keys: &[num("low", "-", -WIDE, WIDE, "smallest"), num("high", "-", -WIDE, WIDE, "largest")],
+};
+pub(crate) static LOG_NORMAL: TableSpec = TableSpec {
+    path: "vary.log_normal",
+    meaning: "Log-normal distribution.",
+    keys: &[
+        num("median", "-", -WIDE, WIDE, "median; its sign is that of every draw"),
+        num("sigma", "-", 1e-9, 10.0, "standard deviation of the logarithm"),
+    ],
+};
+pub(crate) static CHOICE: TableSpec = TableSpec {
+    path: "vary.choice",
+    meaning: "One of these, each as likely.",
+    keys: &[Key { name: "values", kind: Kind::Series, unit: "-", range: [-WIDE, WIDE], needed: true, meaning: "values" }],
+};
+pub(crate) static CORRELATION: TableSpec = TableSpec {
+    path: "correlation",
+    meaning: "Correlation of the standard normals behind two quantities that vary (a Gaussian copula; for two uncut normals it is theirs).",
+    keys: &[
+        other("between", Kind::Words, "two quantities of [[vary]]"),
+        num("coefficient", "-", -0.999_999, 0.999_999, "correlation coefficient"),
+    ],
+};
+pub(crate) static HISTORIES: TableSpec = TableSpec {
+    path: "histories",
+    meaning: "Recorded tunnel speeds in place of the flights' own; held beyond their end.",
+    keys: &[
+        other("files", Kind::Words, "run files beside the study file; their V_W is taken"),
+        optional(other("flights", Kind::Words, "flights concerned; absent: all")),
+    ],
+};
+pub(crate) static STOP: TableSpec = TableSpec {
+    path: "stop",
+    meaning: "The study ends with the first whole part after which the 95 % interval of the asked-for quantity is narrow enough; parts \
+              count in the order of their index, so that the end depends on nothing else.",
+    keys: &[
+        other("column", Kind::Text, "column of the results: of numbers the mean is asked for, of true and false the rate"),
+        num("half_width", "-", 1e-30, WIDE, "half width of the interval that is enough, in the column's unit"),
+        optional(Key {
+            name: "least_draws",
+            kind: Kind::Integer,
+            unit: "-",
+            range: [1.0, 1e12],
+            needed: false,
+            meaning: "fewest draws; 100 when absent",
+        }),
+    ],
+};
+
+/// All tables in the order of the reference: campaign files, scenario files, structure files, study files.
+pub(crate) static ALL: [(&str, &[&TableSpec]); 4] = [
     (
         "Campaign file",
         &[
@@ -385,4 +538,22 @@ pub(crate) static ALL: [(&str, &[&TableSpec]); 3] = [
         ],
     ),
     ("Structure file", &[&STRUCTURE_FILE, &TERM]),
+    (
+        "Study file",
+        &[
+            &STUDY_FILE,
+            &STUDY,
+            &DO,
+            &KEEP,
+            &VARY,
+            &NORMAL,
+            &UNIFORM,
+            &LOG_NORMAL,
+            &CHOICE,
+            &CORRELATION,
+            &EFFECTS,
+            &HISTORIES,
+            &STOP,
+        ],
+    ),
 ];

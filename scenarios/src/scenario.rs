@@ -112,12 +112,20 @@ fn parse(path: &Path, text: &str, input: &str) -> Result<ScenarioFile, ReadError
     source.finish(built)
 }
 
-/// FNV-1a, 64 bits: offset basis and prime of Fowler, Noll and Vo.
-fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, b| (hash ^ u64::from(*b)).wrapping_mul(0x0000_0100_0000_01b3))
+/// Offset basis of FNV-1a, 64 bits (Fowler, Noll and Vo 1991).
+pub(crate) const FNV_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+
+/// FNV-1a, 64 bits.
+pub(crate) fn fnv1a(bytes: &[u8]) -> u64 {
+    fnv1a_from(FNV_BASIS, bytes)
 }
 
-fn read_effects(file: &Table<'_>) -> Vec<EffectValues> {
+/// FNV-1a going on from the hash of what came before; the factor is the prime of Fowler, Noll and Vo.
+pub(crate) fn fnv1a_from(hash: u64, bytes: &[u8]) -> u64 {
+    bytes.iter().fold(hash, |hash, b| (hash ^ u64::from(*b)).wrapping_mul(0x0000_0100_0000_01b3))
+}
+
+pub(crate) fn read_effects(file: &Table<'_>) -> Vec<EffectValues> {
     if !file.has("effects") {
         return Vec::new();
     }
@@ -178,7 +186,7 @@ fn effect_values(t: &Table<'_>, table: &DeTable<'_>, parameters: &[effects::Para
     parameters.iter().map(|p| (p.name.clone(), one(p))).collect()
 }
 
-fn runs_exist(source: &Source<'_>, effects: &[EffectValues], flights: usize) {
+pub(crate) fn runs_exist(source: &Source<'_>, effects: &[EffectValues], flights: usize) {
     for e in effects {
         let parameters = effects::find(&e.family, Acts::Lander).map(|f| (f.parameters)(&[])).unwrap_or_default();
         for (p, (name, value)) in parameters.iter().zip(&e.values).filter(|(p, _)| p.role == Role::Run) {

@@ -210,6 +210,18 @@ impl<'a> Table<'a> {
             }
         }
     }
+    /// A list of words, each with its place; absent: none.
+    pub(crate) fn words(&self, name: &str) -> Vec<(String, Range<usize>)> {
+        let Some(at) = self.value(name) else { return Vec::new() };
+        let word = |v: &Spanned<DeValue<'_>>| v.get_ref().as_str().map(|s| (s.to_owned(), v.span()));
+        match at.get_ref().as_array().and_then(|l| l.iter().map(word).collect()) {
+            Some(words) => words,
+            None => {
+                self.wrong(name, at, "must be a list of words in quotes");
+                Vec::new()
+            }
+        }
+    }
     /// Text, not empty.
     pub(crate) fn text(&self, name: &str) -> String {
         let Some(at) = self.value(name) else { return String::new() };

@@ -327,8 +327,8 @@ fn law_columns_and_cells_are_checked() {
 
 #[test]
 fn law_unknown_kinds_of_files_say_what_is_read() {
-    let message = Folder::with(|t| t.replace("run.csv", "run.parquet"), keep).read().expect_err("not read").to_string();
-    assert!(message.contains(".parquet") && message.contains(".csv"), "{message}");
+    let message = Folder::with(|t| t.replace("run.csv", "run.xlsx"), keep).read().expect_err("not read").to_string();
+    assert!(message.contains(".xlsx") && message.contains(".parquet"), "{message}");
     assert!(
         read_campaign(Path::new("/nowhere/campaign.toml")).expect_err("absent").to_string().contains("/nowhere/campaign.toml")
     );

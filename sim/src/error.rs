@@ -16,6 +16,12 @@ pub enum SimError {
         /// What is allowed.
         allowed: &'static str,
     },
+    /// A part of the plant that the batch does not carry.
+    #[error("{what} is not carried by the batch; fly it alone")]
+    NotInBatch {
+        /// Which part.
+        what: &'static str,
+    },
     /// Something became NaN or infinite.
     #[error("{what} is not finite near t = {t_s} s; look for zero airspeed, an unstable model or a number out of range there")]
     NotFinite {

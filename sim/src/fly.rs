@@ -30,19 +30,23 @@ pub fn fly_truth(plant: &Plant, flight: &Flight, seed: Seed) -> Result<(Truth, E
 
 fn flown(plant: &Plant, flight: &Flight, seed: Seed) -> Result<(Truth, End, u64), SimError> {
     let setup = Setup::new(plant, flight, seed)?;
-    if let Some(s) = &flight.section {
-        let p = flight.release.position_m;
-        if outside(s, p) {
-            let what = "release position: distance from the middle of the test section, m";
-            return Err(SimError::Setup { what, value: p[0].hypot(p[1]).hypot(p[2]), allowed: "inside wall and nets" });
-        }
-    }
+    within(flight)?;
     match setup.states() {
         14 => sampled::<14>(&setup, flight),
         16 => sampled::<16>(&setup, flight),
         18 => sampled::<18>(&setup, flight),
         _ => sampled::<20>(&setup, flight),
     }
+}
+
+/// The release must be inside the test section.
+pub(crate) fn within(flight: &Flight) -> Result<(), SimError> {
+    let p = flight.release.position_m;
+    if flight.section.is_some_and(|s| outside(&s, p)) {
+        let what = "release position: distance from the middle of the test section, m";
+        return Err(SimError::Setup { what, value: p[0].hypot(p[1]).hypot(p[2]), allowed: "inside wall and nets" });
+    }
+    Ok(())
 }
 
 fn sampled<const N: usize>(setup: &Setup<'_>, flight: &Flight) -> Result<(Truth, End, u64), SimError> {
@@ -57,7 +61,8 @@ fn sampled<const N: usize>(setup: &Setup<'_>, flight: &Flight) -> Result<(Truth,
     Ok((seen.0, seen.1, steps))
 }
 
-fn start<const N: usize>(setup: &Setup<'_>, flight: &Flight) -> SVector<f64, N> {
+/// State at release.
+pub(crate) fn start<const N: usize>(setup: &Setup<'_>, flight: &Flight) -> SVector<f64, N> {
     let r = flight.release;
     let [rx_rad, ry_rad, rz_rad] = r.attitude_rad;
     let q = EulerXyz { rx_rad, ry_rad, rz_rad }.r_tunnel_body().to_quaternion();
@@ -111,7 +116,7 @@ fn ended<const N: usize>(states: &[SVector<f64, N>], flight: &Flight) -> (usize,
 
 /// The first limit that is crossed between two samples, the time found by bisection on the cubic through both samples'
 /// positions and velocities (error of fourth order in the interval: 1e-9 m at 150 Hz).
-fn crossing<const N: usize>(s: &TestSection, t_s: f64, dt: f64, a: &SVector<f64, N>, b: &SVector<f64, N>) -> End {
+pub(crate) fn crossing<const N: usize>(s: &TestSection, t_s: f64, dt: f64, a: &SVector<f64, N>, b: &SVector<f64, N>) -> End {
     let place = |x: f64| -> [f64; 3] { std::array::from_fn(|k| hermite(x, dt, [a[k], b[k]], [a[3 + k], b[3 + k]])) };
     let (mut inside, mut beyond) = (0.0, 1.0);
     for _ in 0..60 {

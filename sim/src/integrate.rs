@@ -18,7 +18,7 @@ const BEYOND: f64 = 1e-3;
 const STEPS_MAX: u32 = 50_000_000;
 
 /// Body rate, rad/s, at which a flight is given up: 160 turns a second are no lander's, and steps would shrink without end.
-const RUNAWAY_RAD_S: f64 = 1000.0;
+pub(crate) const RUNAWAY_RAD_S: f64 = 1000.0;
 
 /// What went wrong on the way.
 #[derive(Default)]

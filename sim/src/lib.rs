@@ -4,6 +4,7 @@
 //! State: c.m. position and velocity in tunnel axes, attitude as a quaternion, body rates; integrated by `ode_solvers` with
 //! time carried as one more state, since its eighth-order method is wrong for right-hand sides that depend on time.
 
+mod batch;
 mod coupled;
 mod dynamics;
 mod error;
@@ -18,6 +19,7 @@ mod setup;
 mod smooth;
 mod truth;
 
+pub use batch::{Order, States, Stepping, fly_batch, fly_truth_batch, for_each_states, for_each_truth};
 pub use error::SimError;
 pub use fly::{fly, fly_truth};
 pub use noise::realise;

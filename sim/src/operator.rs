@@ -8,9 +8,9 @@ use windfall_model::{Operator, ShapingFilter};
 /// An operator with his hand's unsteadiness drawn, ready to fly. States: tunnel speed (m/s) and integral of height error (m s).
 #[derive(Clone, Debug)]
 pub(crate) struct Hand {
-    order: Operator,
-    trim_m_s: f64,
-    unsteady: Option<Smooth>,
+    pub(crate) order: Operator,
+    pub(crate) trim_m_s: f64,
+    pub(crate) unsteady: Option<Smooth>,
 }
 
 impl Hand {

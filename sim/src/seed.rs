@@ -24,6 +24,8 @@ pub enum Channel {
     Gust(u8),
     /// Random increment of coefficient 0 to 5.
     Coefficient(u8),
+    /// What a study varies, 0 to 127.
+    Varied(u8),
 }
 
 impl Channel {
@@ -33,6 +35,7 @@ impl Channel {
             Self::Operator => 8,
             Self::Gust(axis) => 16 + u64::from(axis),
             Self::Coefficient(c) => 24 + u64::from(c),
+            Self::Varied(v) => 128 + u64::from(v & 127),
         }
     }
 }
@@ -62,6 +65,8 @@ mod tests {
             first(1, 0, Channel::Operator),
             first(1, 0, Channel::Gust(0)),
             first(1, 0, Channel::Coefficient(4)),
+            first(1, 0, Channel::Varied(0)),
+            first(1, 0, Channel::Varied(127)),
         ];
         for (i, b) in others.iter().enumerate() {
             assert_ne!(&a, b);

@@ -37,6 +37,13 @@ pub(crate) struct Setup<'a> {
 
 impl<'a> Setup<'a> {
     pub(crate) fn new(plant: &'a Plant, flight: &Flight, seed: Seed) -> Result<Self, SimError> {
+        let mut setup = Self::without_history(plant, flight, seed)?;
+        setup.history = history(&flight.speed);
+        Ok(setup)
+    }
+
+    /// As [`Setup::new`], but a given history of the tunnel speed is left to the caller.
+    pub(crate) fn without_history(plant: &'a Plant, flight: &Flight, seed: Seed) -> Result<Self, SimError> {
         check(plant, flight)?;
         let density_kg_m3 = plant.environment.density_kg_m3(flight.ps_pa, flight.ts_k);
         let inertia = plant.vehicle.inertia.matrix();
@@ -56,7 +63,7 @@ impl<'a> Setup<'a> {
             inertia_inverse,
             coupled: plant.has_algebraic_loop() || loose,
             apparent: !plant.vehicle.apparent.is_null(),
-            history: history(&flight.speed),
+            history: Smooth::new(1.0, &[]),
             hand: None,
             hand_index: None,
             gusts: Vec::new(),

@@ -18,8 +18,7 @@ impl Smooth {
     #[must_use]
     pub fn new(interval_s: f64, samples: &[f64]) -> Self {
         let n = samples.len();
-        let width = n.min(7);
-        let stencils: [Stencil; 7] = std::array::from_fn(|at| if at < width { stencil(width, at) } else { [[0.0; 2]; 7] });
+        let stencils = stencils(n);
         let mut left = if n > 0 { derivatives(samples, 0, &stencils) } else { [0.0; 2] };
         let pieces = (1..n)
             .map(|i| {
@@ -49,11 +48,7 @@ impl Smooth {
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 ≤ x ≤ number of pieces")]
         let i = (x as usize).min(self.pieces.len() - 1);
-        let s = x - i as f64;
-        let [a, b, c, d, e, f] = self.pieces[i];
-        let value = a + s * (b + s * (c + s * (d + s * (e + s * f))));
-        let slope = b + s * (2.0 * c + s * (3.0 * d + s * (4.0 * e + s * 5.0 * f)));
-        (value, slope * self.per_interval)
+        evaluate(&self.pieces[i], x - i as f64, self.per_interval)
     }
     /// Number of intervals.
     #[must_use]
@@ -62,16 +57,97 @@ impl Smooth {
     }
 }
 
+/// The same function as [`Smooth`], bit for bit, for times that never go back: its pieces are made on the way, nothing is stored.
+#[derive(Clone, Debug)]
+pub(crate) struct Stream<'a> {
+    samples: &'a [f64],
+    per_interval: f64,
+    stencils: [Stencil; 7],
+    /// The piece at hand and its number.
+    piece: [f64; 6],
+    number: usize,
+    /// Derivatives at the piece's right end.
+    right: [f64; 2],
+}
+
+impl<'a> Stream<'a> {
+    /// As [`Smooth::new`].
+    pub(crate) fn new(interval_s: f64, samples: &'a [f64]) -> Self {
+        let stencils = stencils(samples.len());
+        let mut stream =
+            Self { samples, per_interval: 1.0 / interval_s, stencils, piece: [0.0; 6], number: usize::MAX, right: [0.0; 2] };
+        if !samples.is_empty() {
+            stream.right = derivatives(samples, 0, &stencils);
+        }
+        stream
+    }
+    /// As [`Smooth::at`]; `t_s` at least that of the call before, less one interval.
+    #[inline]
+    pub(crate) fn at(&mut self, t_s: f64) -> (f64, f64) {
+        let x = t_s * self.per_interval;
+        let n = self.samples.len();
+        let Some(last) = n.checked_sub(1) else { return (0.0, 0.0) };
+        if x <= 0.0 && (x < 0.0 || last == 0) {
+            return (self.samples[0], 0.0);
+        }
+        if x > last as f64 {
+            return (self.samples[last], 0.0);
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 ≤ x ≤ number of pieces")]
+        let i = (x as usize).min(last - 1);
+        if i != self.number {
+            self.turn_to(i);
+        }
+        let s = x - i as f64;
+        if s == 0.0 {
+            // The sample itself: a flight's steps often meet the samples of its history.
+            return (self.piece[0], self.piece[1] * self.per_interval);
+        }
+        evaluate(&self.piece, s, self.per_interval)
+    }
+    fn turn_to(&mut self, i: usize) {
+        let next = self.number.wrapping_add(1) == i;
+        let left = if next { self.right } else { derivatives(self.samples, i, &self.stencils) };
+        self.right = derivatives(self.samples, i + 1, &self.stencils);
+        self.piece = quintic([self.samples[i], self.samples[i + 1]], [left, self.right]);
+        self.number = i;
+    }
+}
+
+/// Value and rate of piece `k` at `s` in [0, 1].
+#[inline]
+fn evaluate(k: &[f64; 6], s: f64, per_interval: f64) -> (f64, f64) {
+    let [a, b, c, d, e, f] = *k;
+    let value = a + s * (b + s * (c + s * (d + s * (e + s * f))));
+    let slope = b + s * (2.0 * c + s * (3.0 * d + s * (4.0 * e + s * 5.0 * f)));
+    (value, slope * per_interval)
+}
+
+/// Weights for `n` samples, by place among the nearest seven.
+fn stencils(n: usize) -> [Stencil; 7] {
+    let width = n.min(7);
+    std::array::from_fn(|at| if at < width { stencil(width, at) } else { [[0.0; 2]; 7] })
+}
+
 /// First and second derivative at sample `i`, per interval, of the polynomial through the (up to) seven nearest samples.
 #[inline]
 fn derivatives(samples: &[f64], i: usize, stencils: &[Stencil; 7]) -> [f64; 2] {
     let width = samples.len().min(7);
     let start = i.saturating_sub(width / 2).min(samples.len() - width);
-    let near = &samples[start..start + width];
+    let (near, weights) = (&samples[start..start + width], &stencils[i - start]);
+    match near.first_chunk::<7>() {
+        // The same sum, its length known to the compiler.
+        Some(seven) => weighted(seven, weights, samples[i]),
+        None => weighted(near, weights, samples[i]),
+    }
+}
+
+#[inline(always)]
+fn weighted(near: &[f64], weights: &Stencil, sample: f64) -> [f64; 2] {
     let mut out = [0.0; 2];
-    for (w, sample) in stencils[i - start].iter().zip(near) {
-        // Differences against sample i, so that a constant gives exactly zero.
-        let difference = sample - samples[i];
+    for (w, other) in weights.iter().zip(near) {
+        // Differences against the sample itself, so that a constant gives exactly zero.
+        let difference = other - sample;
         out[0] += w[0] * difference;
         out[1] += w[1] * difference;
     }
@@ -147,6 +223,19 @@ mod tests {
         let (value, rate) = ((coarse.0 / fine.0).log2(), (coarse.1 / fine.1).log2());
         assert!(value > 5.5 && value < 7.5, "order of the value {value}");
         assert!(rate > 4.5 && rate < 6.8, "order of the rate {rate}");
+    }
+
+    #[test]
+    fn law_stream_has_the_same_bits() {
+        for n in [0, 1, 2, 3, 6, 7, 8, 40] {
+            let samples: Vec<f64> = (0..n).map(|k| (f64::from(k) * 1.7).sin()).collect();
+            let (stored, mut stream) = (Smooth::new(0.1, &samples), Stream::new(0.1, &samples));
+            for t in (-10..500).map(|k| f64::from(k) * 0.01) {
+                let bits = |(value, rate): (f64, f64)| (value.to_bits(), rate.to_bits());
+                assert_eq!(bits(stream.at(t)), bits(stored.at(t)), "{n} samples, t = {t}");
+            }
+            assert_eq!(stream.at(0.05), stored.at(0.05));
+        }
     }
 
     #[test]

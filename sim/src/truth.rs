@@ -40,18 +40,31 @@ impl Truth {
     }
     /// Empty series with room for `n` samples.
     pub(crate) fn with_capacity(n: usize) -> Self {
-        Self {
-            t_s: Vec::with_capacity(n),
-            p_tunnel_cm: Vec::with_capacity(n),
-            v_tunnel_cm: Vec::with_capacity(n),
-            quaternion: Vec::with_capacity(n),
-            w_tunnel_body: Vec::with_capacity(n),
-            attitude_rad: Vec::with_capacity(n),
-            vw_m_s: Vec::with_capacity(n),
-            alpha_t_rad: Vec::with_capacity(n),
-            airspeed_m_s: Vec::with_capacity(n),
-            tether_n: Vec::with_capacity(n),
+        let mut truth = Self::default();
+        truth.reserve(n);
+        truth
+    }
+    /// Room for `n` more samples.
+    pub(crate) fn reserve(&mut self, n: usize) {
+        let Self { t_s, p_tunnel_cm, v_tunnel_cm, quaternion, w_tunnel_body, attitude_rad, .. } = self;
+        for numbers in [t_s, &mut self.vw_m_s, &mut self.alpha_t_rad, &mut self.airspeed_m_s, &mut self.tether_n] {
+            numbers.reserve_exact(n);
         }
+        for vectors in [p_tunnel_cm, v_tunnel_cm, w_tunnel_body, attitude_rad] {
+            vectors.reserve_exact(n);
+        }
+        quaternion.reserve_exact(n);
+    }
+    /// Forgets all samples and keeps the memory.
+    pub(crate) fn clear(&mut self) {
+        let Self { t_s, p_tunnel_cm, v_tunnel_cm, quaternion, w_tunnel_body, attitude_rad, .. } = self;
+        for numbers in [t_s, &mut self.vw_m_s, &mut self.alpha_t_rad, &mut self.airspeed_m_s, &mut self.tether_n] {
+            numbers.clear();
+        }
+        for vectors in [p_tunnel_cm, v_tunnel_cm, w_tunnel_body, attitude_rad] {
+            vectors.clear();
+        }
+        quaternion.clear();
     }
 }
 

@@ -66,6 +66,14 @@ pub enum VerifyError {
         /// Why.
         reason: &'static str,
     },
+    /// A method that does not exist.
+    #[error("there is no method `{name}`; try: {allowed}")]
+    UnknownMethod {
+        /// Its name.
+        name: String,
+        /// Methods that there are.
+        allowed: String,
+    },
     /// An identification without result.
     #[error("the identification has no data set; identify the campaign again")]
     NoDataSet,

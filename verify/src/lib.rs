@@ -6,6 +6,7 @@ mod error;
 mod recovery;
 mod resimulate;
 pub mod statistics;
+pub mod study;
 pub mod tether_trace;
 pub mod trace;
 

@@ -8,7 +8,7 @@ mod replay;
 mod statistics;
 
 use crate::VerifyError;
-use initial::estimate;
+pub(crate) use initial::estimate;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use statistics::{Squares, table_5_6};
@@ -20,8 +20,9 @@ use windfall_sim::Seed;
 
 pub use initial::{Initial, InitialStop, estimate_initial};
 pub use replay::{Replay, fly_like};
-pub(crate) use statistics::instant_errors;
+
 pub use statistics::{Statistic, Swing, TrajectoryError};
+pub(crate) use statistics::{instant_errors, mean_median_std};
 
 /// A parameter's value as flown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

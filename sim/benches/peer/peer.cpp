@@ -1,16 +1,18 @@
-// The same model on boost::odeint's dopri5, written by hand for speed: the peer of benches/dopri5.rs.
-// In: a file of numbers (see read()). Out: nanoseconds per flight, accepted steps, and the states at the samples.
+// The same model on boost::odeint, written by hand for speed: the peer of benches/dopri5.rs (dopri5) and benches/batch.rs (the
+// classical Runge-Kutta method with a fixed step).
+// In: a file of numbers (see read()). Out: nanoseconds of processor time per flight (best and mean), accepted steps, and the states at the samples.
 //
-// Usage: peer INPUT REPETITIONS STATES_OUT
+// Usage: peer INPUT REPETITIONS STATES_OUT [dopri5 | rk4 | rk4-seen]
 // The lander of thesis section 4.1.2 with its tether; V_W by the same piecewise quintic; dense output at the samples, and at
 // each of them Euler angles, total angle of attack, airspeed and tether force. Building the quintic is inside the timing, as
 // it is in the program's own flight.
 #include <array>
 #include <boost/numeric/odeint.hpp>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
+#include <time.h>
 #include <vector>
 
 using State = std::array<double, 13>;
@@ -174,6 +176,17 @@ struct Sample {
     double euler[3], alpha_t, speed, pull, vw;
 };
 
+static void observe(const Smooth& wind, const Lander& lander, const Input& in, Sample& s) {
+    double m[9], b[3], e[3], rate;
+    wind.at(s.t, s.vw, rate);
+    Lander::matrix(s.y, m);
+    lander.seen(s.y, m, s.vw, b, e);
+    s.euler[0] = std::atan2(-m[5], m[8]), s.euler[1] = std::atan2(m[2], std::hypot(m[0], m[1])), s.euler[2] = std::atan2(-m[1], m[0]);
+    s.speed = std::sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2]);
+    s.alpha_t = std::atan2(std::hypot(b[1], b[2]), b[0]);
+    s.pull = 0.5 * in.density * s.speed * s.speed * in.drag_area - in.weight;
+}
+
 static std::size_t fly(const Input& in, std::vector<Sample>& out) {
     const Smooth wind(in.interval, in.vw);
     const Lander lander{in, wind};
@@ -190,21 +203,39 @@ static std::size_t fly(const Input& in, std::vector<Sample>& out) {
             stepper.calc_state(t, y);
         }
         Sample s{t, y, {}, 0, 0, 0, 0};
-        double m[9], b[3], e[3], rate;
-        wind.at(t, s.vw, rate);
-        Lander::matrix(y, m);
-        lander.seen(y, m, s.vw, b, e);
-        s.euler[0] = std::atan2(-m[5], m[8]), s.euler[1] = std::atan2(m[2], std::hypot(m[0], m[1])), s.euler[2] = std::atan2(-m[1], m[0]);
-        s.speed = std::sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2]);
-        s.alpha_t = std::atan2(std::hypot(b[1], b[2]), b[0]);
-        s.pull = 0.5 * in.density * s.speed * s.speed * in.drag_area - in.weight;
+        observe(wind, lander, in, s);
         out.push_back(s);
     }
     return steps;
 }
 
+// Fixed steps of the interval by the classical method of fourth order; the states alone, or all that a sample has.
+static std::size_t fly_rk4(const Input& in, std::vector<Sample>& out, bool seen) {
+    const Smooth wind(in.interval, in.vw);
+    const Lander lander{in, wind};
+    odeint::runge_kutta4<State> stepper;
+    const std::size_t count = in.vw.size();
+    out.clear();
+    out.reserve(count);
+    State y = in.start;
+    for (std::size_t k = 0; k < count; ++k) {
+        if (k > 0) stepper.do_step(lander, y, static_cast<double>(k - 1) * in.interval, in.interval);
+        Sample s{static_cast<double>(k) * in.interval, y, {}, 0, 0, 0, 0};
+        if (seen) observe(wind, lander, in, s);
+        out.push_back(s);
+    }
+    return count - 1;
+}
+
+static double processor_ns() {
+    timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return 1e9 * static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec);
+}
+
 int main(int argc, char** argv) {
-    if (argc != 4) return 2;
+    if (argc != 4 && argc != 5) return 2;
+    const std::string method = argc == 5 ? argv[4] : "dopri5";
     const Input in = read(argv[1]);
     const int repetitions = std::atoi(argv[2]);
     std::vector<Sample> samples;
@@ -212,9 +243,11 @@ int main(int argc, char** argv) {
     double best = 1e300, total = 0;
     for (int k = 0; k < repetitions; ++k) {
         std::vector<Sample> fresh;
-        const auto start = std::chrono::steady_clock::now();
-        steps = fly(in, fresh);
-        const double ns = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count();
+        // As in the flights beside it: adaptive ones take fresh memory, those of fixed steps use theirs again.
+        if (method != "dopri5") fresh.swap(samples);
+        const double start = processor_ns();
+        steps = method == "dopri5" ? fly(in, fresh) : fly_rk4(in, fresh, method == "rk4-seen");
+        const double ns = processor_ns() - start;
         best = std::min(best, ns), total += ns;
         samples.swap(fresh);
     }

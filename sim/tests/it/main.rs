@@ -1,5 +1,6 @@
 //! sim tests: one binary. In: nothing. Out: verdicts.
 
+mod batch;
 mod campaign;
 mod chance;
 mod common;

@@ -40,6 +40,10 @@ impl Replay {
         let smoother = Smoother::Spline { knot_s: 0.5 / smoothed.bandwidth_hz[0] };
         Ok(Self { plant, still, flight, first, smoother, states })
     }
+    /// The flight from a release, with noisy instruments, as a study flies it.
+    pub(crate) fn order(&self, release: Release) -> Flight {
+        Flight { release, sensor_noise: true, ..self.flight.clone() }
+    }
     /// State at the first sample, from the smoothed record.
     #[must_use]
     pub fn first(&self) -> Release {

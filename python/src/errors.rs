@@ -1,0 +1,131 @@
+//! python: exceptions. In: errors of the rooms. Out: one exception class for each room's enum.
+
+use pyo3::create_exception;
+use pyo3::exceptions::PyException;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use windfall::StudyError as Study;
+use windfall_pid::PidError;
+use windfall_scenarios::{ReadError as Read, StoreError as Store, WriteError as Write};
+use windfall_sim::SimError;
+use windfall_verify::VerifyError;
+
+create_exception!(windfall, WindfallError, PyException, "Any error of Windfall.");
+create_exception!(
+    windfall,
+    ReadError,
+    WindfallError,
+    "A file is wrong; `faults` has file, line, key, value, allowed, remedy of each."
+);
+create_exception!(windfall, WriteError, WindfallError, "A file cannot be written.");
+create_exception!(windfall, SimulateError, WindfallError, "A flight cannot be flown, or failed.");
+create_exception!(windfall, IdentifyError, WindfallError, "A campaign cannot be identified.");
+create_exception!(windfall, LoopError, WindfallError, "The loop cannot be closed on this campaign.");
+create_exception!(windfall, StudyError, WindfallError, "A study's folder is in the way: changed, corrupt, busy, incomplete.");
+
+/// An error on its way to Python.
+pub(crate) enum Error {
+    Read(Read),
+    Write(Write),
+    Simulate(SimError),
+    Identify(PidError),
+    Verify(VerifyError),
+    Store(Store),
+    Study(String),
+    Argument(String),
+}
+
+macro_rules! from {
+    ($($source:ty => $variant:ident),+) => {
+        $(impl From<$source> for Error {
+            fn from(e: $source) -> Self {
+                Self::$variant(e)
+            }
+        })+
+    };
+}
+from!(Read => Read, Write => Write, SimError => Simulate, PidError => Identify);
+
+impl From<VerifyError> for Error {
+    fn from(e: VerifyError) -> Self {
+        match e {
+            VerifyError::Identify(e) => Self::Identify(e),
+            VerifyError::Simulate(e) => Self::Simulate(e),
+            other => Self::Verify(other),
+        }
+    }
+}
+impl From<Store> for Error {
+    fn from(e: Store) -> Self {
+        match e {
+            Store::Write(e) => Self::Write(e),
+            other => Self::Store(other),
+        }
+    }
+}
+impl From<Study> for Error {
+    fn from(e: Study) -> Self {
+        match e {
+            Study::Read(e) => Self::Read(e),
+            Study::Verify(e) => e.into(),
+            Study::Store(e) => e.into(),
+            other => Self::Study(other.to_string()),
+        }
+    }
+}
+impl From<rayon::ThreadPoolBuildError> for Error {
+    fn from(e: rayon::ThreadPoolBuildError) -> Self {
+        Self::Study(format!("threads cannot be started ({e})"))
+    }
+}
+impl From<serde_json::Error> for Error {
+    fn from(e: serde_json::Error) -> Self {
+        Self::Argument(format!("is not such a result: {e}"))
+    }
+}
+
+impl From<Error> for PyErr {
+    fn from(e: Error) -> Self {
+        match e {
+            Error::Read(e) => read_error(&e),
+            Error::Write(e) => WriteError::new_err(e.to_string()),
+            Error::Simulate(e) => SimulateError::new_err(e.to_string()),
+            Error::Identify(e) => IdentifyError::new_err(e.to_string()),
+            Error::Verify(e) => LoopError::new_err(e.to_string()),
+            Error::Store(e) => StudyError::new_err(e.to_string()),
+            Error::Study(text) => StudyError::new_err(text),
+            Error::Argument(text) => pyo3::exceptions::PyValueError::new_err(text),
+        }
+    }
+}
+
+fn read_error(e: &Read) -> PyErr {
+    let error = ReadError::new_err(e.to_string());
+    // Without its list the exception still says all in words.
+    let listed = Python::attach(|py| -> PyResult<()> {
+        let faults = PyList::empty(py);
+        for f in e.faults() {
+            let d = PyDict::new(py);
+            d.set_item("file", f.file.display().to_string())?;
+            d.set_item("line", f.line)?;
+            d.set_item("key", &f.key)?;
+            d.set_item("value", &f.value)?;
+            d.set_item("allowed", &f.allowed)?;
+            d.set_item("remedy", &f.remedy)?;
+            faults.append(d)?;
+        }
+        error.value(py).setattr("faults", faults)
+    });
+    listed.err().unwrap_or(error)
+}
+
+pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    let py = m.py();
+    m.add("WindfallError", py.get_type::<WindfallError>())?;
+    m.add("ReadError", py.get_type::<ReadError>())?;
+    m.add("WriteError", py.get_type::<WriteError>())?;
+    m.add("SimulateError", py.get_type::<SimulateError>())?;
+    m.add("IdentifyError", py.get_type::<IdentifyError>())?;
+    m.add("LoopError", py.get_type::<LoopError>())?;
+    m.add("StudyError", py.get_type::<StudyError>())
+}

@@ -1,0 +1,23 @@
+//! python: the rooms for Python. In: paths, numbers, NumPy arrays. Out: NumPy arrays and JSON; every error as an exception of its own.
+//!
+//! Private: `python/windfall/__init__.py` is what users see. The interpreter's lock is released while the rooms work.
+
+mod campaign;
+mod errors;
+mod study;
+
+use pyo3::prelude::*;
+
+/// The private native module.
+#[pymodule]
+fn _windfall(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    m.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    errors::register(m)?;
+    m.add_class::<campaign::Campaign>()?;
+    m.add_class::<study::Study>()?;
+    m.add_function(wrap_pyfunction!(campaign::simulate, m)?)?;
+    m.add_function(wrap_pyfunction!(campaign::identify, m)?)?;
+    m.add_function(wrap_pyfunction!(campaign::resimulate, m)?)?;
+    m.add_function(wrap_pyfunction!(campaign::close, m)?)?;
+    m.add_function(wrap_pyfunction!(study::read_runs, m)?)
+}

@@ -1,0 +1,117 @@
+//! python: studies in whole and in parts. In: a study file. Out: bytes of parts, the folder's results, the summary as JSON.
+
+use crate::campaign::on_threads;
+use crate::errors::Error;
+use numpy::IntoPyArray as _;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+use windfall::{Drawing, PartRule};
+use windfall_model::study::{Cell, Kind};
+use windfall_scenarios::{Opening, Shard, Store, read_runs as read};
+
+/// A study made ready; with a folder once `open` was called.
+#[pyclass(frozen, module = "windfall._windfall")]
+pub(crate) struct Study {
+    drawing: Drawing,
+    #[pyo3(get)]
+    warnings: Vec<String>,
+    open: Mutex<Option<(Store, PartRule, PathBuf)>>,
+}
+
+impl Study {
+    fn with_open<T>(&self, work: impl FnOnce(&Drawing, &Store, &mut PartRule, &PathBuf) -> Result<T, Error>) -> Result<T, Error> {
+        let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
+        let (store, rule, folder) = open.as_mut().ok_or_else(|| Error::Argument("open a folder first".to_owned()))?;
+        work(&self.drawing, store, rule, folder)
+    }
+}
+
+#[pymethods]
+impl Study {
+    /// Reads a study file.
+    #[new]
+    fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let (drawing, warnings) = py.detach(|| Drawing::read(&path)).map_err(Error::from)?;
+        Ok(Self { drawing, warnings, open: Mutex::new(None) })
+    }
+    /// Number of parts.
+    #[getter]
+    fn parts(&self) -> u64 {
+        self.drawing.parts()
+    }
+    /// Names of the columns after `draw`.
+    #[getter]
+    fn columns(&self) -> Vec<String> {
+        self.drawing.prepared().columns().iter().map(|c| c.name.clone()).collect()
+    }
+    /// Draws a part; its bytes are a function of the study and the part alone.
+    #[pyo3(signature = (part, threads=1))]
+    fn part<'py>(&self, py: Python<'py>, part: u64, threads: usize) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = on_threads(py, threads, || Ok(self.drawing.part(part)?))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+    /// Opens a folder for results.
+    fn open(&self, py: Python<'_>, folder: PathBuf, resume: bool, force: bool, shard: Option<(u64, u64)>) -> PyResult<()> {
+        let shard = match shard {
+            None => Shard::ALL,
+            Some((i, of)) if i >= 1 && i <= of && !force => Shard { index: i - 1, of },
+            Some(_) => return Err(Error::Argument("shard must be (i, n) with i from 1 to n, without force".to_owned()).into()),
+        };
+        let opening = match (resume, force) {
+            (true, false) => Opening::Resume,
+            (false, true) => Opening::Force,
+            (false, false) => Opening::New,
+            (true, true) => return Err(Error::Argument("resume or force, not both".to_owned()).into()),
+        };
+        let opened = py.detach(|| -> Result<_, Error> {
+            let store = self.drawing.open(&folder, shard, opening)?;
+            let rule = self.drawing.rule(&store)?;
+            Ok((store, rule, folder))
+        })?;
+        *self.open.lock().unwrap_or_else(PoisonError::into_inner) = Some(opened);
+        Ok(())
+    }
+    /// Parts that the folder lacks; none when the stopping rule is content.
+    fn missing(&self) -> PyResult<Vec<u64>> {
+        Ok(self.with_open(|_, store, rule, _| if rule.enough() { Ok(Vec::new()) } else { Ok(store.missing()?) })?)
+    }
+    /// Adds a part drawn elsewhere; true when the stopping rule is content.
+    fn put(&self, py: Python<'_>, part: u64, bytes: Vec<u8>) -> PyResult<bool> {
+        Ok(py.detach(|| {
+            self.with_open(|_, store, rule, _| {
+                rule.add(&store.put(part, bytes)?);
+                Ok(rule.enough())
+            })
+        })?)
+    }
+    /// Draws here what the folder lacks of its share.
+    #[pyo3(signature = (threads=0))]
+    fn draw(&self, py: Python<'_>, threads: usize) -> PyResult<()> {
+        on_threads(py, threads, || self.with_open(|drawing, store, _, _| Ok(drawing.draw(store, |_| ())?)))
+    }
+    /// Joins the parts; the summary as JSON.
+    fn finish(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(py
+            .detach(|| self.with_open(|drawing, store, _, folder| Ok(serde_json::to_string(&drawing.finish(store, folder)?)?)))?)
+    }
+}
+
+/// Columns of a `runs.parquet`: float64 arrays (NaN where there is nothing; flags 0 and 1), words as lists.
+#[pyfunction]
+pub(crate) fn read_runs(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
+    let (draws, columns) = py.detach(|| read(&path)).map_err(Error::from)?;
+    let d = PyDict::new(py);
+    d.set_item("draw", draws.into_pyarray(py))?;
+    for (column, cells) in columns {
+        if column.kind == Kind::Word {
+            let words = cells.into_iter().map(|c| if let Cell::Word(w) = c { w } else { String::new() });
+            d.set_item(column.name, words.collect::<Vec<String>>())?;
+        } else {
+            let numbers: Vec<f64> = cells.iter().map(|c| c.number().unwrap_or(f64::NAN)).collect();
+            d.set_item(column.name, numbers.into_pyarray(py))?;
+        }
+    }
+    Ok(d)
+}

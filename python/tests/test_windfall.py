@@ -1,0 +1,151 @@
+"""Every public function once, against what is known of it; errors as exceptions with their faults."""
+
+import ast
+import inspect
+import json
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import windfall
+from windfall import _windfall
+
+# Thesis Table 5.5.
+TABLE_5_5 = {"CA_T0": 6.6620, "CN_sin": 3.5129, "Cm_sin": -2.0655, "Cm_2": -205.4289, "Cl_p": -5.6816}
+
+
+def study_file(folder: Path, draws: int = 40, part: int = 8, more: str = "") -> Path:
+    """A study of a 2 s flight, in files of its own."""
+    scenario = (Path(__file__).parents[2] / "scenarios/bundled/sage-perturbed.toml").read_text()
+    short = scenario.replace("duration_s = 18.3", "duration_s = 2.0").replace("rate_hz = 150.0", "rate_hz = 100.0")
+    (folder / "short.toml").write_text(short)
+    head = f'[study]\nname = "test"\nscenario = "short.toml"\ndraws = {draws}\nseed = 3\npart_draws = {part}\n'
+    path = folder / "study.toml"
+    path.write_text(head + '[do]\nidentify = ["equation-error"]\n' + more)
+    return path
+
+
+def files(folder: Path) -> list[bytes]:
+    return [(folder / name).read_bytes() for name in ("runs.parquet", "summary.json")]
+
+
+def test_law_flights_are_arrays_that_own_one_time_grid():
+    (flight,) = windfall.simulate("appendix-c")
+    record, truth = flight["record"], flight["truth"]
+    assert flight["end"] == "completed" and len(record["t_s"]) == 2251
+    assert all(x.dtype == np.float64 and x.shape == (2251,) for x in record.values())
+    assert truth["quaternion"].shape == (2251, 4) and truth["p_tunnel_cm_m"].shape == (2251, 3)
+    # Unit quaternions to rounding; recorded and true attitude agree without sensor noise.
+    assert np.abs(np.linalg.norm(truth["quaternion"], axis=1) - 1).max() < 1e-15
+    assert np.abs(np.degrees(truth["attitude_rad"][:, 1]) - record["Ry_deg"]).max() < 1e-12
+    record["t_s"][0] = 1.0  # the caller's own memory
+
+
+def test_law_same_seed_same_bits():
+    one, same = (windfall.simulate("sage-perturbed", seed=7, threads=n)[0]["record"]["X_m"] for n in (1, 2))
+    other = windfall.simulate("sage-perturbed", seed=8)[0]["record"]["X_m"]
+    assert np.array_equal(one, same) and not np.array_equal(one, other)
+
+
+def test_recover_exact_flight_gives_its_parameters():
+    found = windfall.identify("appendix-c")
+    combined = next(d for d in found["data_sets"] if d["name"] == "combined")
+    estimates = {p["name"]: p["estimate"] for p in combined["parameters"]}
+    for name, truth in TABLE_5_5.items():
+        assert estimates[name] == pytest.approx(truth, rel=1e-5)
+    again = windfall.resimulate(windfall.campaign("appendix-c"), found)
+    assert again["trajectory"]["attitude_rms_deg"] < 1e-3
+
+
+def test_law_arrays_make_the_campaign_that_files_make():
+    flights = windfall.simulate("sage-perturbed", seed=7)
+    flown = windfall.campaign("sage-perturbed", seed=7)
+    runs = [(f["name"], f["kind"], f["use"], f["record"]) for f in flights]
+    a, b = windfall.identify(flown), windfall.identify(flown.with_runs(runs))
+    pairs = zip(a["data_sets"][0]["parameters"], b["data_sets"][0]["parameters"], strict=True)
+    # Degrees and back: rounding only, amplified by two differentiations.
+    assert all(p["estimate"] == pytest.approx(q["estimate"], rel=1e-6) for p, q in pairs)
+    short = [("x", "perturbed", "identify", {**flights[0]["record"], "X_m": np.zeros(3)})]
+    with pytest.raises(ValueError, match="differ in length"):
+        flown.with_runs(short)
+    with pytest.raises(ValueError, match="Ts_K is missing"):
+        flown.with_runs([("x", "perturbed", "identify", {k: v for k, v in flights[0]["record"].items() if k != "Ts_K"})])
+
+
+def test_law_errors_are_exceptions_of_their_own(tmp_path):
+    bad = tmp_path / "bad.toml"
+    text = (Path(__file__).parents[2] / "scenarios/bundled/appendix-c.toml").read_text()
+    bad.write_text(text.replace("mass_kg = 0.7873", "mass_kg = nan"))
+    with pytest.raises(windfall.ReadError, match="mass_kg = nan") as caught:
+        windfall.simulate(bad)
+    (fault,) = caught.value.faults
+    assert fault["key"] == "[vehicle] mass_kg" and fault["line"] > 1 and fault["remedy"]
+    falling = tmp_path / "falling.toml"
+    drop = (Path(__file__).parents[2] / "scenarios/bundled/drop-test.toml").read_text()
+    falling.write_text(drop.replace("CA_T0 = 6.6620", "CA_T0 = -60.0"))
+    with pytest.raises(windfall.SimulateError):
+        windfall.simulate(falling)
+    with pytest.raises(ValueError, match="equation-error"):
+        windfall.identify("appendix-c", method="magic")
+    with pytest.raises(windfall.ReadError, match="nowhere"):
+        windfall.campaign("nowhere/campaign.toml")
+    every = [windfall.ReadError, windfall.WriteError, windfall.SimulateError, windfall.IdentifyError]
+    assert all(issubclass(e, windfall.WindfallError) for e in [*every, windfall.LoopError, windfall.StudyError])
+
+
+def test_law_study_in_whole_in_shards_and_resumed(tmp_path):
+    path = study_file(tmp_path)
+    summary = windfall.study(path, tmp_path / "one", threads=1)
+    assert summary["draws"] == 40 and summary["failures"]["any"]["count"] == 0
+    for i in (2, 1):
+        assert windfall.study(path, tmp_path / "shards", shard=(i, 2)) is None
+    again = windfall.study(path, tmp_path / "shards", resume=True)
+    assert again == summary and files(tmp_path / "shards") == files(tmp_path / "one")
+    with pytest.raises(windfall.StudyError, match="--resume"):
+        windfall.study(path, tmp_path / "one")
+    runs = windfall.read_runs(tmp_path / "one" / "runs.parquet")
+    errors = runs["equation-error.CA.CA_T0.error"]
+    assert np.array_equal(runs["draw"], np.arange(40)) and runs["failure"] == [""] * 40
+    line = next(p for p in summary["parameters"] if p["name"] == "CA_T0")
+    # Two roads to the same numbers: NumPy's and the program's.
+    assert line["bias"] == pytest.approx(errors.mean(), rel=1e-9, abs=1e-15)
+    assert line["scatter"] == pytest.approx(errors.std(ddof=1), rel=1e-9)
+    assert json.loads((tmp_path / "one" / "summary.json").read_text())["parameters"] == summary["parameters"]
+
+
+def test_law_other_threads_run_meanwhile(tmp_path):
+    """The interpreter's lock is released: a thread ticks on while a study is drawn."""
+    order = _windfall.Study(str(study_file(tmp_path, draws=100, part=100)))
+    ticks, over = [], threading.Event()
+
+    def tick():
+        while not over.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    begin = time.perf_counter()
+    order.part(0)
+    end = time.perf_counter()
+    over.set()
+    thread.join()
+    assert sum(begin < t < end for t in ticks) >= 5
+
+
+def test_law_stubs_name_what_is_there():
+    tree = ast.parse(Path(windfall.__file__).with_name("_windfall.pyi").read_text())
+    stubs = {n.name for n in tree.body if isinstance(n, (ast.ClassDef, ast.FunctionDef))}
+    there = {n for n, o in vars(_windfall).items() if not n.startswith("__") and (inspect.isclass(o) or callable(o))}
+    assert stubs == there
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef) and node.name in ("Campaign", "Study"):
+            stub = {n.name for n in node.body if isinstance(n, ast.FunctionDef)} - {"__new__"}
+            stub |= {n.target.id for n in node.body if isinstance(n, ast.AnnAssign)}
+            assert stub == {n for n in vars(getattr(_windfall, node.name)) if not n.startswith("__")}
+        if isinstance(node, ast.FunctionDef):
+            names = list(inspect.signature(getattr(_windfall, node.name)).parameters)
+            assert names == [a.arg for a in node.args.args]
+    assert set(windfall.__all__) <= set(dir(windfall))

@@ -1,0 +1,22 @@
+//! verify: studies. In: a study's order and the number of a draw. Out: one row of results each, and what all rows say together.
+//!
+//! Draw i is a function of (study, seed, i) alone: what varies, gusts and sensor noise come from counter-based streams that are
+//! addressed by i, so that no order of work, number of threads or interruption changes a bit.
+
+mod closing;
+mod columns;
+mod draw;
+mod run;
+mod stop;
+mod summary;
+
+pub use draw::Prepared;
+pub use run::run;
+pub use stop::{Moments, Progress, clopper_pearson};
+pub use summary::{Count, FailureKind, NumberLine, ParameterSummary, Quantile, Rate, Summary, WordLine, summarise};
+
+/// Methods that a study may name.
+#[must_use]
+pub fn method(name: &str) -> Option<windfall_pid::Method> {
+    windfall_pid::Method::ALL.into_iter().find(|m| m.name() == name)
+}

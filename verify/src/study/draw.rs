@@ -1,0 +1,337 @@
+//! verify: one draw of a study. In: a study made ready and the draw's number. Out: its row.
+
+use super::closing::close_draw;
+use super::columns::{FLIGHT, TRAJECTORY, columns};
+use crate::VerifyError;
+use crate::recovery::campaign_of;
+use crate::resimulate::{Replay, estimate, hold_out, identified_plant, mean_median_std};
+use statrs::distribution::{ContinuousCDF, Normal};
+use std::collections::HashMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use windfall_model::frames::Rotation;
+use windfall_model::study::{Cell, Column, Distribution, Row, Setting, Study};
+use windfall_model::{Campaign, Data, Flight, Plant, Record, Use};
+use windfall_pid::{DataSet, Estimate, Method, estimated, identify};
+use windfall_sim::{Channel, Seed, Truth, fly};
+
+/// Stream of the histories, after those of [`Study::vary`].
+const HISTORY_STREAM: u8 = 127;
+
+/// A study ready to draw from.
+#[derive(Debug)]
+pub struct Prepared {
+    study: Study,
+    columns: Vec<Column>,
+    places: HashMap<String, usize>,
+    methods: Vec<Method>,
+    wanted: Vec<(&'static str, String)>,
+}
+
+impl Prepared {
+    /// Makes a study ready. A study of a measured campaign flies each of its runs again: from the initial state that the study's
+    /// plant estimates from the run, with the recorded tunnel speed.
+    ///
+    /// # Errors
+    /// A method that does not exist, a campaign of point masses, or a run that cannot be flown.
+    pub fn new(mut study: Study, campaign: Option<&Campaign>) -> Result<Self, VerifyError> {
+        let methods = study
+            .steps
+            .identify
+            .iter()
+            .map(|name| super::method(name).ok_or_else(|| unknown(name)))
+            .collect::<Result<Vec<_>, _>>()?;
+        if let Some(campaign) = campaign {
+            study.flights = flights_like(campaign, &study.plant)?;
+        }
+        let columns = columns(&study, &methods);
+        let places = columns.iter().enumerate().map(|(i, c)| (c.name.clone(), i)).collect();
+        let wanted = estimated(&study.declared_plant, &study.declared);
+        Ok(Self { study, columns, places, methods, wanted })
+    }
+    /// The order.
+    #[must_use]
+    pub fn study(&self) -> &Study {
+        &self.study
+    }
+    /// What each row holds after the draw's number.
+    #[must_use]
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+    /// Place of a column in a row.
+    #[must_use]
+    pub fn place(&self, column: &str) -> Option<usize> {
+        self.places.get(column).copied()
+    }
+    /// Coefficient and name of each parameter that is identified.
+    #[must_use]
+    pub fn wanted(&self) -> &[(&'static str, String)] {
+        &self.wanted
+    }
+    /// Methods to identify with.
+    #[must_use]
+    pub fn methods(&self) -> &[Method] {
+        &self.methods
+    }
+    /// The row of a draw. What fails leaves its cells empty and says why in `failure`; the draw counts all the same.
+    #[must_use]
+    pub fn draw(&self, draw: u64) -> Row {
+        let mut out = Cells { cells: self.columns.iter().map(|c| Cell::empty(c.kind)).collect(), places: &self.places };
+        let failure = match catch_unwind(AssertUnwindSafe(|| self.fill(draw, &mut out))) {
+            Ok(Ok(())) => String::new(),
+            Ok(Err(failure)) => failure,
+            Err(_) => "internal: the program's own checks failed in this draw; report it with the study file".to_owned(),
+        };
+        out.set("failure", Cell::Word(failure));
+        Row { draw, cells: out.cells }
+    }
+
+    fn fill(&self, draw: u64, out: &mut Cells<'_>) -> Result<(), String> {
+        let (setting, declared) = self.setting(draw, out)?;
+        let truth = with_effects(&setting, &self.study);
+        let first = draw * setting.flights.len() as u64;
+        let mut records = Vec::with_capacity(setting.flights.len());
+        for (k, flight) in setting.flights.iter().enumerate() {
+            let seed = Seed { campaign: self.study.seed, run: first + k as u64 };
+            let flown = fly(&truth.for_run(k, &[]), flight, seed).map_err(|e| format!("simulate {}: {e}", flight.name))?;
+            out.flight(&flight.name, &flown.truth);
+            records.push(flown.record);
+        }
+        if self.methods.is_empty() && !self.study.steps.close {
+            return Ok(());
+        }
+        let campaign = made_campaign(&self.study, &declared, &setting.flights, records);
+        let mut failure = Ok(());
+        for method in &self.methods {
+            let done = self.identified(*method, &campaign, &setting, out);
+            failure = failure.and(done.map_err(|e| format!("{}: {e}", method.name())));
+        }
+        if self.study.steps.close {
+            failure = failure.and(close_draw(&campaign, &self.study, &setting, out).map_err(|e| format!("close: {e}")));
+        }
+        failure
+    }
+
+    /// What is flown in this draw, and the plant that its campaign declares.
+    fn setting(&self, draw: u64, out: &mut Cells<'_>) -> Result<(Setting, Plant), String> {
+        let s = &self.study;
+        let mut truth = Setting { plant: s.plant.clone(), effect_values: s.effect_values.clone(), flights: s.flights.clone() };
+        let mut declared = s.declared_plant.clone();
+        let seed = Seed { campaign: s.seed, run: draw * s.flights.len() as u64 };
+        let normals = self.normals(seed);
+        for (v, z) in s.vary.iter().zip(normals) {
+            let value = value(&v.distribution, z);
+            out.number(&format!("vary.{}", v.name), value);
+            if !(value >= v.range[0] && value <= v.range[1]) {
+                return Err(format!("{} drawn outside its range {:?}", v.name, v.range));
+            }
+            if !truth.set(v.quantity, &v.flights, value) {
+                return Err(format!("{} does not exist in this setup", v.name));
+            }
+            if v.known {
+                let mut known = Setting { plant: declared, effect_values: Vec::new(), flights: Vec::new() };
+                known.set(v.quantity, &v.flights, value);
+                declared = known.plant;
+            }
+        }
+        if let Some(h) = &s.histories {
+            let chosen = choose(unit(normal(seed, HISTORY_STREAM)), h.speeds.len());
+            out.number("vary.history", chosen as f64);
+            for (_, f) in truth.flights.iter_mut().enumerate().filter(|(i, _)| h.flights.is_empty() || h.flights.contains(i)) {
+                f.speed.clone_from(&h.speeds[chosen]);
+            }
+        }
+        Ok((truth, declared))
+    }
+
+    /// Standard normals behind what varies, correlated as ordered.
+    fn normals(&self, seed: Seed) -> Vec<f64> {
+        let z: Vec<f64> = (0..self.study.vary.len()).map(|v| normal(seed, u8::try_from(v).unwrap_or(u8::MAX))).collect();
+        let root = &self.study.correlation_root;
+        if root.is_empty() {
+            return z;
+        }
+        (0..z.len()).map(|i| (0..=i).map(|j| root[(i, j)] * z[j]).sum()).collect()
+    }
+
+    fn identified(&self, method: Method, campaign: &Campaign, setting: &Setting, out: &mut Cells<'_>) -> Result<(), VerifyError> {
+        let found = identify(campaign, method)?;
+        let Some(set) = found.data_set("combined") else { return Err(VerifyError::NoDataSet) };
+        for (coefficient, name) in &self.wanted {
+            if let (Some(p), Some(truth)) = (set.get(coefficient, name), setting.plant.aero.value(name)) {
+                out.parameter(&format!("{}.{coefficient}.{name}", method.name()), p, truth);
+            }
+        }
+        if self.study.steps.resimulate {
+            resimulated(method, campaign, set, out)?;
+        }
+        Ok(())
+    }
+}
+
+fn unknown(name: &str) -> VerifyError {
+    VerifyError::UnknownMethod { name: name.to_owned(), allowed: Method::ALL.map(Method::name).join(", ") }
+}
+
+fn resimulated(method: Method, campaign: &Campaign, set: &DataSet, out: &mut Cells<'_>) -> Result<(), VerifyError> {
+    let held: Vec<usize> = (0..campaign.runs.len()).filter(|&i| campaign.runs[i].used == Use::HoldOut).collect();
+    let runs = if held.is_empty() { (0..campaign.runs.len()).collect() } else { held };
+    let t = hold_out(campaign, &identified_plant(campaign, set)?, &runs, 1)?.trajectory;
+    for (name, x) in TRAJECTORY.iter().zip([t.attitude_rms_deg, t.position_rms_m, t.rate_rms_deg_s]) {
+        out.number(&format!("{}.resimulate.{name}", method.name()), x);
+    }
+    Ok(())
+}
+
+/// A row under construction. What the study does not keep has no place and is let go.
+pub(super) struct Cells<'p> {
+    cells: Vec<Cell>,
+    places: &'p HashMap<String, usize>,
+}
+
+impl Cells<'_> {
+    pub(super) fn set(&mut self, name: &str, cell: Cell) {
+        if let Some(&i) = self.places.get(name) {
+            self.cells[i] = cell;
+        }
+    }
+    pub(super) fn number(&mut self, name: &str, x: f64) {
+        self.set(name, Cell::Number(x.is_finite().then_some(x)));
+    }
+    pub(super) fn flag(&mut self, name: &str, x: bool) {
+        self.set(name, Cell::Flag(Some(x)));
+    }
+    /// An estimate beside the truth.
+    pub(super) fn estimate(&mut self, stem: &str, estimate: f64, std_error: Option<f64>, ci95: Option<[f64; 2]>, truth: f64) {
+        self.number(&format!("{stem}.estimate"), estimate);
+        self.number(&format!("{stem}.error"), estimate - truth);
+        if let Some(s) = std_error {
+            self.number(&format!("{stem}.std_error"), s);
+        }
+        if let Some([low, high]) = ci95 {
+            self.number(&format!("{stem}.low"), low);
+            self.number(&format!("{stem}.high"), high);
+            self.flag(&format!("{stem}.covered"), low <= truth && truth <= high);
+        }
+    }
+    fn parameter(&mut self, stem: &str, p: &Estimate, truth: f64) {
+        self.estimate(stem, p.estimate, Some(p.std_error), Some(p.ci95), truth);
+    }
+    fn flight(&mut self, name: &str, truth: &Truth) {
+        let theta: Vec<f64> = truth.quaternion.iter().map(|q| off_vertical_rad(*q).to_degrees()).collect();
+        let omega: Vec<f64> = truth.w_tunnel_body.iter().map(|w| w[1].hypot(w[2]).to_degrees()).collect();
+        let flown_s = truth.t_s.last().copied().unwrap_or(0.0);
+        let alpha = truth.alpha_t_rad.iter().copied().fold(0.0, f64::max).to_degrees();
+        let all = [[flown_s, alpha].as_slice(), &mean_median_std(&theta), &mean_median_std(&omega)].concat();
+        for (s, x) in FLIGHT.iter().zip(all) {
+            self.number(&format!("flight.{name}.{s}"), x);
+        }
+    }
+}
+
+/// Angle between the body's x axis and the tunnel's X (thesis eq. 5.1), rad.
+fn off_vertical_rad(quaternion: [f64; 4]) -> f64 {
+    let r: Rotation<windfall_model::frames::Tunnel, windfall_model::frames::Body> = Rotation::from_quaternion(quaternion);
+    r.matrix[(1, 0)].hypot(r.matrix[(2, 0)]).atan2(r.matrix[(0, 0)])
+}
+
+fn with_effects(setting: &Setting, study: &Study) -> Plant {
+    let mut plant = setting.plant.clone();
+    for e in &study.effects {
+        (e.effect.apply)(&mut plant, &setting.effect_values[e.index]);
+    }
+    plant
+}
+
+/// The campaign that a draw's records make: the declared plant, without effects.
+fn made_campaign(study: &Study, declared: &Plant, flights: &[Flight], records: Vec<Record>) -> Campaign {
+    let pairs: Vec<(&Flight, Record)> = flights.iter().zip(records).collect();
+    let mut campaign = campaign_of(declared, &pairs);
+    campaign.name.clone_from(&study.name);
+    campaign.plant.clone_from(declared);
+    campaign.declared.clone_from(&study.declared);
+    campaign
+}
+
+fn flights_like(campaign: &Campaign, plant: &Plant) -> Result<Vec<Flight>, VerifyError> {
+    let one = |(i, run): (usize, &windfall_model::Run)| {
+        let Data::Tunnel(record) = &run.data else { return Err(VerifyError::NotTunnel { run: run.name.clone() }) };
+        let replay = Replay::new(record, &campaign.plant_for(plant, i))?;
+        let initial = estimate(&replay, record, &plant.sensors)?;
+        let hold_out = run.used == Use::HoldOut;
+        Ok(Flight { name: run.name.clone(), kind: run.kind.clone(), hold_out, ..replay.order(initial.release) })
+    };
+    campaign.runs.iter().enumerate().map(one).collect()
+}
+
+fn normal(seed: Seed, stream: u8) -> f64 {
+    seed.normals(Channel::Varied(stream)).next().unwrap_or(0.0)
+}
+
+/// Φ(z).
+fn unit(z: f64) -> f64 {
+    Normal::standard().cdf(z)
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and the number of choices")]
+fn choose(u: f64, of: usize) -> usize {
+    ((u * of as f64) as usize).min(of - 1)
+}
+
+/// The value that a standard normal number stands for: correlations are those of the normals (a Gaussian copula).
+fn value(d: &Distribution, z: f64) -> f64 {
+    match d {
+        Distribution::Normal { mean, std, low, high } => {
+            if low.is_infinite() && high.is_infinite() {
+                return mean + std * z;
+            }
+            let (a, b) = (unit((low - mean) / std), unit((high - mean) / std));
+            (mean + std * Normal::standard().inverse_cdf(a + (b - a) * unit(z))).clamp(*low, *high)
+        }
+        Distribution::Uniform { low, high } => low + (high - low) * unit(z),
+        Distribution::LogNormal { median, sigma } => median * (sigma * z).exp(),
+        Distribution::Choice { values } => values[choose(unit(z), values.len())],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(d: &Distribution) -> Vec<f64> {
+        (0..20_000).map(|run| value(d, normal(Seed { campaign: 5, run }, 0))).collect()
+    }
+
+    /// Mean and variance against the closed forms, within 4 standard errors of 20,000 draws.
+    #[test]
+    fn exact_distributions_have_their_moments() {
+        let ln = |m: f64, s: f64| (m * (0.5 * s * s).exp(), m * m * (s * s).exp() * (s * s).exp_m1());
+        // half-normal: mean sqrt(2/pi), variance 1 - 2/pi
+        let half = (0.797_884_560_802_865_4, 0.363_380_227_632_418_6);
+        let cases = [
+            (Distribution::Normal { mean: 3.0, std: 2.0, low: f64::NEG_INFINITY, high: f64::INFINITY }, (3.0, 4.0)),
+            (Distribution::Normal { mean: 0.0, std: 1.0, low: 0.0, high: f64::INFINITY }, half),
+            (Distribution::Uniform { low: -1.0, high: 5.0 }, (2.0, 3.0)),
+            (Distribution::LogNormal { median: 2.0, sigma: 0.3 }, ln(2.0, 0.3)),
+            (Distribution::Choice { values: vec![1.0, 2.0, 6.0] }, (3.0, 14.0 / 3.0)),
+        ];
+        for (d, (mean, variance)) in cases {
+            let x = sample(&d);
+            let n = x.len() as f64;
+            let m = x.iter().sum::<f64>() / n;
+            let squares: Vec<f64> = x.iter().map(|v| (v - mean).powi(2)).collect();
+            let v = squares.iter().sum::<f64>() / n;
+            let spread = (squares.iter().map(|s| (s - v).powi(2)).sum::<f64>() / n).sqrt();
+            assert!((m - mean).abs() < 4.0 * (variance / n).sqrt(), "{d:?}: mean {m}, not {mean}");
+            assert!((v - variance).abs() < 4.0 * spread / n.sqrt(), "{d:?}: variance {v}, not {variance}");
+        }
+        let cut = sample(&Distribution::Normal { mean: 0.0, std: 1.0, low: -0.5, high: 0.25 });
+        assert!(cut.iter().all(|x| (-0.5..=0.25).contains(x)));
+    }
+
+    #[test]
+    fn law_off_vertical_is_the_angle_of_the_pitch() {
+        let half: f64 = 0.5 * 0.3;
+        assert!((off_vertical_rad([half.cos(), 0.0, half.sin(), 0.0]) - 0.3).abs() < 1e-15);
+    }
+}
