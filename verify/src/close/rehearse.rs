@@ -5,7 +5,7 @@
 //! first order). Random inputs are not in such a flight, so a fit that has any is left as it is.
 
 use super::{Options, problem};
-use crate::resimulate::{estimate_initial, fly_like};
+use crate::resimulate::fly_like;
 use crate::trace::{Evidence, Fit, Free, TunnelEvidence};
 use rayon::prelude::*;
 use windfall_model::{Campaign, Data};
@@ -24,8 +24,7 @@ pub(super) fn bias(campaign: &Campaign, indices: &[usize], fit: &Fit, options: &
         .map(|&i| {
             let Data::Tunnel(record) = &campaign.runs[i].data else { return None };
             let own = campaign.plant_for(&plant, i);
-            let release = estimate_initial(record, &own).ok()?.release;
-            Some((i, Data::Tunnel(fly_like(record, &own, Some(release), None).ok()?.record)))
+            Some((i, Data::Tunnel(fly_like(record, &own, None, None).ok()?.record)))
         })
         .collect::<Option<_>>()?;
     let mut rehearsal = campaign.clone();

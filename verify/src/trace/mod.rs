@@ -12,5 +12,5 @@ pub use evidence::{BIN, Cov, Evidence, LeadTable, Residual};
 pub use fit::{Fit, Problem, StopReason};
 pub use hypothesis::{Free, Hypothesis, Instance, acts};
 pub use point::{PointEvidence, TrackResidual};
-pub use search::{Candidate, p_value, visible, weigh};
+pub use search::{Candidate, Weighing, p_value, weigh};
 pub use tunnel::{BAND_HZ, TunnelEvidence};

@@ -45,30 +45,18 @@ pub fn p_value(statistic: f64, degrees: usize, tried: usize) -> f64 {
 #[must_use]
 pub fn weigh(problem: &Problem<'_>, fit: &Fit, acts: Acts) -> Vec<Candidate> {
     let h = &fit.hypothesis;
-    let Some(context) = Context::new(problem, fit) else { return Vec::new() };
+    let Some(weighing) = Weighing::new(problem, fit) else { return Vec::new() };
     let mut all: Vec<Candidate> = CATALOGUE
         .into_par_iter()
         .filter(|e| e.acts == acts && !h.effects.iter().any(|x| x.effect.family == e.family))
-        .filter_map(|e| context.family(&Instance::null(e, problem.base, problem.inputs)))
+        .filter_map(|e| weighing.family(&Instance::null(e, problem.base, problem.inputs)))
         .collect();
     all.sort_by(|a, b| (b.statistic - b.degrees as f64).total_cmp(&(a.statistic - a.degrees as f64)));
     all
 }
 
-/// Size that each strength of one form of an effect must exceed to be seen: 1.96 standard errors, declared parameters and its
-/// other strengths free; for sizes of random inputs the 95 % bound. `None` where the data say nothing about the form.
-#[must_use]
-pub fn visible(problem: &Problem<'_>, fit: &Fit, form: &Instance) -> Option<Vec<(usize, f64)>> {
-    let context = Context::new(problem, fit)?;
-    let random = form.random_strengths().map(|i| (i, problem.random_bound(fit, form, i)));
-    let mut all: Vec<(usize, f64)> = random.collect();
-    if form.mean_strengths().next().is_some() {
-        all.extend(context.weighed(form.clone())?.std_errors.iter().map(|(i, s)| (*i, 1.96 * s)));
-    }
-    Some(all)
-}
-
-struct Context<'a> {
+/// A fit made ready for weighing effects against its residual.
+pub struct Weighing<'a> {
     problem: &'a Problem<'a>,
     fit: &'a Fit,
     at: Point,
@@ -78,8 +66,10 @@ struct Context<'a> {
     whitening: Whitening,
 }
 
-impl<'a> Context<'a> {
-    fn new(problem: &'a Problem<'a>, fit: &'a Fit) -> Option<Self> {
+impl<'a> Weighing<'a> {
+    /// `None` when the fit's covariance or normal equations have no solution.
+    #[must_use]
+    pub fn new(problem: &'a Problem<'a>, fit: &'a Fit) -> Option<Self> {
         let h = &fit.hypothesis;
         let plant = h.plant(problem.base);
         problem.evidence.focus(&plant);
@@ -90,6 +80,18 @@ impl<'a> Context<'a> {
         let (point, columns) = (at.whitened(&whitening), Whitened::new(&whitening, &columns));
         let normal = Normal::new(&point, &columns);
         Some(Self { problem, fit, at, point, columns, normal, whitening })
+    }
+
+    /// Size that each strength of one form of an effect must exceed to be seen: 1.96 standard errors, declared parameters and its
+    /// other strengths free; for sizes of random inputs the 95 % bound. `None` where the data say nothing about the form.
+    #[must_use]
+    pub fn visible(&self, form: &Instance) -> Option<Vec<(usize, f64)>> {
+        let random = form.random_strengths().map(|i| (i, self.problem.random_bound(self.fit, form, i)));
+        let mut all: Vec<(usize, f64)> = random.collect();
+        if form.mean_strengths().next().is_some() {
+            all.extend(self.weighed(form.clone())?.std_errors.iter().map(|(i, s)| (*i, 1.96 * s)));
+        }
+        Some(all)
     }
 
     /// One form weighed.

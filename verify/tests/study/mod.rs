@@ -10,7 +10,7 @@ use windfall_scenarios::{ScenarioFile, read_bundled};
 use windfall_sim::{Seed, fly};
 use windfall_verify::campaign_of;
 use windfall_verify::close::{Closing, Options, Verdict, close, declared};
-use windfall_verify::trace::{Evidence, Fit, Instance, Problem, visible};
+use windfall_verify::trace::{Evidence, Fit, Instance, Problem, Weighing};
 
 mod table;
 pub(crate) use table::report;
@@ -116,40 +116,22 @@ impl Planted {
     }
 }
 
-/// Flights and what they can see.
-pub(crate) struct Study {
-    file: ScenarioFile,
-    proof: Box<dyn Evidence>,
-    fit: Fit,
-    null: Campaign,
-    options: Options,
+/// Flights whose model is known, ready to say what can be seen in them.
+struct Sight<'a> {
+    weighing: &'a Weighing<'a>,
+    proof: &'a dyn Evidence,
+    plant: &'a Plant,
 }
 
-impl Study {
-    pub(crate) fn new() -> Self {
-        let mut file = read_bundled("sage-undeclared").expect("bundled");
-        file.scenario.plant = file.declared_plant.clone();
-        // Two perturbed runs and half an unperturbed one to identify on, one perturbed run held out.
-        file.scenario.flights.truncate(4);
-        file.scenario.flights[2].duration_s = 20.0;
-        let options = Options { flights: 0, ..Options::default() };
-        let null = campaign(&file, &file.declared_plant, 1_000_000);
-        let (proof, fit) = declared(&null, &options).expect("a campaign without effects is fitted");
-        Self { file, proof, fit, null, options }
-    }
-
-    fn problem(&self) -> Problem<'_> {
-        Problem { evidence: self.proof.as_ref(), base: &self.null.plant, declared: &self.null.declared, inputs: &[] }
-    }
-
-    /// A form and sizes of a family: forms are drawn until one can be seen within its range in these flights.
-    fn instance(&self, family: &str, size: Size, rng: &mut ChaCha8Rng) -> Instance {
+impl Sight<'_> {
+    /// A form and sizes of a family: forms are drawn until one can be seen within its range; `None` when none can.
+    fn instance(&self, family: &str, size: Size, rng: &mut ChaCha8Rng) -> Option<Instance> {
         let effect = CATALOGUE.iter().find(|e| e.family == family && e.acts == Acts::Lander).expect("of the catalogue");
-        (0..100).find_map(|_| self.sized(effect, size, rng)).expect("every family has forms that these flights can show")
+        (0..30).find_map(|_| self.sized(effect, size, rng))
     }
 
     fn sized(&self, effect: &'static Effect, size: Size, rng: &mut ChaCha8Rng) -> Option<Instance> {
-        let mut form = Instance::null(effect, &self.null.plant, &[]);
+        let mut form = Instance::null(effect, self.plant, &[]);
         let margin_s = self.proof.margin_s();
         let (runs, durations) = (self.proof.run_indices(), self.proof.durations_s());
         let mut run = 0;
@@ -164,7 +146,7 @@ impl Study {
                 Role::Instant => rng.random_range(margin_s..durations[run] - margin_s - 0.5),
             };
         }
-        let units = visible(&self.problem(), &self.fit, &form)?;
+        let units = self.weighing.visible(&form)?;
         let mut direction: Vec<f64> = units.iter().map(|_| StandardNormal.sample(rng)).collect();
         let norm = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
         direction.iter_mut().for_each(|x| *x /= norm);
@@ -178,12 +160,62 @@ impl Study {
         }
         Some(form)
     }
+}
+
+/// What every draw shares.
+pub(crate) struct Study {
+    file: ScenarioFile,
+    options: Options,
+    null: Sight<'static>,
+}
+
+impl Study {
+    pub(crate) fn new() -> Self {
+        let mut file = read_bundled("sage-undeclared").expect("bundled");
+        file.scenario.plant = file.declared_plant.clone();
+        // Two perturbed runs and half an unperturbed one to identify on, one perturbed run held out.
+        file.scenario.flights.truncate(4);
+        file.scenario.flights[2].duration_s = 20.0;
+        let options = Options { flights: 0, ..Options::default() };
+        // Kept until the program ends.
+        let null: &'static Campaign = Box::leak(Box::new(campaign(&file, &file.declared_plant, 1_000_000)));
+        let (proof, fit) = declared(null, &options).expect("a campaign without effects is fitted");
+        let (proof, fit): (&'static dyn Evidence, &'static Fit) = (Box::leak(proof), Box::leak(Box::new(fit)));
+        let weighing = Weighing::new(Box::leak(Box::new(problem(null, proof))), fit).expect("and can be weighed");
+        Self { file, options, null: Sight { weighing: Box::leak(Box::new(weighing)), proof, plant: &null.plant } }
+    }
+
+    /// Forms of a draw's families. What the second must exceed is what can be seen where the first acts.
+    fn forms(&self, draw: &Draw) -> Option<Vec<Instance>> {
+        let mut rng = ChaCha8Rng::seed_from_u64(draw.seed);
+        rng.set_stream(draw.place as u64 * 8 + draw.families.len() as u64 * 2 + draw.size as u64);
+        let Some(first) = draw.families.first() else { return Some(Vec::new()) };
+        let mut forms = vec![self.null.instance(first, draw.size, &mut rng)?];
+        if let Some(second) = draw.families.get(1) {
+            let mut plant = self.file.declared_plant.clone();
+            (forms[0].effect.apply)(&mut plant, &forms[0].values);
+            let one = campaign(&self.file, &plant, 2_000_000 + draw.seed);
+            let (proof, fit) = declared(&one, &self.options).ok()?;
+            let problem = problem(&one, proof.as_ref());
+            let weighing = Weighing::new(&problem, &fit)?;
+            let sight = Sight { weighing: &weighing, proof: proof.as_ref(), plant: &one.plant };
+            forms.push(sight.instance(second, draw.size, &mut rng)?);
+        }
+        Some(forms)
+    }
 
     /// Flies a draw and closes the loop on it.
     pub(crate) fn close(&self, draw: &Draw) -> Planted {
-        let mut rng = ChaCha8Rng::seed_from_u64(draw.seed);
-        rng.set_stream(draw.place as u64 * 8 + draw.families.len() as u64 * 2 + draw.size as u64);
-        let forms: Vec<Instance> = draw.families.iter().map(|f| self.instance(f, draw.size, &mut rng)).collect();
+        let nothing = |verdict: &str, error: Option<String>| Planted {
+            draw: draw.clone(),
+            verdict: verdict.to_owned(),
+            named: Vec::new(),
+            unexplained: 0,
+            numbers: Vec::new(),
+            declared_z: Vec::new(),
+            error,
+        };
+        let Some(forms) = self.forms(draw) else { return nothing(OUT_OF_RANGE, None) };
         let mut plant = self.file.declared_plant.clone();
         for f in &forms {
             (f.effect.apply)(&mut plant, &f.values);
@@ -192,17 +224,16 @@ impl Study {
         let flown = campaign(&self.file, &plant, seed);
         match close(&flown, &self.options) {
             Ok(c) => said(draw, &forms, &self.file.declared_plant, &c),
-            Err(e) => Planted {
-                draw: draw.clone(),
-                verdict: "error".to_owned(),
-                named: Vec::new(),
-                unexplained: 0,
-                numbers: Vec::new(),
-                declared_z: Vec::new(),
-                error: Some(e.to_string()),
-            },
+            Err(e) => nothing("error", Some(e.to_string())),
         }
     }
+}
+
+/// Verdict of a draw whose family cannot be seen at such a size in these flights within its range: nothing was flown.
+pub(crate) const OUT_OF_RANGE: &str = "out of range";
+
+fn problem<'a>(campaign: &'a Campaign, evidence: &'a dyn Evidence) -> Problem<'a> {
+    Problem { evidence, base: &campaign.plant, declared: &campaign.declared, inputs: &[] }
 }
 
 /// Log-uniform between the smallest and largest value tried; uniform where they change sign; whole where all are whole.

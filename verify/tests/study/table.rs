@@ -1,12 +1,20 @@
 //! verify: tables of the closing study. In: what came of every draw. Out: Markdown.
 
-use super::{Planted, Size};
+use super::{OUT_OF_RANGE, Planted, Size};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// Rates, confusions, coverage of intervals and bounds.
 pub(crate) fn report(all: &[Planted]) -> String {
     let mut text = String::new();
+    let (none, all): (Vec<Planted>, Vec<Planted>) = all.iter().cloned().partition(|p| p.verdict == OUT_OF_RANGE);
+    let all = all.as_slice();
+    let mut absent: BTreeMap<String, usize> = BTreeMap::new();
+    none.iter().for_each(|p| *absent.entry(format!("{} ({:?})", p.draw.families.join(" + "), p.draw.size)).or_default() += 1);
+    if !absent.is_empty() {
+        let list: Vec<String> = absent.iter().map(|(f, n)| format!("{f} {n}")).collect();
+        let _ = writeln!(text, "Not drawn, since too small to be seen so well within the family's range: {}.\n", list.join(", "));
+    }
     let nulls: Vec<&Planted> = all.iter().filter(|p| p.draw.families.is_empty()).collect();
     let false_alarms = nulls.iter().filter(|p| !p.right()).count();
     let lead = nulls.iter().filter(|p| p.verdict == "unexplained").count();
