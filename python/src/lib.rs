@@ -1,6 +1,6 @@
 //! python: the rooms for Python. In: paths, numbers, NumPy arrays. Out: NumPy arrays and JSON; every error as an exception of its own.
 //!
-//! Private: `python/windfall/__init__.py` is what users see. The interpreter's lock is released while the rooms work.
+//! Private: `python/py/windfall/__init__.py` is what users see. The interpreter's lock is released while the rooms work.
 
 mod campaign;
 mod errors;

@@ -74,8 +74,11 @@ impl Study {
         Ok(())
     }
     /// Parts that the folder lacks; none when the stopping rule is content.
-    fn missing(&self) -> PyResult<Vec<u64>> {
-        Ok(self.with_open(|_, store, rule, _| if rule.enough() { Ok(Vec::new()) } else { Ok(store.missing()?) })?)
+    fn missing(&self, py: Python<'_>) -> PyResult<Vec<u64>> {
+        let all = |_: &Drawing, store: &Store, rule: &mut PartRule, _: &PathBuf| {
+            if rule.enough() { Ok(Vec::new()) } else { Ok(store.missing()?) }
+        };
+        Ok(py.detach(|| self.with_open(all))?)
     }
     /// Adds a part drawn elsewhere; true when the stopping rule is content.
     fn put(&self, py: Python<'_>, part: u64, bytes: Vec<u8>) -> PyResult<bool> {

@@ -1,7 +1,5 @@
 """Every public function once, against what is known of it; errors as exceptions with their faults."""
 
-import ast
-import inspect
 import json
 import threading
 import time
@@ -133,19 +131,3 @@ def test_law_other_threads_run_meanwhile(tmp_path):
     over.set()
     thread.join()
     assert sum(begin < t < end for t in ticks) >= 5
-
-
-def test_law_stubs_name_what_is_there():
-    tree = ast.parse(Path(windfall.__file__).with_name("_windfall.pyi").read_text())
-    stubs = {n.name for n in tree.body if isinstance(n, (ast.ClassDef, ast.FunctionDef))}
-    there = {n for n, o in vars(_windfall).items() if not n.startswith("__") and (inspect.isclass(o) or callable(o))}
-    assert stubs == there
-    for node in tree.body:
-        if isinstance(node, ast.ClassDef) and node.name in ("Campaign", "Study"):
-            stub = {n.name for n in node.body if isinstance(n, ast.FunctionDef)} - {"__new__"}
-            stub |= {n.target.id for n in node.body if isinstance(n, ast.AnnAssign)}
-            assert stub == {n for n in vars(getattr(_windfall, node.name)) if not n.startswith("__")}
-        if isinstance(node, ast.FunctionDef):
-            names = list(inspect.signature(getattr(_windfall, node.name)).parameters)
-            assert names == [a.arg for a in node.args.args]
-    assert set(windfall.__all__) <= set(dir(windfall))

@@ -6,8 +6,10 @@
 use pulp::Simd;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-/// One `f64` for each lane of the vector unit `S`.
+/// One `f64` for each lane of the vector unit `S`. In memory on lines of the cache: across two of them a flight takes up to 1.4 times
+/// as long, and where the stack begins is chance.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub(super) struct Lanes<S: Simd> {
     simd: S,
     x: S::f64s,

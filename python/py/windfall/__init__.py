@@ -79,19 +79,22 @@ def _campaign(source: Campaign | Path) -> Campaign:
 
 def identify(campaign: Campaign | Path, *, method: str = "equation-error", threads: int = 0) -> dict[str, Any]:
     """Parameters with intervals: the content of identification.json."""
-    return json.loads(_windfall.identify(_campaign(campaign), method, threads))
+    found: dict[str, Any] = json.loads(_windfall.identify(_campaign(campaign), method, threads))
+    return found
 
 
 def resimulate(
     campaign: Campaign | Path, identification: Mapping[str, Any], *, seeds: int = 1, threads: int = 0
 ) -> dict[str, Any]:
     """Fly an identified model against each run: the content of resimulation.json."""
-    return json.loads(_windfall.resimulate(_campaign(campaign), json.dumps(identification), seeds, threads))
+    found: dict[str, Any] = json.loads(_windfall.resimulate(_campaign(campaign), json.dumps(identification), seeds, threads))
+    return found
 
 
 def close(campaign: Campaign | Path, *, threads: int = 0) -> dict[str, Any]:
     """What the declared model lacks: the content of close.json."""
-    return json.loads(_windfall.close(_campaign(campaign), threads))
+    found: dict[str, Any] = json.loads(_windfall.close(_campaign(campaign), threads))
+    return found
 
 
 def study(

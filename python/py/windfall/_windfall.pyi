@@ -1,7 +1,25 @@
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
+
+__all__ = [
+    "Campaign",
+    "IdentifyError",
+    "LoopError",
+    "ReadError",
+    "SimulateError",
+    "Study",
+    "StudyError",
+    "WindfallError",
+    "WriteError",
+    "__version__",
+    "close",
+    "identify",
+    "read_runs",
+    "resimulate",
+    "simulate",
+]
 
 __version__: str
 
@@ -16,6 +34,7 @@ class IdentifyError(WindfallError): ...
 class LoopError(WindfallError): ...
 class StudyError(WindfallError): ...
 
+@final
 class Campaign:
     warnings: list[str]
     def __new__(cls, word: str, seed: int | None = None) -> Campaign: ...
@@ -25,6 +44,7 @@ class Campaign:
     @property
     def runs(self) -> list[str]: ...
 
+@final
 class Study:
     warnings: list[str]
     def __new__(cls, path: str) -> Study: ...

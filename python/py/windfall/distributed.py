@@ -64,7 +64,8 @@ def run(
             following = submit(part)
             under_way.add(following)
             done.add(following)
-    return json.loads(order.finish())
+    summary: dict[str, Any] = json.loads(order.finish())
+    return summary
 
 
 def _draw(pack: Pack, part: int) -> tuple[int, bytes]:
