@@ -73,7 +73,7 @@ fn inverse_of_factor(s: &Cov) -> Option<(Cov, f64)> {
             }
         }
         let d = l[(j, j)];
-        if !(d > 0.0) {
+        if d.is_nan() || d <= 0.0 {
             return None;
         }
         let root = d.sqrt();
