@@ -4,8 +4,8 @@
 
 use serde_json::Value;
 use std::path::PathBuf;
-use windfall_scenarios::read_campaign;
 use windfall_model::{Acts, CATALOGUE, Campaign, Use};
+use windfall_scenarios::read_campaign;
 use windfall_verify::close::{After, Closing, HeldOut, Options, Verdict, close, declared};
 use windfall_verify::hold_out;
 

@@ -45,14 +45,23 @@ pub(super) fn weighed(problem: &Problem<'_>, over: &Fit, form: Instance) -> Opti
     let own = |f: &Free| if let Free::Effect(e, i) = *f { (e == k).then_some((i, fit.std_error(*f))) } else { None };
     let std_errors: Vec<(usize, f64)> = fit.free.iter().filter_map(own).collect();
     let degrees = std_errors.len();
+    let instance = fit.hypothesis.effects[k].clone();
+    let mean: Vec<usize> = instance.mean_strengths().collect();
+    let bound = |i: usize| {
+        let (p, v) = (&instance.parameters[i], instance.values[i].abs());
+        let error = std_errors.iter().find(|(j, _)| *j == i).map_or(f64::INFINITY, |(_, s)| *s);
+        (i, (v + 1.96 * error).min(p.high))
+    };
+    let bounds = mean.into_iter().map(bound).collect();
     let statistic = 2.0 * problem.gain(over, &fit) * repeats(problem, over, degrees);
-    (statistic.is_finite() && degrees > 0).then(|| Candidate {
-        instance: fit.hypothesis.effects[k].clone(),
+    (statistic.is_finite() && degrees > 0).then_some(Candidate {
+        instance,
         statistic,
         degrees,
         tried: 1,
         p_value: 1.0,
         std_errors,
+        bounds,
     })
 }
 
