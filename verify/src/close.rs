@@ -6,7 +6,9 @@
 
 use crate::VerifyError;
 use crate::resimulate::hold_out;
-use crate::trace::{Candidate, Evidence, Fit, Free, Hypothesis, PointEvidence, Problem, TunnelEvidence, acts, p_value, weigh};
+use crate::trace::{
+    Candidate, Evidence, Fit, Free, Hypothesis, PointEvidence, Problem, TunnelEvidence, acts, p_value, repeats, weigh,
+};
 use rayon::prelude::*;
 use windfall_model::{Acts, CATALOGUE, Campaign, Plant, Use};
 
@@ -201,9 +203,11 @@ fn round(
             let gain = problem.gain(fit, &full);
             let own = full.hypothesis.effects.len() - 1;
             let plausible = full.hypothesis.effects[own].is_plausible();
-            let penalty = 0.5 * c.instance.parameters.len() as f64 * numbers;
-            let p = p_value(2.0 * gain, c.degrees, c.tried);
-            (gain.is_finite() && plausible && rare(p)).then_some((gain - penalty, p, full, c))
+            let parameters = if problem.evidence.witnesses().is_some() { c.degrees } else { c.instance.parameters.len() };
+            let penalty = 0.5 * parameters as f64 * numbers;
+            let p = p_value(2.0 * gain * repeats(problem, fit, c.degrees), c.degrees, c.tried);
+            let told = problem.evidence.tells(&fit.residual, &full.residual);
+            (gain.is_finite() && plausible && told && rare(p)).then_some((gain - penalty, p, full, c))
         })
         .collect();
     fits.sort_by(|a, b| b.0.total_cmp(&a.0));

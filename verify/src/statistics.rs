@@ -191,16 +191,18 @@ pub struct StatisticsOptions {
     pub screen_points: usize,
     /// Runs at each.
     pub screen_runs: u64,
+    /// Points over the range of a second effect, tried beside the first.
+    pub pair_points: usize,
+    /// Pairs, at most, that are searched: those that come nearest at these points.
+    pub pairs: usize,
     /// Effects, at most, that are searched alone: those that close most of the gap.
     pub leads: usize,
     /// Runs at each step of the coarse search.
     pub coarse_runs: u64,
-    /// Steps of the coarse search for each parameter.
+    /// Steps of each search for each parameter.
     pub steps_per_parameter: usize,
     /// Runs at each step of the fine search.
     pub fine_runs: u64,
-    /// Steps of the fine search.
-    pub fine_steps: usize,
     /// Explanations that are judged: so many effects alone, which lead the pairs, and so many pairs.
     pub kept: [usize; 2],
     /// Fresh runs by which an explanation is judged.
@@ -214,13 +216,14 @@ impl Default for StatisticsOptions {
         Self {
             screen_points: 16,
             screen_runs: 2,
-            leads: 6,
+            pair_points: 32,
+            pairs: 12,
+            leads: 5,
             coarse_runs: 6,
             steps_per_parameter: 8,
-            fine_runs: 40,
-            fine_steps: 3,
+            fine_runs: 24,
             kept: [2, 4],
-            final_runs: 400,
+            final_runs: 200,
             relative_tolerance: 1e-4,
         }
     }
@@ -345,7 +348,7 @@ pub struct StatisticsClosing {
     pub screened: Vec<Screened>,
     /// Explanations: those that close first, then those that remain possible, then the rest, each by score.
     pub explanations: Vec<Explanation>,
-    /// What one run tells apart, among those possible.
+    /// What one run tells apart, among those that close or are possible.
     pub separations: Vec<Separation>,
     /// Largest relative difference that instruments and smoothing make to each figure's mean in the best explanation.
     pub processing: Vec<f64>,

@@ -50,13 +50,38 @@ impl Hypothesis {
     }
     /// Strengths that are searched.
     pub(super) fn strengths(&self) -> Vec<usize> {
-        self.searched().into_iter().filter(|&i| self.free[i].1.role == Role::Strength).collect()
+        self.searched().into_iter().filter(|&i| self.is_strength(i)).collect()
+    }
+    /// Whether parameter `i` is a strength.
+    pub(super) fn is_strength(&self, i: usize) -> bool {
+        self.free[i].1.role == Role::Strength
+    }
+    /// Place of the typical value of a shape.
+    pub(super) fn typical(&self, i: usize) -> f64 {
+        self.place(i, self.free[i].1.null)
+    }
+    /// Number of parameters of the last effect.
+    pub(super) fn of_last(&self) -> usize {
+        self.free.iter().filter(|(k, _)| *k + 1 == self.effects.len()).count()
+    }
+    /// Takes sign and hold of parameter `i` from parameter `j` of another hypothesis.
+    pub(super) fn copy(&mut self, i: usize, from: &Self, j: usize) {
+        self.signs[i] = from.signs[j];
+        self.held[i] = from.held[j];
     }
     /// With parameter `i` held at its null value: a strength off, a shape typical.
     pub(super) fn without(&self, i: usize) -> Self {
+        self.holding(i, self.free[i].1.null)
+    }
+    /// With parameter `i` held at a value.
+    pub(super) fn holding(&self, i: usize, value: f64) -> Self {
         let mut next = self.clone();
-        next.held[i] = Some(next.free[i].1.null);
+        next.held[i] = Some(value);
         next
+    }
+    /// Values of shape `i` that the catalogue tries.
+    pub(super) fn tried(&self, i: usize) -> &'static [f64] {
+        if let Role::Shape(tried) = self.free[i].1.role { tried } else { &[] }
     }
     /// Value of searched parameter `i` at `x` in [0, 1].
     pub(super) fn value(&self, i: usize, x: f64) -> f64 {
@@ -73,7 +98,7 @@ impl Hypothesis {
         }
     }
     /// Place of a value of parameter `i`, without its sign.
-    fn place(&self, i: usize, value: f64) -> f64 {
+    pub(super) fn place(&self, i: usize, value: f64) -> f64 {
         let p = &self.free[i].1;
         let x = match p.role {
             Role::Strength => 1.0 + (value.abs() / p.high).max(1e-300).log10() / DECADES,
@@ -86,7 +111,7 @@ impl Hypothesis {
     /// Sum of squares of the shapes' distances from their typical values.
     pub(super) fn astray(&self, x: &[f64]) -> f64 {
         let shape = |i: &usize| matches!(self.free[*i].1.role, Role::Shape(_));
-        self.searched().into_iter().filter(shape).map(|i| (x[i] - self.place(i, self.free[i].1.null)).powi(2)).sum()
+        self.searched().into_iter().filter(shape).map(|i| (x[i] - self.typical(i)).powi(2)).sum()
     }
     /// `base` with the effects at place `x`.
     pub(super) fn plant(&self, base: &Plant, x: &[f64]) -> Plant {

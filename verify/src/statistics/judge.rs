@@ -23,6 +23,10 @@ pub(super) fn logs(row: &[f64], used: &[usize]) -> DVector<f64> {
 
 impl Spread {
     pub(super) fn of(rows: &Rows, used: &[usize]) -> Option<Self> {
+        Self::with_floor(rows, used, PRINTED)
+    }
+    /// With every figure's standard deviation widened by `floor`.
+    pub(super) fn with_floor(rows: &Rows, used: &[usize], floor: f64) -> Option<Self> {
         let (n, m) = (rows.len() as f64, used.len());
         let all: Vec<DVector<f64>> = rows.iter().map(|r| logs(r, used)).collect();
         let mean = all.iter().fold(DVector::zeros(m), |s, y| s + y) / n;
@@ -32,7 +36,7 @@ impl Spread {
             covariance += &d * d.transpose() / (n - 1.0);
         }
         for i in 0..m {
-            covariance[(i, i)] += PRINTED * PRINTED;
+            covariance[(i, i)] += floor * floor;
         }
         let root = covariance.clone().cholesky()?.l();
         Some(Self { mean, covariance, root })

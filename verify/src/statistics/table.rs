@@ -1,6 +1,6 @@
 //! verify: the closing in words. In: a closing. Out: a text table in the layout of thesis Table 5.6, and conclusions.
 
-use super::{Explanation, FigureOver, StatisticsClosing};
+use super::{Explanation, FigureOver, Separation, StatisticsClosing};
 use std::fmt::Write as _;
 use windfall_model::{Acts, effects};
 
@@ -10,13 +10,13 @@ pub fn statistics_table(c: &StatisticsClosing) -> String {
     let mut text = format!("{}\n", c.source);
     let after = c.explanations.first();
     let _ =
-        writeln!(text, "{:<24}{:>9}{:>12}{:>24}{:>28}", "", "test", "its own", "declared model", after.map_or("-".into(), name));
-    let _ = writeln!(text, "{:<24}{:>9}{:>12}{:>24}{:>28}", "", "", "simulation", "mean [5 %, 95 %]", "mean [5 %, 95 %]");
+        writeln!(text, "{:<24}{:>9}{:>12}{:>24}{:>34}", "", "test", "its own", "declared model", after.map_or("-".into(), name));
+    let _ = writeln!(text, "{:<24}{:>9}{:>12}{:>24}{:>34}", "", "", "simulation", "mean [5 %, 95 %]", "mean [5 %, 95 %]");
     for (i, b) in c.before.iter().enumerate() {
         let own = c.source_simulation[i].map_or_else(|| "-".to_owned(), |v| format!("{v:.4}"));
         let a = after.map_or_else(|| "-".to_owned(), |e| cell(&e.figures[i]));
         let label = format!("{} {}{}", b.quantity.name(), b.statistic.name(), if b.fitted { "" } else { " *" });
-        let _ = writeln!(text, "{label:<24}{:>9.4}{own:>12}{:>24}{a:>28}", b.test, cell(b));
+        let _ = writeln!(text, "{label:<24}{:>9.4}{own:>12}{:>24}{a:>34}", b.test, cell(b));
     }
     if c.before.iter().any(|b| !b.fitted) {
         text.push_str("* not fitted, only held against the result\n");
@@ -77,8 +77,9 @@ pub(super) fn conclusions(c: &StatisticsClosing) -> Vec<String> {
     }
     if possible.len() > 1 {
         let names: Vec<String> = possible.iter().map(|e| name(e)).collect();
-        let power = c.separations.iter().map(|s| s.power).fold(0.0, f64::max);
-        let least = c.separations.iter().map(|s| s.power).fold(1.0, f64::min);
+        let both = |s: &&Separation| possible.iter().filter(|e| e.families == s.truth || e.families == s.other).count() > 1;
+        let power = c.separations.iter().filter(both).map(|s| s.power).fold(0.0, f64::max);
+        let least = c.separations.iter().filter(both).map(|s| s.power).fold(1.0, f64::min);
         all.push(format!(
             "These figures cannot decide between {}: had one of them been true, another would be rejected at 5 % in {:.0} to {:.0} % of \
              such runs.",
@@ -96,8 +97,12 @@ pub(super) fn conclusions(c: &StatisticsClosing) -> Vec<String> {
         }
     }
     if alone.is_empty() && !possible.is_empty() {
-        all.push("No single effect of the catalogue does it alone.".to_owned());
+        all.push("No single effect of the catalogue that was searched does it alone.".to_owned());
     }
+    all.push(
+        "A possible explanation is rejected wrongly in 5 % of runs. The search is not exhaustive: what is not listed is not excluded."
+            .to_owned(),
+    );
     if let Some(best) = c.explanations.first() {
         all.extend(held(best));
         let open: Vec<String> = best.parameters.iter().filter(|p| !p.decided).map(|p| p.name.clone()).collect();

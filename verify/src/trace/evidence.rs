@@ -4,6 +4,7 @@
 //! of six channels); unused entries are zero with unit variance.
 
 use super::fit::Fit;
+use super::repeat::Witnesses;
 use crate::close::ChannelResidual;
 use nalgebra::SMatrix;
 use windfall_model::Plant;
@@ -73,6 +74,18 @@ pub trait Evidence: Sync {
     fn residual_of(&self, plant: &Plant, run: usize) -> Residual;
     /// Duration of each run, s, for effects at an instant.
     fn durations_s(&self) -> Vec<f64>;
+    /// How many of the unit components have a known cause (a tracker, a launch), so that their size costs nothing.
+    fn known_causes(&self) -> usize {
+        0
+    }
+    /// Whether one residual is smaller than another by more than an error of the sensors that all runs share could make.
+    fn tells(&self, _before: &[f64], _after: &[f64]) -> bool {
+        true
+    }
+    /// The runs, where each is set up anew and an effect must repeat in them; none where the covariance within a run is known.
+    fn witnesses(&self) -> Option<Witnesses> {
+        None
+    }
     /// Index in the campaign of each run.
     fn run_indices(&self) -> Vec<usize>;
 }

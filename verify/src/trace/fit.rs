@@ -206,7 +206,9 @@ impl Problem<'_> {
             .map(|(f, _)| h.get(*f).powi(2).max(1e-8))
             .chain(h.generic.iter().map(|v| v.max(GENERIC_START)))
             .collect();
-        let from = |start: &[f64]| components(self.evidence.noise(), &parts, random.len(), z, start, effort);
+        let from = |start: &[f64]| {
+            components(self.evidence.noise(), &parts, random.len() + self.evidence.known_causes(), z, start, effort)
+        };
         let (mut sizes, mut l) = from(&start);
         if let Some(other) = self.instead(&parts, random.len(), &h.generic) {
             let (s, better) = from(&other);
@@ -498,6 +500,9 @@ impl Problem<'_> {
 const BOUND_ROUNDS: usize = 4;
 /// Iterations of the joint fit.
 const ITERATIONS: usize = 8;
+/// Part of a column that no other has, over its length, below which normal equations count as singular: columns are one-sided
+/// differences over steps of a thousandth, and agree no better than that when they are the same.
+const SINGULAR: f64 = 1e-3;
 /// Starting variance of the unmodelled residual, in units of its component (a hundredth of the noise floor).
 const GENERIC_START: f64 = 1e-2;
 
@@ -621,7 +626,7 @@ impl Normal {
         let p = self.g.len();
         let scale = DVector::from_fn(p, |i, _| 1.0 / self.v[(i, i)].max(f64::MIN_POSITIVE).sqrt());
         let scaled = |m: &DMatrix<f64>| scaled_back(m, &scale);
-        let inverse = scaled(&self.j).cholesky()?.inverse();
+        let inverse = scaled(&self.j).cholesky().filter(|c| c.l_dirty().diagonal().iter().all(|d| *d > SINGULAR))?.inverse();
         let g = DVector::from_fn(p, |i, _| self.g[i] * scale[i]);
         let delta = -(&inverse * g);
         let covariance = &inverse * scaled(&self.v) * &inverse;

@@ -2,17 +2,20 @@
 //!
 //! A run's residual is its measured track less the simulated one, with the initial position and velocity along the measured axes
 //! estimated inside (variable projection, Golub and Pereyra 1973). What is left is written in an orthonormal basis that is
-//! orthogonal to a change of initial state and runs from slow to fast: cosines of time, orthogonalised in that order. Bins are
-//! runs of twelve neighbouring basis functions, each with the full covariance of any noise in it.
+//! orthogonal to a change of initial state and runs from slow to fast: cosines of time, orthogonalised in that order, and before them
+//! what a steady push leaves, where that is a part of the unmodelled residual. Bins are runs of twelve neighbouring basis functions, each with the full covariance of any noise in it.
 //!
 //! Sensor noise is white, of the stated standard deviation or what the fast half of the orders shows, if that is less: a stated
 //! value that covers drift as well would hide the drift. The unmodelled residual has parts per axis whose sizes are fitted: more white noise; a random walk (what
 //! a drifting tracker leaves: variance falls with the square of the order); and, where there are runs enough to tell, what a
-//! random slow force leaves, different in every run. Without the second, tracks with correlated errors give intervals that are
-//! several times too short; without the third, scatter between launches counts as an effect.
+//! steady push and a random slow force leave, different in every run. Without the second, tracks with correlated errors give intervals that are
+//! several times too short; without the third, scatter between launches counts as an effect. What the tracker is
+//! stated to err may be the same in every run: no repetition tells that from an effect, so an effect must take more than the
+//! stated variance out of the tracks along some axis.
 
 use super::evidence::{BIN, Cov, Evidence, LeadTable, Residual};
 use super::fit::Fit;
+use super::repeat::Witnesses;
 use crate::VerifyError;
 use crate::close::ChannelResidual;
 use nalgebra::DVector;
@@ -65,10 +68,11 @@ impl PointEvidence {
     /// Tunnel runs; tracks with fewer than four samples; tracks that `around` cannot fly.
     pub fn new(campaign: &Campaign, indices: &[usize], around: &Plant) -> Result<Self, VerifyError> {
         let density_kg_m3 = campaign.plant.point.air_density_kg_m3;
+        let pushed = indices.len() >= RUNS_FOR_SCATTER;
         let tracks = indices
             .par_iter()
             .map(|&i| match &campaign.runs[i].data {
-                Data::Point(record) => Track::new(record, &campaign.runs[i].inputs, i, around, density_kg_m3),
+                Data::Point(record) => Track::new(record, &campaign.runs[i].inputs, i, around, density_kg_m3, pushed),
                 Data::Tunnel(_) => Err(VerifyError::NotPoint { run: campaign.runs[i].name.clone() }),
             })
             .collect::<Result<Vec<_>, _>>()?;
@@ -92,7 +96,11 @@ impl PointEvidence {
                 let extra = parts(tracks, variance, |a, s, r| if a == axis && same(s, r) { 1.0 } else { 0.0 });
                 let walk = parts(tracks, variance, |a, s, r| if a == axis { s.min(r) } else { 0.0 });
                 let force = parts(tracks, variance, |a, s, r| if a == axis { smooth(s, r) } else { 0.0 });
-                if tracks.len() < RUNS_FOR_SCATTER { vec![extra, walk] } else { vec![extra, walk, force] }
+                let mut all = vec![extra, walk];
+                if tracks.len() >= RUNS_FOR_SCATTER {
+                    all.extend([force, pushes(tracks, variance, axis)]);
+                }
+                all
             })
             .collect();
         (self.noise, self.generic) = (noise, generic);
@@ -260,6 +268,20 @@ impl Evidence for PointEvidence {
     fn durations_s(&self) -> Vec<f64> {
         self.tracks.iter().map(Track::duration_s).collect()
     }
+    fn known_causes(&self) -> usize {
+        self.generic.len()
+    }
+    fn tells(&self, before: &[f64], after: &[f64]) -> bool {
+        self.axes().into_iter().any(|axis| {
+            let places = self.places(axis);
+            let square = |z: &[f64]| places.iter().map(|(i, ..)| z[*i] * z[*i]).sum::<f64>();
+            square(before) - square(after) > self.variance_m2 * places.len() as f64
+        })
+    }
+    fn witnesses(&self) -> Option<Witnesses> {
+        let runs = self.tracks.len();
+        (runs >= RUNS_FOR_SCATTER).then(|| Witnesses { runs, axes: self.axes().len() })
+    }
     fn run_indices(&self) -> Vec<usize> {
         self.tracks.iter().map(|t| t.index).collect()
     }
@@ -267,12 +289,22 @@ impl Evidence for PointEvidence {
 
 /// One component of the unmodelled residual over all runs, scaled so that its mean variance where it acts is `variance`.
 fn parts(tracks: &[Track], variance: f64, kernel: impl Fn(usize, f64, f64) -> f64) -> Vec<Cov> {
-    let mut all: Vec<Cov> = tracks.iter().flat_map(|t| t.blocks(&kernel, 0.0)).collect();
+    let all: Vec<Cov> = tracks.iter().flat_map(|t| t.blocks(&kernel, 0.0)).collect();
+    scaled(all, tracks, variance, |a, end| kernel(a, end, end) > 0.0)
+}
+
+/// The component of a steady push along `axis`, different in every run, scaled likewise.
+fn pushes(tracks: &[Track], variance: f64, axis: usize) -> Vec<Cov> {
+    let all: Vec<Cov> = tracks.iter().flat_map(|t| t.push_blocks(axis)).collect();
+    scaled(all, tracks, variance, |a, _| a == axis)
+}
+
+fn scaled(mut all: Vec<Cov>, tracks: &[Track], variance: f64, acts: impl Fn(usize, f64) -> bool) -> Vec<Cov> {
     let trace: f64 = all.iter().map(nalgebra::Matrix::trace).sum();
     let used: f64 = tracks
         .iter()
         .flat_map(|t| t.axes.iter().map(move |&a| (t, a)))
-        .filter(|(t, a)| kernel(*a, t.duration_s(), t.duration_s()) > 0.0)
+        .filter(|(t, a)| acts(*a, t.duration_s()))
         .map(|(t, _)| t.t_s.len() as f64 - 2.0)
         .sum();
     let scale = variance * used / trace.max(f64::MIN_POSITIVE);

@@ -7,6 +7,7 @@ use super::evidence::Residual;
 use super::fit::{Columns, Fit, Normal, Point, Problem, Whitened};
 use super::hypothesis::{Free, Hypothesis, Instance};
 use super::likelihood::{Effort, Whitening};
+use super::repeat::weighed;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -96,7 +97,9 @@ impl<'a> Weighing<'a> {
 
     /// One form weighed.
     fn weighed(&self, form: Instance) -> Option<Candidate> {
-        if form.mean_strengths().next().is_none() {
+        if self.problem.evidence.witnesses().is_some() {
+            weighed(self.problem, self.fit, form)
+        } else if form.mean_strengths().next().is_none() {
             self.random(form)
         } else if form.is_local() {
             self.local(form)

@@ -16,6 +16,8 @@ const STEPS: usize = 40;
 pub(super) struct Track {
     pub(super) index: usize,
     pub(super) inputs: Vec<f64>,
+    /// Whether `basis` starts with what a steady push leaves.
+    pushed: bool,
     /// Times from the first sample, s.
     pub(super) t_s: Vec<f64>,
     /// Measured tunnel axes.
@@ -28,6 +30,8 @@ pub(super) struct Track {
     pub(super) state_basis: DMatrix<f64>,
     /// Orthonormal columns of what is left, slow to fast.
     pub(super) basis: DMatrix<f64>,
+    /// What a steady push of 1 m/s² along each measured axis leaves in as many first columns of `basis`, m, if it starts so.
+    pub(super) push: DMatrix<f64>,
     /// Residual in `basis` there, m.
     pub(super) laid: DVector<f64>,
     /// Inverse of the change of `state_basisᵀ · position` with the initial state.
@@ -41,6 +45,7 @@ impl Track {
         index: usize,
         around: &Plant,
         density: f64,
+        pushed: bool,
     ) -> Result<Self, VerifyError> {
         let axes: Vec<usize> = (0..3).filter(|&a| record.position_m[a].is_some()).collect();
         let n = record.t_s.len();
@@ -52,6 +57,7 @@ impl Track {
         let empty = DMatrix::zeros(0, 0);
         let mut track = Self {
             index,
+            pushed,
             inputs: inputs.to_vec(),
             t_s: record.t_s.iter().map(|t| t - t0).collect(),
             start: DVector::zeros(2 * axes.len()),
@@ -60,6 +66,7 @@ impl Track {
             state_basis: empty.clone(),
             basis: empty.clone(),
             laid: DVector::zeros(0),
+            push: empty.clone(),
             state_inverse: empty,
         };
         track.lay(around, density).ok_or(VerifyError::NotFlown { run: index })?;
@@ -88,12 +95,17 @@ impl Track {
         let (theta, e) = self.least_squares(&own, density, self.guess()?)?;
         let (_, jacobian) = self.linearised(&own, density, &theta)?;
         let states = jacobian.ncols();
+        let pushed = self.push_columns(&own, density, &theta)?;
         let mut columns = DMatrix::zeros(self.measured.len(), self.measured.len());
         columns.columns_mut(0, states).copy_from(&jacobian);
         let (n, end) = (self.t_s.len(), self.duration_s());
-        for k in 2..n {
+        let first = usize::from(self.pushed);
+        if self.pushed {
+            columns.columns_mut(states, self.axes.len()).copy_from(&pushed);
+        }
+        for k in 2..n - first {
             for a in 0..self.axes.len() {
-                let mut column = columns.column_mut(states + (k - 2) * self.axes.len() + a);
+                let mut column = columns.column_mut(states + (k - 2 + first) * self.axes.len() + a);
                 for (i, t) in self.t_s.iter().enumerate() {
                     column[a * n + i] = (std::f64::consts::PI * k as f64 * t / end).cos();
                 }
@@ -105,6 +117,7 @@ impl Track {
         self.state_inverse = (self.state_basis.transpose() * jacobian).try_inverse()?;
         self.start = theta;
         self.laid = self.basis.tr_mul(&e);
+        self.push = self.basis.columns(0, self.axes.len()).tr_mul(&pushed);
         Some(())
     }
 
@@ -172,6 +185,17 @@ impl Track {
         Some((self.flown(own, density, theta)?, jacobian))
     }
 
+    /// Change of positions with a steady push along each measured axis, per m/s²: central differences of a tenth.
+    fn push_columns(&self, own: &Plant, density: f64, theta: &DVector<f64>) -> Option<DMatrix<f64>> {
+        let at = |axis: usize, by: f64| {
+            let mut moved = own.clone();
+            moved.point.acceleration += Vec3::from_array(std::array::from_fn(|a| if a == axis { by } else { 0.0 }));
+            self.flown(&moved, density, theta)
+        };
+        let columns = self.axes.iter().map(|&axis| Some((at(axis, 0.1)? - at(axis, -0.1)?) / 0.2)).collect::<Option<Vec<_>>>()?;
+        Some(DMatrix::from_columns(&columns))
+    }
+
     /// Initial state under a plant, and the residual that it leaves, orthogonal to the state basis; Broyden's (1965) method
     /// from the state under the plant of the bases, so that the answer depends on the plant alone.
     pub(super) fn estimated(&self, plant: &Plant, density: f64) -> Option<(DVector<f64>, DVector<f64>)> {
@@ -209,6 +233,17 @@ impl Track {
         let mut z = self.basis.tr_mul(e).as_slice().to_vec();
         z.resize(self.bins() * BIN, 0.0);
         z
+    }
+
+    /// Covariance per bin of a steady push of 1 m/s² (standard deviation) along an axis.
+    pub(super) fn push_blocks(&self, axis: usize) -> Vec<Cov> {
+        let mut all = vec![Cov::zeros(); self.bins()];
+        if let Some(k) = self.axes.iter().position(|a| *a == axis) {
+            let c = self.push.column(k);
+            let m = c.len();
+            all[0].view_mut((0, 0), (m, m)).copy_from(&(c * c.transpose()));
+        }
+        all
     }
 
     /// Covariance per bin of noise that is independent between axes, from its kernel (axis, time, time) in time; entries that
