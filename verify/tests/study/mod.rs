@@ -178,7 +178,7 @@ impl Study {
         file.scenario.flights[2].duration_s = 20.0;
         let options = Options { flights: 0, ..Options::default() };
         // Kept until the program ends.
-        let null: &'static Campaign = Box::leak(Box::new(campaign(&file, &file.declared_plant, 1_000_000)));
+        let null: &'static Campaign = Box::leak(Box::new(campaign(&file, &file.declared_plant, 1_000_000).expect("it flies")));
         let (proof, fit) = declared(null, &options).expect("a campaign without effects is fitted");
         let (proof, fit): (&'static dyn Evidence, &'static Fit) = (Box::leak(proof), Box::leak(Box::new(fit)));
         let weighing = Weighing::new(Box::leak(Box::new(problem(null, proof))), fit).expect("and can be weighed");
@@ -194,7 +194,7 @@ impl Study {
         if let Some(second) = draw.families.get(1) {
             let mut plant = self.file.declared_plant.clone();
             (forms[0].effect.apply)(&mut plant, &forms[0].values);
-            let one = campaign(&self.file, &plant, 2_000_000 + draw.seed);
+            let one = campaign(&self.file, &plant, 2_000_000 + draw.seed)?;
             let (proof, fit) = declared(&one, &self.options).ok()?;
             let problem = problem(&one, proof.as_ref());
             let weighing = Weighing::new(&problem, &fit)?;
@@ -221,7 +221,7 @@ impl Study {
             (f.effect.apply)(&mut plant, &f.values);
         }
         let seed = draw.place as u64 * 1000 + draw.seed + 100_000 * (draw.families.len() as u64 + 4 * draw.size as u64);
-        let flown = campaign(&self.file, &plant, seed);
+        let Some(flown) = campaign(&self.file, &plant, seed) else { return nothing(OUT_OF_RANGE, None) };
         match close(&flown, &self.options) {
             Ok(c) => said(draw, &forms, &self.file.declared_plant, &c),
             Err(e) => nothing("error", Some(e.to_string())),
@@ -229,7 +229,7 @@ impl Study {
     }
 }
 
-/// Verdict of a draw whose family cannot be seen at such a size in these flights within its range: nothing was flown.
+/// Verdict of a draw whose family cannot be seen at such a size in these flights within its range, or makes them fail: not flown.
 pub(crate) const OUT_OF_RANGE: &str = "out of range";
 
 fn problem<'a>(campaign: &'a Campaign, evidence: &'a dyn Evidence) -> Problem<'a> {
@@ -249,21 +249,17 @@ fn between(tried: &[f64], rng: &mut ChaCha8Rng) -> f64 {
     }
 }
 
-fn campaign(file: &ScenarioFile, plant: &Plant, seed: u64) -> Campaign {
+/// A campaign of a plant; `None` when it cannot be flown, as with strong negative damping.
+fn campaign(file: &ScenarioFile, plant: &Plant, seed: u64) -> Option<Campaign> {
     let one = |(i, flight): (usize, &_)| fly(&plant.for_run(i, &[]), flight, Seed { campaign: seed, run: i as u64 });
     let flown: Vec<_> = file.scenario.flights.par_iter().enumerate().map(one).collect();
-    let records: Vec<_> = file
-        .scenario
-        .flights
-        .iter()
-        .zip(flown)
-        .map(|(f, r)| (f, r.expect("the lander stays in the tunnel's air").record))
-        .collect();
+    let records: Vec<_> =
+        file.scenario.flights.iter().zip(flown).map(|(f, r)| Some((f, r.ok()?.record))).collect::<Option<_>>()?;
     let mut campaign = campaign_of(&file.declared_plant, &records);
     campaign.plant.clone_from(&file.declared_plant);
     campaign.declared.clone_from(&file.declared);
     campaign.runs.retain(|r| r.used == Use::Identify || r.used == Use::HoldOut);
-    campaign
+    Some(campaign)
 }
 
 fn said(draw: &Draw, forms: &[Instance], truth: &Plant, c: &Closing) -> Planted {

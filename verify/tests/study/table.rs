@@ -13,7 +13,11 @@ pub(crate) fn report(all: &[Planted]) -> String {
     none.iter().for_each(|p| *absent.entry(format!("{} ({:?})", p.draw.families.join(" + "), p.draw.size)).or_default() += 1);
     if !absent.is_empty() {
         let list: Vec<String> = absent.iter().map(|(f, n)| format!("{f} {n}")).collect();
-        let _ = writeln!(text, "Not drawn, since too small to be seen so well within the family's range: {}.\n", list.join(", "));
+        let _ = writeln!(
+            text,
+            "Not drawn, since the family cannot be seen so well within its range or the lander could not fly: {}.\n",
+            list.join(", ")
+        );
     }
     let nulls: Vec<&Planted> = all.iter().filter(|p| p.draw.families.is_empty()).collect();
     let false_alarms = nulls.iter().filter(|p| !p.right()).count();
