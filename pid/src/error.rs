@@ -95,4 +95,10 @@ pub enum PidError {
         /// Campaign name.
         campaign: String,
     },
+    /// The plant has something that the integrated methods leave out.
+    #[error("the plant has {what}, which cannot be integrated here: use --method equation-error")]
+    NotIntegrable {
+        /// What it has.
+        what: &'static str,
+    },
 }

@@ -5,6 +5,7 @@
 
 mod angles;
 pub mod coefficients;
+mod equations;
 mod error;
 mod identification;
 mod identify;
