@@ -3,6 +3,7 @@
 use crate::PidError;
 use crate::coefficients::{Row, coefficients};
 use crate::identification::{CoefficientFit, DataSet, Estimate, Identification};
+use crate::output_error;
 use crate::regress::{Colour, Fit, Outcome, Prepared, Series, fit};
 use crate::smooth::{Smoother, TABLE_3_1_HZ, smooth};
 use crate::states::states;
@@ -17,6 +18,8 @@ pub enum Method {
     Thesis,
     /// Equation error: spline smoothing, C_Y and C_N together, standard errors for coloured residuals.
     EquationError,
+    /// Output error: maximum likelihood on the measured poses and tunnel speed, trajectories integrated.
+    OutputError,
 }
 
 impl Method {
@@ -26,6 +29,7 @@ impl Method {
         match self {
             Self::Thesis => "thesis",
             Self::EquationError => "equation-error",
+            Self::OutputError => "output-error",
         }
     }
     /// The smoother that belongs to the method.
@@ -33,7 +37,7 @@ impl Method {
     pub const fn smoother(self) -> Smoother {
         match self {
             Self::Thesis => Smoother::Thesis { cutoffs_hz: TABLE_3_1_HZ },
-            Self::EquationError => Smoother::Auto,
+            Self::EquationError | Self::OutputError => Smoother::Auto,
         }
     }
 }
@@ -72,10 +76,13 @@ pub fn process(name: &str, kind: &str, record: &Record, plant: &Plant, smoother:
 /// No usable run, a faulty record, fewer samples than parameters, or nothing that can be estimated. A parameter that the runs do
 /// not excite is left out and named in the warnings.
 pub fn identify(campaign: &Campaign, method: Method) -> Result<Identification, PidError> {
-    identify_with(campaign, method, &method.smoother())
+    match method {
+        Method::OutputError => output_error::identify(campaign, &output_error::Options::default()),
+        Method::Thesis | Method::EquationError => identify_with(campaign, method, &method.smoother()),
+    }
 }
 
-/// [`identify`] with another smoother.
+/// [`identify`] by regression, with another smoother; [`Method::OutputError`] counts as equation error here.
 ///
 /// # Errors
 /// As [`identify`].
@@ -268,7 +275,7 @@ fn run_series(group: &Group, run: &RunRows, campaign: &Campaign, method: Method)
     let parts: Vec<Series> = group.coefficients.iter().map(|&c| series(group, run, campaign, c)).collect();
     match method {
         Method::Thesis => vec![total(&parts)],
-        Method::EquationError => {
+        Method::EquationError | Method::OutputError => {
             let (weight, residuals) = (faded(run), Colour::Weighted(cosines(run)));
             parts.into_iter().map(|s| Series { weight: weight.clone(), residuals, ..s }).collect()
         }

@@ -10,6 +10,7 @@ mod error;
 mod identification;
 mod identify;
 mod instrument;
+pub mod output_error;
 pub mod regress;
 pub mod smooth;
 pub mod states;

@@ -8,10 +8,9 @@ mod terms;
 mod transition;
 
 use crate::PidError;
-use crate::states::t_bef;
 pub(crate) use number::{Dual, Number};
 use terms::Terms;
-pub(crate) use transition::{Segment, Transition};
+pub(crate) use transition::{Drive, INPUTS, Segment, Transition};
 use windfall_model::{Plant, VARIABLES, Variable};
 
 /// Number of states: c.m. position (m) and Euler angles (rad), then c.m. velocity in tunnel axes (m/s) and body rates (rad/s).
@@ -295,8 +294,21 @@ fn crossed_by<S: Number>(a: [S; 3], b: [f64; 3]) -> [S; 3] {
 
 /// Position of the geometric origin, m: what the motion capture reports.
 pub(crate) fn origin(x: &[f64; STATES], p_origin_cm: [f64; 3]) -> [f64; 3] {
-    let t = t_bef([x[3], x[4], x[5]]);
-    each(|i| x[i] - t[i][0] * p_origin_cm[0] - t[i][1] * p_origin_cm[1] - t[i][2] * p_origin_cm[2])
+    let arm = turned([x[3], x[4], x[5]], p_origin_cm);
+    each(|i| x[i] - arm[i])
+}
+
+/// Its slopes by the Euler angles, row by row; those by the c.m.'s position are ones.
+pub(crate) fn origin_slopes(x: &[f64; STATES], p_origin_cm: [f64; 3]) -> [[f64; 3]; 3] {
+    if p_origin_cm == [0.0; 3] {
+        return [[0.0; 3]; 3];
+    }
+    turned(each(|k| Dual::<3>::variable(x[3 + k], k)), p_origin_cm).map(|d| d.slopes.map(|s| -s))
+}
+
+fn turned<S: Number>([rx, ry, rz]: [S; 3], v: [f64; 3]) -> [S; 3] {
+    let ((sx, cx), (sy, cy), (sz, cz)) = (rx.sin_cos(), ry.sin_cos(), rz.sin_cos());
+    matrix(sx, cx, sy, cy, sz, cz).map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
 #[cfg(test)]

@@ -7,7 +7,13 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 /// What the equations of motion are written in: plain numbers, or numbers with derivatives.
 pub(crate) trait Number:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> + Add<f64, Output = Self> + Mul<f64, Output = Self>
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Neg<Output = Self>
+    + Add<f64, Output = Self>
+    + Mul<f64, Output = Self>
 {
     /// A constant.
     fn real(value: f64) -> Self;

@@ -1,5 +1,4 @@
 use super::*;
-use crate::equations::transition::{Drive, INPUTS};
 use crate::states::euler_rates;
 use windfall_model::frames::{EulerXyz, Vec3};
 use windfall_model::{
