@@ -3,10 +3,10 @@
 use crate::PidError;
 use crate::coefficients::{Row, coefficients};
 use crate::identification::{CoefficientFit, DataSet, Estimate, Identification};
-use crate::output_error;
 use crate::regress::{Colour, Fit, Outcome, Prepared, Series, fit};
 use crate::smooth::{Smoother, TABLE_3_1_HZ, smooth};
 use crate::states::states;
+use crate::{filter_error, output_error};
 use realfft::RealFftPlanner;
 use windfall_model::{Campaign, Coefficient, Data, Plant, Record, Use};
 
@@ -20,6 +20,8 @@ pub enum Method {
     EquationError,
     /// Output error: maximum likelihood on the measured poses and tunnel speed, trajectories integrated.
     OutputError,
+    /// Filter error: maximum likelihood of a Kalman filter's innovations, turbulence estimated with the parameters.
+    FilterError,
 }
 
 impl Method {
@@ -30,6 +32,7 @@ impl Method {
             Self::Thesis => "thesis",
             Self::EquationError => "equation-error",
             Self::OutputError => "output-error",
+            Self::FilterError => "filter-error",
         }
     }
     /// The smoother that belongs to the method.
@@ -37,7 +40,7 @@ impl Method {
     pub const fn smoother(self) -> Smoother {
         match self {
             Self::Thesis => Smoother::Thesis { cutoffs_hz: TABLE_3_1_HZ },
-            Self::EquationError | Self::OutputError => Smoother::Auto,
+            Self::EquationError | Self::OutputError | Self::FilterError => Smoother::Auto,
         }
     }
 }
@@ -78,11 +81,12 @@ pub fn process(name: &str, kind: &str, record: &Record, plant: &Plant, smoother:
 pub fn identify(campaign: &Campaign, method: Method) -> Result<Identification, PidError> {
     match method {
         Method::OutputError => output_error::identify(campaign, &output_error::Options::default()),
+        Method::FilterError => filter_error::identify(campaign, &output_error::Options::default()),
         Method::Thesis | Method::EquationError => identify_with(campaign, method, &method.smoother()),
     }
 }
 
-/// [`identify`] by regression, with another smoother; [`Method::OutputError`] counts as equation error here.
+/// [`identify`] by regression, with another smoother; a method that integrates counts as equation error here.
 ///
 /// # Errors
 /// As [`identify`].
@@ -275,7 +279,7 @@ fn run_series(group: &Group, run: &RunRows, campaign: &Campaign, method: Method)
     let parts: Vec<Series> = group.coefficients.iter().map(|&c| series(group, run, campaign, c)).collect();
     match method {
         Method::Thesis => vec![total(&parts)],
-        Method::EquationError | Method::OutputError => {
+        Method::EquationError | Method::OutputError | Method::FilterError => {
             let (weight, residuals) = (faded(run), Colour::Weighted(cosines(run)));
             parts.into_iter().map(|s| Series { weight: weight.clone(), residuals, ..s }).collect()
         }

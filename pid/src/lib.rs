@@ -7,6 +7,7 @@ mod angles;
 pub mod coefficients;
 mod equations;
 mod error;
+pub mod filter_error;
 mod identification;
 mod identify;
 mod instrument;

@@ -88,6 +88,7 @@ impl<'a> Craft<'a> {
         self.wind_shape([x[1], x[2]], [x[7], x[8]])
     }
 
+    #[inline(always)]
     fn wind_shape<S: Number>(&self, [y, z]: [S; 2], [vy, vz]: [S; 2]) -> WindShape<S> {
         let zero = S::real(0.0);
         if self.still {
@@ -300,7 +301,7 @@ pub(crate) fn origin(x: &[f64; STATES], p_origin_cm: [f64; 3]) -> [f64; 3] {
 
 /// Its slopes by the Euler angles, row by row; those by the c.m.'s position are ones.
 pub(crate) fn origin_slopes(x: &[f64; STATES], p_origin_cm: [f64; 3]) -> [[f64; 3]; 3] {
-    if p_origin_cm == [0.0; 3] {
+    if p_origin_cm.iter().all(|r| *r == 0.0) {
         return [[0.0; 3]; 3];
     }
     turned(each(|k| Dual::<3>::variable(x[3 + k], k)), p_origin_cm).map(|d| d.slopes.map(|s| -s))

@@ -24,21 +24,26 @@ pub(crate) trait Number:
     /// A function of two numbers: its value and both slopes here.
     fn chain2(self, other: Self, value: f64, slopes: [f64; 2]) -> Self;
 
+    #[inline(always)]
     fn sqrt(self) -> Self {
         let root = self.value().sqrt();
         self.chain(root, 0.5 / root)
     }
+    #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         let (s, c) = self.value().sin_cos();
         (self.chain(s, c), self.chain(c, -s))
     }
+    #[inline(always)]
     fn recip(self) -> Self {
         let r = 1.0 / self.value();
         self.chain(r, -r * r)
     }
+    #[inline(always)]
     fn abs(self) -> Self {
         self.chain(self.value().abs(), self.value().signum())
     }
+    #[inline(always)]
     fn powi(self, n: u8) -> Self {
         match n {
             0 => Self::real(1.0),
@@ -51,12 +56,14 @@ pub(crate) trait Number:
         }
     }
     /// sech²(self/width).
+    #[inline(always)]
     fn bump(self, width: f64) -> Self {
         let x = self.value() / width;
         let value = x.cosh().powi(-2);
         self.chain(value, -2.0 * value * x.tanh() / width)
     }
     /// Angle of the point (x, self).
+    #[inline(always)]
     fn atan2(self, x: Self) -> Self {
         let (b, a) = (self.value(), x.value());
         let square = a * a + b * b;

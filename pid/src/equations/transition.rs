@@ -8,8 +8,9 @@ use super::{Air, Craft, Dual, Extra, Number, STATES};
 
 /// Inputs at one instant: tunnel speed and its rate, gust velocity and its rate.
 pub(crate) const INPUTS: usize = 8;
-/// Directions of differentiation of the rate: state, air velocity, its rate, coefficients.
-const LANES: usize = STATES + 12;
+/// Directions of differentiation at a time: the state's, then air velocity, its rate and the coefficients. Two passes of twelve are
+/// half as long as one of twenty-four, whose numbers are too large to be copied without a call.
+const LANES: usize = STATES;
 
 /// How inputs follow from their own states `s` between two nodes: `inputs(τ) = M(τ) s`.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +53,8 @@ pub(crate) struct Segment<'a> {
 pub(crate) struct Transition {
     pub(crate) states: Vec<[f64; STATES]>,
     pub(crate) slopes: Vec<Vec<f64>>,
+    /// Slopes of the first rate by the inputs.
+    pub(crate) first_input: [[f64; INPUTS]; STATES],
     work: Work,
 }
 
@@ -139,6 +142,9 @@ impl Segment<'_> {
                 let inputs = self.drive.inputs(2 * step + half, s);
                 let at: [f64; STATES] = std::array::from_fn(|i| x[i] + h * a * k[i]);
                 let Some(linear) = self.linear(&at, self.air(step, half, &inputs), &inputs, &mut w.terms) else { return false };
+                if step == 0 && half == 0 {
+                    out.first_input = linear.by_input;
+                }
                 w.at.clear();
                 w.at.extend(slopes.iter().zip(&w.stage).map(|(s, k)| s + h * a * k));
                 self.variation(&linear, &self.drive.at[2 * step + half], &w.at, &w.terms, &mut w.stage);
@@ -185,25 +191,31 @@ impl Segment<'_> {
     fn linear(&self, x: &[f64; STATES], air: Air, inputs: &[f64; INPUTS], terms: &mut [f64]) -> Option<Linear> {
         type D = Dual<LANES>;
         let variables: [D; STATES] = std::array::from_fn(|i| D::variable(x[i], i));
-        let extra = Extra {
-            velocity: std::array::from_fn(|i| D::variable(inputs[2 + i], STATES + i)),
-            acceleration: std::array::from_fn(|i| D::variable(inputs[5 + i], STATES + 3 + i)),
-            coefficients: std::array::from_fn(|i| D::variable(0.0, STATES + 6 + i)),
+        let known = Extra {
+            velocity: std::array::from_fn(|i| D::real(inputs[2 + i])),
+            acceleration: std::array::from_fn(|i| D::real(inputs[5 + i])),
+            coefficients: [D::real(0.0); 6],
         };
-        let rate = self.craft.rate(&variables, air, &extra, self.parameters, terms)?;
+        let by_state = self.craft.rate(&variables, air, &known, self.parameters, terms)?;
+        let extra = Extra {
+            velocity: std::array::from_fn(|i| D::variable(inputs[2 + i], i)),
+            acceleration: std::array::from_fn(|i| D::variable(inputs[5 + i], 3 + i)),
+            coefficients: std::array::from_fn(|i| D::variable(0.0, 6 + i)),
+        };
+        let by_extra = self.craft.rate(&x.map(D::real), air, &extra, self.parameters, terms)?;
         let shape = self.craft.wind_per_speed(x);
         let dot = |a: &[f64], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let by_input = |d: &D| -> [f64; INPUTS] {
-            let (velocity, acceleration) = (&d.slopes[STATES..STATES + 3], &d.slopes[STATES + 3..STATES + 6]);
+            let (velocity, acceleration) = (&d.slopes[..3], &d.slopes[3..6]);
             let speed = dot(velocity, shape.along) + dot(acceleration, shape.rate);
-            let [a, b, c, d, e, f] = [0, 1, 2, 3, 4, 5].map(|k| d.slopes[STATES + k]);
+            let [a, b, c, d, e, f] = [0, 1, 2, 3, 4, 5].map(|k| d.slopes[k]);
             [speed, dot(acceleration, shape.along), a, b, c, d, e, f]
         };
         Some(Linear {
-            rate: rate.map(Number::value),
-            by_state: std::array::from_fn(|i| std::array::from_fn(|j| rate[i].slopes[j])),
-            by_input: std::array::from_fn(|i| by_input(&rate[i])),
-            by_coefficient: std::array::from_fn(|i| std::array::from_fn(|j| rate[i].slopes[STATES + 6 + j])),
+            rate: by_state.map(Number::value),
+            by_state: std::array::from_fn(|i| by_state[i].slopes),
+            by_input: std::array::from_fn(|i| by_input(&by_extra[i])),
+            by_coefficient: std::array::from_fn(|i| std::array::from_fn(|j| by_extra[i].slopes[6 + j])),
         })
     }
 }

@@ -73,7 +73,7 @@ pub(crate) fn ready<'a>(campaign: &'a Campaign, plants: &'a [RunPlant]) -> Resul
 }
 
 /// Members of each kind, in order of appearance.
-fn kinds(plants: &[RunPlant]) -> Vec<(String, Vec<usize>)> {
+pub(crate) fn kinds(plants: &[RunPlant]) -> Vec<(String, Vec<usize>)> {
     let mut kinds: Vec<(String, Vec<usize>)> = Vec::new();
     for (i, p) in plants.iter().enumerate() {
         match kinds.iter_mut().find(|(kind, _)| *kind == p.kind) {
@@ -145,7 +145,7 @@ impl SetWork<'_, '_> {
         DataSet {
             name: name.to_owned(),
             runs: runs.iter().map(|r| r.name.to_owned()).collect(),
-            parameters: estimates(self.campaign, solved, &covariance),
+            parameters: estimates(self.campaign, &solved.unknowns, &covariance, &solved.solution.covariance),
             fits: fits.into_iter().map(fit).collect(),
             condition_number: solved.solution.condition,
             n_samples: runs.iter().map(|r| r.record.len()).sum(),
@@ -169,18 +169,23 @@ fn fit(f: ChannelFit) -> CoefficientFit {
 }
 
 /// Estimates under every coefficient on which a parameter acts: side and normal force as one, as the regression has them.
-fn estimates(campaign: &Campaign, solved: &Solved, covariance: &DMatrix<f64>) -> Vec<Estimate> {
+pub(crate) fn estimates(
+    campaign: &Campaign,
+    unknowns: &Unknowns,
+    covariance: &DMatrix<f64>,
+    white: &DMatrix<f64>,
+) -> Vec<Estimate> {
     let structure = &campaign.plant.aero.structure;
     let mut out: Vec<Estimate> = Vec::new();
     for coefficient in Coefficient::ALL {
         for (i, name) in structure.parameters.iter().enumerate() {
-            let Some(column) = solved.unknowns.columns[i] else { continue };
+            let Some(column) = unknowns.columns[i] else { continue };
             let acts = structure.contributions.iter().any(|k| k.coefficient == coefficient && k.parameter == i);
             let label = if coefficient == Coefficient::CY { Coefficient::CN.name() } else { coefficient.name() };
             if !acts || out.iter().any(|e| e.coefficient == label && e.name == *name) {
                 continue;
             }
-            let estimate = solved.solution.parameters[i];
+            let estimate = unknowns.parameters[i];
             let std_error = covariance[(column, column)].max(0.0).sqrt();
             out.push(Estimate {
                 coefficient: label.to_owned(),
@@ -189,7 +194,7 @@ fn estimates(campaign: &Campaign, solved: &Solved, covariance: &DMatrix<f64>) ->
                 std_error,
                 rse_percent: (100.0 * std_error / estimate.abs()).min(f64::MAX),
                 ci95: [estimate - NORMAL_95 * std_error, estimate + NORMAL_95 * std_error],
-                std_error_white: solved.solution.covariance[(column, column)].max(0.0).sqrt(),
+                std_error_white: white[(column, column)].max(0.0).sqrt(),
             });
         }
     }

@@ -14,5 +14,9 @@ mod run;
 mod speed;
 
 pub use identify::identify;
+pub(crate) use identify::{NOT_NOISE, estimates, kinds, ready, run_plants};
+pub(crate) use problem::Unknowns;
 pub use problem::{Handling, Options, Prior, Solution, StopReason};
 pub use residual::ChannelFit;
+pub(crate) use residual::{low_frequency_p, spread};
+pub(crate) use run::{CHANNELS, Columns, Run, SPEED};

@@ -206,7 +206,15 @@ impl Unknowns {
         all.filter_map(|(c, v)| c.map(|c| (c, *v))).for_each(|(c, v)| values[c] = v);
         values
     }
-    fn moved(&self, step: &DVector<f64>, fraction: f64) -> Self {
+    /// Free parameters start from these values.
+    pub(crate) fn start(&mut self, values: &[f64]) {
+        for (i, column) in self.columns.iter().enumerate() {
+            if column.is_some() && values[i].is_finite() {
+                self.parameters[i] = values[i];
+            }
+        }
+    }
+    pub(crate) fn moved(&self, step: &DVector<f64>, fraction: f64) -> Self {
         let mut moved = self.clone();
         let own = moved.parameters.iter_mut().zip(&self.columns);
         own.chain(moved.biases.iter_mut().zip(&self.bias_columns)).for_each(|(v, c)| *v += c.map_or(0.0, |c| fraction * step[c]));
@@ -353,11 +361,11 @@ impl Search<'_, '_> {
     /// Variances of maximum likelihood given the residuals; what the initial states took is given back.
     fn update_noise(&mut self, misfits: &[Misfit]) {
         let floor = floor(self.runs);
-        for c in 0..CHANNELS {
+        for (c, floor) in floor.into_iter().enumerate() {
             let squares: f64 = misfits.iter().flat_map(|m| &m.residuals[c]).map(|r| r * r).sum();
             let count: usize = misfits.iter().map(|m| m.residuals[c].len()).sum();
             let taken = if c < 6 { 2.0 * self.runs.len() as f64 } else { 0.0 };
-            self.std[c] = (squares / (count as f64 - taken).max(1.0)).sqrt().max(floor[c]);
+            self.std[c] = (squares / (count as f64 - taken).max(1.0)).sqrt().max(floor);
         }
     }
     fn finish(mut self, normal: &Normal, misfits: Vec<Misfit>, iterations: usize, stop: StopReason) -> Outcome {

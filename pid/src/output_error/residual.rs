@@ -51,7 +51,8 @@ pub(crate) fn channel_fits(runs: &[Run<'_>], solved: &Solved) -> Vec<ChannelFit>
     crate::smooth::CHANNELS.into_iter().enumerate().map(fit).collect()
 }
 
-fn spread(x: &[f64]) -> f64 {
+/// Sum of squares about the mean.
+pub(crate) fn spread(x: &[f64]) -> f64 {
     let mean = x.iter().sum::<f64>() / x.len() as f64;
     x.iter().map(|v| (v - mean).powi(2)).sum()
 }
@@ -129,7 +130,6 @@ pub(crate) fn coloured(runs: &[Run<'_>], solved: &Solved) -> Option<DMatrix<f64>
 
 /// Adds `Σ_f Gᴴ P G` of one run; P is the mean of `r rᴴ/n` over `2·half + 1` frequencies.
 fn add_middle(middle: &mut DMatrix<f64>, residual: &[Vec<Complex64>], g: &[Vec<Vec<Complex64>>], n: usize, half: usize) {
-    let free = middle.nrows();
     let bins = residual[0].len();
     let length = 2 * n;
     for a in 0..CHANNELS {
@@ -143,11 +143,9 @@ fn add_middle(middle: &mut DMatrix<f64>, residual: &[Vec<Complex64>], g: &[Vec<V
                 let p = (running[to] - running[from]) / ((to - from) * n) as f64;
                 // Both halves of the spectrum, but for its ends.
                 let twice = if k == 0 || k == bins - 1 { 1.0 } else { 2.0 };
-                for i in 0..free {
-                    let left = g[a][i][k].conj() * p * (twice / length as f64);
-                    for j in 0..free {
-                        middle[(i, j)] += (left * g[b][j][k]).re;
-                    }
+                for (i, left) in g[a].iter().enumerate() {
+                    let left = left[k].conj() * p * (twice / length as f64);
+                    g[b].iter().enumerate().for_each(|(j, right)| middle[(i, j)] += (left * right[k]).re);
                 }
             }
         }

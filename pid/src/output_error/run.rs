@@ -30,12 +30,14 @@ pub(crate) struct Run<'a> {
     pub(crate) record: &'a Record,
     pub(crate) craft: Craft<'a>,
     pub(crate) interval_s: f64,
-    density: Vec<f64>,
+    pub(crate) density: Vec<f64>,
     drive: Drive,
     /// Samples of a piece.
     piece: usize,
     /// Standard deviation of the jump of the second derivative of tunnel speed at a node, m/s³.
     jump_std: f64,
+    /// Root of the intensity of that jump's process, m/s³ per root second.
+    pub(crate) jerk_root: f64,
     /// Noise as smoothing sees it.
     pub(crate) noise_std: [f64; CHANNELS],
     /// The run's trajectory as smoothing sees it.
@@ -118,6 +120,7 @@ impl<'a> Run<'a> {
             drive: Drive { states: SPEED, at: (0..=2 * piece).map(|i| parabola(0.5 * interval_s * i as f64)).collect() },
             piece,
             jump_std: (lively.intensity * piece_s).sqrt().max(1e-12) / scale,
+            jerk_root: lively.intensity.sqrt() / scale,
             noise_std,
             smoothed: Nominal { nodes: (0..record.len()).step_by(piece).map(node).collect() },
             craft,
@@ -147,7 +150,7 @@ impl<'a> Run<'a> {
     }
 
     /// Residuals (measured less predicted) of one sample.
-    fn residual(&self, sample: usize, x: &[f64; STATES], vw_m_s: f64, c: &Columns<'_>) -> [f64; CHANNELS] {
+    pub(crate) fn residual(&self, sample: usize, x: &[f64; STATES], vw_m_s: f64, c: &Columns<'_>) -> [f64; CHANNELS] {
         let p = origin(x, self.craft.plant.vehicle.p_origin_cm.to_array());
         let scale = 1.0 + self.craft.plant.sensors.wind_scale;
         let predicted = [p[0], p[1], p[2], x[3], x[4], x[5], vw_m_s * scale];
@@ -304,7 +307,15 @@ impl<'a> Run<'a> {
     }
 
     /// Slopes of one output at sample `i` of a piece by node and parameters.
-    fn output_slopes(&self, i: usize, channel: usize, turned: &[[f64; 3]; 3], work: &Transition, width: usize, out: &mut [f64]) {
+    pub(crate) fn output_slopes(
+        &self,
+        i: usize,
+        channel: usize,
+        turned: &[[f64; 3]; 3],
+        work: &Transition,
+        width: usize,
+        out: &mut [f64],
+    ) {
         if channel == 6 {
             let t = i as f64 * self.interval_s;
             let scale = 1.0 + self.craft.plant.sensors.wind_scale;
