@@ -96,6 +96,10 @@ pub(crate) enum MethodWord {
     Thesis,
     /// Joint side and normal force, ends handled, errors for coloured residuals
     EquationError,
+    /// Maximum likelihood of trajectories: right where sensors' noise is all there is
+    OutputError,
+    /// Maximum likelihood of a Kalman filter's innovations: right in turbulence, whose size and scale it estimates
+    FilterError,
 }
 
 /// `identify`.
@@ -103,9 +107,10 @@ pub(crate) enum MethodWord {
 pub(crate) struct IdentifyArgs {
     /// Campaign file (.toml)
     pub(crate) campaign: PathBuf,
-    /// How to identify
-    #[arg(long, value_enum, default_value = "equation-error")]
-    pub(crate) method: MethodWord,
+    /// How to identify [default: output-error where its residual is noise, filter-error where process noise is found; the result says
+    /// which and why]
+    #[arg(long, value_enum)]
+    pub(crate) method: Option<MethodWord>,
     #[command(flatten)]
     pub(crate) common: Common,
 }

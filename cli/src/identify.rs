@@ -3,7 +3,8 @@
 use crate::args::{IdentifyArgs, MethodWord};
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
-use windfall_pid::{DataSet, Identification, Method, identify};
+use windfall_pid::output_error::Options;
+use windfall_pid::{DataSet, Identification, Method, PidError, identify, identify_chosen};
 use windfall_scenarios::{read_campaign_with_warnings, write_json_atomically};
 
 /// Name of the result file.
@@ -13,14 +14,25 @@ pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool
     let (campaign, notes) = read_campaign_with_warnings(&args.campaign)?;
     notes.iter().for_each(|n| session.warn(n));
     let folder = session.outputs(&[FILE.to_owned()])?;
-    let method = match args.method {
+    let method = args.method.map(|word| match word {
         MethodWord::Thesis => Method::Thesis,
         MethodWord::EquationError => Method::EquationError,
-    };
+        MethodWord::OutputError => Method::OutputError,
+        MethodWord::FilterError => Method::FilterError,
+    });
     let spinner = session.spinner("identifying");
-    let found = session.pool()?.install(|| identify(&campaign, method));
+    let found = session.pool()?.install(|| match method {
+        Some(method) => identify(&campaign, method),
+        None => identify_chosen(&campaign, &Options::default()),
+    });
     spinner.finish_and_clear();
-    let found = found?;
+    let found = found.map_err(|e| match e {
+        PidError::NoAnswer { .. } => Failure::Numerical(e.into()),
+        other => other.into(),
+    })?;
+    if let Some(reason) = &found.reason {
+        session.say(&format!("method {}: {reason}", found.method));
+    }
     found.warnings.iter().for_each(|w| session.warn(w));
     if let Some(folder) = &folder {
         write_json_atomically(&folder.join(FILE), &found)?;

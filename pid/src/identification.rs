@@ -8,6 +8,9 @@ use windfall_model::Structure;
 pub struct Identification {
     /// Name of the method, as on the command line.
     pub method: String,
+    /// Why this method was taken, where it was not asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
     /// One result per kind of run, and `combined`.
     pub data_sets: Vec<DataSet>,
     /// What a user should know: a cause and a next step each.

@@ -4,6 +4,7 @@
 //! Appendix B by components and Euler angles; it never sees a simulator or its truth.
 
 mod angles;
+mod choice;
 pub mod coefficients;
 mod equations;
 mod error;
@@ -19,6 +20,7 @@ pub mod tether_fit;
 pub mod window;
 
 pub use angles::{Angles, rates_and_angles};
+pub use choice::identify_chosen;
 pub use error::PidError;
 pub use identification::{CoefficientFit, DataSet, Estimate, Identification};
 pub use identify::{Method, RunRows, identify, identify_with, process};

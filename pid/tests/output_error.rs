@@ -63,7 +63,8 @@ fn law_held_tied_and_prior() {
         assert_eq!((m.estimate, m.std_error), (n.estimate, n.std_error));
     }
     let free = combined(&c, &COMBINED);
-    let narrower = of("Cm", "Cm_1").expect("free").std_error / free.get("Cm", "Cm_1").expect("free").std_error;
+    // The bound itself: a held parameter that is off leaves a coloured residual, which widens the intervals.
+    let narrower = of("Cm", "Cm_1").expect("free").std_error_white / free.get("Cm", "Cm_1").expect("free").std_error_white;
     assert!(narrower < 0.95, "two axes tell more than one: {narrower}");
     let drawn = of("CN", "CN_sin").expect("free");
     assert!((drawn.estimate - 3.513).abs() < 1e-5 && drawn.std_error < 1.001e-6, "{drawn:?}");
