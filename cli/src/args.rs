@@ -20,6 +20,8 @@ pub(crate) enum Command {
     Simulate(SimulateArgs),
     /// Estimate parameters with intervals; each kind of run alone and combined
     Identify(IdentifyArgs),
+    /// How much more tunnel time, from which release angle, brings a parameter's error where it is wanted
+    Plan(PlanArgs),
     /// Fly the identified model against each run
     Resimulate(ResimulateArgs),
     /// Find what the declared model lacks: residual, effect, its numbers, errors before and after
@@ -46,6 +48,7 @@ impl Command {
         match self {
             Self::Simulate(a) => Some(&a.common),
             Self::Identify(a) => Some(&a.common),
+            Self::Plan(a) => Some(&a.common),
             Self::Resimulate(a) => Some(&a.common),
             Self::Close(a) => Some(&a.common),
             Self::Report(a) => Some(&a.common),
@@ -111,6 +114,21 @@ pub(crate) struct IdentifyArgs {
     /// which and why]
     #[arg(long, value_enum)]
     pub(crate) method: Option<MethodWord>,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+/// `plan`.
+#[derive(Args, Debug)]
+pub(crate) struct PlanArgs {
+    /// Campaign file (.toml)
+    pub(crate) campaign: PathBuf,
+    /// Parameter and wanted standard error, in percent of its estimate (Cm_2=5%) or in its unit (Cm_2=10); may be repeated
+    #[arg(long, value_name = "PARAMETER=ERROR", required = true, value_parser = crate::plan::target)]
+    pub(crate) target: Vec<windfall_pid::plan::Target>,
+    /// Time between runs that counts as tunnel time, s
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = crate::plan::seconds)]
+    pub(crate) between: f64,
     #[command(flatten)]
     pub(crate) common: Common,
 }

@@ -4,7 +4,7 @@ use crate::args::{IdentifyArgs, MethodWord};
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
 use windfall_pid::output_error::Options;
-use windfall_pid::{DataSet, Identification, Method, PidError, identify, identify_chosen};
+use windfall_pid::{DataSet, Identifiability, Identification, Method, identifiability, identify, identify_chosen};
 use windfall_scenarios::{read_campaign_with_warnings, write_json_atomically};
 
 /// Name of the result file.
@@ -21,15 +21,15 @@ pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool
         MethodWord::FilterError => Method::FilterError,
     });
     let spinner = session.spinner("identifying");
+    // What the data can carry, before fitting; a plant that cannot be integrated has none.
+    let told = identifiability(&campaign, &Options::default()).ok();
     let found = session.pool()?.install(|| match method {
         Some(method) => identify(&campaign, method),
         None => identify_chosen(&campaign, &Options::default()),
     });
     spinner.finish_and_clear();
-    let found = found.map_err(|e| match e {
-        PidError::NoAnswer { .. } => Failure::Numerical(e.into()),
-        other => other.into(),
-    })?;
+    let mut found = found.map_err(Failure::of_identification)?;
+    found.identifiability = told;
     if let Some(reason) = &found.reason {
         session.say(&format!("method {}: {reason}", found.method));
     }
@@ -50,8 +50,27 @@ pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool
 
 fn table(campaign: &str, found: &Identification) -> String {
     let mut text = format!("{campaign}, method {}\n", found.method);
+    if let Some(told) = &found.identifiability {
+        excitation(&mut text, told);
+    }
     found.data_sets.iter().for_each(|d| data_set(&mut text, d));
     text
+}
+
+/// What the runs can tell.
+fn excitation(text: &mut String, told: &Identifiability) {
+    let _ = writeln!(
+        text,
+        "these runs tell {} of {} parameters apart (condition number {:.3e})",
+        told.rank, told.free, told.condition
+    );
+    for c in &told.correlations {
+        let _ = writeln!(text, "  {} and {}: errors correlated by {:+.4}", c.first, c.second, c.correlation);
+    }
+    for set in &told.inseparable {
+        let _ =
+            writeln!(text, "  not separable by these runs: {}: hold one, or add a run that excites them apart", set.join(", "));
+    }
 }
 
 fn data_set(text: &mut String, d: &DataSet) {

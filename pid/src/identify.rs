@@ -114,7 +114,7 @@ pub fn identify_with(campaign: &Campaign, method: Method, smoother: &Smoother) -
             DataSetWork { name: &name, members: &members, runs: &runs, campaign }.solve(&prepared, &mut warnings)
         })
         .collect::<Result<_, _>>()?;
-    Ok(Identification { method: method.name().to_owned(), data_sets, warnings, reason: None })
+    Ok(Identification { method: method.name().to_owned(), data_sets, warnings, reason: None, identifiability: None })
 }
 
 /// Indices of runs: each kind in order of appearance, then all.

@@ -11,4 +11,6 @@
 mod filter;
 mod search;
 
+pub(crate) use filter::Filter;
+pub(crate) use search::NONE_M_S;
 pub use search::identify;

@@ -35,7 +35,7 @@ const LAST_DAMPING: f64 = 1e4;
 /// By how much the damping also shortens the whole step.
 const SHORTENING: f64 = 0.1;
 /// Size of a gust that is not there, m/s.
-const NONE_M_S: f64 = 1e-6;
+pub(crate) const NONE_M_S: f64 = 1e-6;
 /// A gust whose logarithm has a larger standard error cannot be told from none.
 const UNTOLD: f64 = 0.5;
 /// Where gusts explain the data, five to eight iterations are enough; where something else is missing, more do not help.
@@ -72,7 +72,7 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
         }
     }
     data_sets.push(combined);
-    Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None })
+    Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability: None })
 }
 
 /// Where the search is.

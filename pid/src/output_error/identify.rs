@@ -43,7 +43,7 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
         }
     }
     data_sets.push(combined.0);
-    Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None })
+    Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability: None })
 }
 
 /// Plant, index and kind of every run to identify on.

@@ -19,4 +19,4 @@ pub(crate) use problem::Unknowns;
 pub use problem::{Handling, Options, Prior, Solution, StopReason};
 pub use residual::ChannelFit;
 pub(crate) use residual::{low_frequency_p, spread};
-pub(crate) use run::{CHANNELS, Columns, Run, SPEED};
+pub(crate) use run::{CHANNELS, Columns, NODE, Run, SPEED};

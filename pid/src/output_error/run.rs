@@ -127,6 +127,30 @@ impl<'a> Run<'a> {
         })
     }
 
+    /// A run still to be flown: record without noise and its first node, for a filter that starts there.
+    pub(crate) fn planned(
+        record: &'a Record,
+        plant: &'a Plant,
+        first: [f64; NODE],
+        jerk_root: f64,
+        noise_std: [f64; CHANNELS],
+    ) -> Result<Self, PidError> {
+        let interval_s = record.interval_s();
+        Ok(Self {
+            name: "planned",
+            record,
+            interval_s,
+            density: record.ps_pa.iter().zip(&record.ts_k).map(|(p, t)| plant.environment.density_kg_m3(*p, *t)).collect(),
+            drive: Drive { states: SPEED, at: vec![parabola(0.0), parabola(0.5 * interval_s), parabola(interval_s)] },
+            piece: 1,
+            jump_std: (jerk_root * interval_s.sqrt()).max(1e-12),
+            jerk_root,
+            noise_std,
+            smoothed: Nominal { nodes: vec![first] },
+            craft: Craft::new(plant)?,
+        })
+    }
+
     /// First sample and number of samples of a piece; all but the last reach to the next node.
     fn span(&self, k: usize) -> (usize, usize) {
         let first = k * self.piece;
