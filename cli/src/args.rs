@@ -114,6 +114,9 @@ pub(crate) struct IdentifyArgs {
     /// which and why]
     #[arg(long, value_enum)]
     pub(crate) method: Option<MethodWord>,
+    /// Only all runs together, without each kind of run alone (methods that integrate)
+    #[arg(long)]
+    pub(crate) combined: bool,
     #[command(flatten)]
     pub(crate) common: Common,
 }

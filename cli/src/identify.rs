@@ -4,7 +4,9 @@ use crate::args::{IdentifyArgs, MethodWord};
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
 use windfall_pid::output_error::Options;
-use windfall_pid::{DataSet, Identifiability, Identification, Method, identifiability, identify, identify_chosen};
+use windfall_pid::{
+    DataSet, Identifiability, Identification, Method, filter_error, identifiability, identify, identify_chosen, output_error,
+};
 use windfall_scenarios::{read_campaign_with_warnings, write_json_atomically};
 
 /// Name of the result file.
@@ -22,10 +24,13 @@ pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool
     });
     let spinner = session.spinner("identifying");
     // What the data can carry, before fitting; a plant that cannot be integrated has none.
-    let told = identifiability(&campaign, &Options::default()).ok();
+    let options = Options { combined_only: args.combined, ..Options::default() };
+    let told = identifiability(&campaign, &options).ok();
     let found = session.pool()?.install(|| match method {
+        Some(Method::OutputError) => output_error::identify(&campaign, &options),
+        Some(Method::FilterError) => filter_error::identify(&campaign, &options),
         Some(method) => identify(&campaign, method),
-        None => identify_chosen(&campaign, &Options::default()),
+        None => identify_chosen(&campaign, &options),
     });
     spinner.finish_and_clear();
     let mut found = found.map_err(Failure::of_identification)?;

@@ -232,6 +232,7 @@ impl<'s> Scene<'s> {
             interval_s: self.interval_s,
             density: &density,
             steps,
+            spread_m_s: [0.0; 3],
         };
         let mut x = [0.0; STATES];
         // cos α_T = cos R_y cos R_z, with the two alike.

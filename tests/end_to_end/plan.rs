@@ -29,8 +29,9 @@ fn law_identify_first_says_what_the_runs_can_tell() {
     let dir = folder();
     done(&["simulate", "sage-combined", "--out", &text(dir.path())]);
     let campaign = text(&dir.path().join("campaign.toml"));
-    let ran = done(&["identify", &campaign, "--json"]);
+    let ran = done(&["identify", &campaign, "--combined", "--json"]);
     let json: Value = serde_json::from_str(&ran.out).expect("JSON and nothing else");
+    assert_eq!(json["data_sets"].as_array().map(Vec::len), Some(1), "all runs together alone");
     assert_eq!(json["identifiability"]["rank"], 11);
     let pairs = json["identifiability"]["correlations"].as_array().expect("a list");
     let roll = pairs.iter().any(|p| p["first"] == "Cl_0" && p["second"] == "Cl_p");

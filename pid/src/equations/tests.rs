@@ -118,6 +118,7 @@ fn exact_variational_equations_are_the_derivatives_of_the_map() {
         interval_s: 1.0 / 150.0,
         density: &[1.18; 20],
         steps: 20,
+        spread_m_s: [0.0; 3],
     };
     let inputs = [7.4, 0.2, -1.0, 0.3];
     let mut out = Transition::default();
@@ -175,6 +176,7 @@ fn order_four_of_the_integrator() {
             interval_s: h,
             density: &vec![1.18; steps],
             steps,
+            spread_m_s: [0.0; 3],
         };
         let mut out = Transition::default();
         assert!(segment.fly(STATE, &[7.4, 0.2], &mut out));
@@ -204,6 +206,7 @@ fn law_nose_on_flow_has_finite_slopes() {
         interval_s: 0.01,
         density: &[1.18],
         steps: 1,
+        spread_m_s: [0.0; 3],
     };
     let mut out = Transition::default();
     assert!(segment.differentiate([0.0; STATES], &[7.4], &mut out));

@@ -46,6 +46,9 @@ pub(crate) struct Segment<'a> {
     pub(crate) density: &'a [f64],
     /// Number of steps.
     pub(crate) steps: usize,
+    /// Standard deviation of the part of the gust's velocity that is not known, tunnel axes, m/s: rates are means over it, so that
+    /// what is not linear in the flow angles (a damping that grows with their square) acts as it does on average. Zeros: none.
+    pub(crate) spread_m_s: [f64; 3],
 }
 
 /// States after each step, and their derivatives by (state, input states, free parameters), row-major.
@@ -101,13 +104,7 @@ impl Segment<'_> {
             for (a, half, b) in RK4 {
                 let inputs = self.drive.inputs(2 * step + half, s);
                 let at: [f64; STATES] = std::array::from_fn(|i| x[i] + h * a * k[i]);
-                let extra = Extra {
-                    velocity: [inputs[2], inputs[3], inputs[4]],
-                    acceleration: [inputs[5], inputs[6], inputs[7]],
-                    coefficients: [0.0; 6],
-                };
-                let air = self.air(step, half, &inputs);
-                let Some(rate) = self.craft.rate(&at, air, &extra, self.parameters, &mut out.work.terms) else { return false };
+                let Some(rate) = self.rate(&at, (step, half), inputs, &mut out.work.terms) else { return false };
                 k = rate;
                 (0..STATES).for_each(|i| sum[i] += b * k[i]);
             }
@@ -141,7 +138,7 @@ impl Segment<'_> {
             for (a, half, b) in RK4 {
                 let inputs = self.drive.inputs(2 * step + half, s);
                 let at: [f64; STATES] = std::array::from_fn(|i| x[i] + h * a * k[i]);
-                let Some(linear) = self.linear(&at, self.air(step, half, &inputs), &inputs, &mut w.terms) else { return false };
+                let Some(linear) = self.linear(&at, (step, half), inputs, &mut w.terms) else { return false };
                 if step == 0 && half == 0 {
                     out.first_input = linear.by_input;
                 }
@@ -188,7 +185,61 @@ impl Segment<'_> {
         }
     }
 
-    fn linear(&self, x: &[f64; STATES], air: Air, inputs: &[f64; INPUTS], terms: &mut [f64]) -> Option<Linear> {
+    /// Inputs with the unresolved gust on either side; signs change from step to step so that its axes do not mix.
+    fn spread_inputs(&self, step: usize, inputs: [f64; INPUTS]) -> [[f64; INPUTS]; 2] {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the number of a sample")]
+        let pattern = ((self.start_s / self.interval_s).round() as usize + step) % 4;
+        let sign = [1.0, if pattern < 2 { 1.0 } else { -1.0 }, if pattern.is_multiple_of(2) { 1.0 } else { -1.0 }];
+        [1.0, -1.0].map(|side| {
+            let mut moved = inputs;
+            (0..3).for_each(|k| moved[2 + k] += side * sign[k] * self.spread_m_s[k]);
+            moved
+        })
+    }
+
+    fn is_spread(&self) -> bool {
+        self.spread_m_s.iter().any(|s| *s > 0.0)
+    }
+
+    /// Rate of the state, the mean over the unresolved gust.
+    fn rate(&self, x: &[f64; STATES], at: (usize, usize), inputs: [f64; INPUTS], terms: &mut [f64]) -> Option<[f64; STATES]> {
+        let mut one = |inputs: &[f64; INPUTS]| {
+            let extra = Extra {
+                velocity: [inputs[2], inputs[3], inputs[4]],
+                acceleration: [inputs[5], inputs[6], inputs[7]],
+                coefficients: [0.0; 6],
+            };
+            self.craft.rate(x, self.air(at.0, at.1, inputs), &extra, self.parameters, terms)
+        };
+        if !self.is_spread() {
+            return one(&inputs);
+        }
+        let [a, b] = self.spread_inputs(at.0, inputs);
+        let (a, b) = (one(&a)?, one(&b)?);
+        Some(std::array::from_fn(|i| 0.5 * (a[i] + b[i])))
+    }
+
+    /// Rate and its derivatives, the mean over the unresolved gust.
+    fn linear(&self, x: &[f64; STATES], at: (usize, usize), inputs: [f64; INPUTS], terms: &mut [f64]) -> Option<Linear> {
+        if !self.is_spread() {
+            return self.linear_at(x, self.air(at.0, at.1, &inputs), &inputs, terms);
+        }
+        let [a, b] = self.spread_inputs(at.0, inputs);
+        let mut mean = self.linear_at(x, self.air(at.0, at.1, &a), &a, terms)?;
+        let first = terms.to_vec();
+        let other = self.linear_at(x, self.air(at.0, at.1, &b), &b, terms)?;
+        terms.iter_mut().zip(first).for_each(|(t, f)| *t = 0.5 * (*t + f));
+        let average = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a = 0.5 * (*a + b));
+        average(&mut mean.rate, &other.rate);
+        for i in 0..STATES {
+            average(&mut mean.by_state[i], &other.by_state[i]);
+            average(&mut mean.by_input[i], &other.by_input[i]);
+            average(&mut mean.by_coefficient[i], &other.by_coefficient[i]);
+        }
+        Some(mean)
+    }
+
+    fn linear_at(&self, x: &[f64; STATES], air: Air, inputs: &[f64; INPUTS], terms: &mut [f64]) -> Option<Linear> {
         type D = Dual<LANES>;
         let variables: [D; STATES] = std::array::from_fn(|i| D::variable(x[i], i));
         let known = Extra {

@@ -1,10 +1,14 @@
 //! pid: the extended Kalman filter of one run in gusts. In: run, parameters, turbulence, noise. Out: innovations with their
 //! covariance, and how both depend on what is estimated.
 //!
-//! States: motion (12), tunnel speed and two derivatives (3), gusts of Dryden form (1 axial, 2 for each lateral axis). Nodes every
-//! [`PIECE_S`]; the samples from one node to the next are one measurement. Driving noise enters by the trapezoidal rule, half
-//! before and half after the node's transition: errors of second order in node interval over gust time scale (1 % of a gust's rms
-//! at 0.6 m scale and 7.4 m/s). The white part of a gust's rate acts on the wind-angle rates, through them on the body rates.
+//! States: motion (12), tunnel speed and two derivatives (3), gusts of Dryden form (1 axial, 2 for each lateral axis). Driving noise
+//! enters by the trapezoidal rule, half before and half after each sample's transition: errors of second order in the sample interval over
+//! the gust's time scale (0.1 % of a gust's rms at 150 Hz, 0.6 m and 7.4 m/s). The white part of a gust's rate acts on the wind-angle
+//! rates, through them on the body rates.
+//!
+//! Gusts are known only in part. Where forces are not linear in the flow angles, the unknown part acts on average: in 0.1 m/s of gusts
+//! the damping C_m,2 α² has C_m,2 × 1.8e-4 = −0.037 of C_m,1 more than at the mean angle, a standard error of it. Rates and slopes are
+//! therefore means over two opposite points of that part (statistical linearisation; Gelb 1974, §6.2).
 
 use crate::equations::{Drive, INPUTS, STATES, Segment, Transition, origin_slopes};
 use crate::output_error::{CHANNELS, Columns, Run, SPEED};
@@ -14,8 +18,8 @@ use windfall_model::{Disturbance, Entry, ShapingFilter, Turbulence};
 /// Gust states, and all states.
 const GUSTS: usize = 6;
 pub(crate) const ALL: usize = STATES + SPEED + GUSTS;
-/// Nodes this far apart, s: a quarter of the time in which a gust of 0.6 m passes at 7.4 m/s.
-const PIECE_S: f64 = 0.02;
+/// Nodes this far apart, s, or a sample where that is longer: a twelfth of the time in which a gust of 0.6 m passes at 7.4 m/s.
+const PIECE_S: f64 = 0.0067;
 /// Spread of the first state about the smoothed one: wide against its error, so that the data decide (m, rad, m/s, rad/s, and
 /// tunnel speed with its derivatives).
 const START_STD: [f64; STATES + SPEED] = [0.02, 0.02, 0.02, 0.05, 0.05, 0.05, 0.2, 0.2, 0.2, 0.4, 0.4, 0.4, 0.05, 1.0, 5.0];
@@ -195,7 +199,8 @@ impl<'r, 'a> Filter<'r, 'a> {
         let mut slopes = DVector::zeros(c.free);
         for k in 0..self.pieces() {
             let (x, inputs) = split(&z);
-            let segment = self.segment(k, &g, c);
+            let unknown = |axis: usize| p[STATES + SPEED + 2 * axis][STATES + SPEED + 2 * axis].max(0.0).sqrt();
+            let segment = self.segment(k, &g, c, [0, 1, 2].map(unknown));
             if !segment.differentiate(x, &inputs, work) {
                 return None;
             }
@@ -273,7 +278,7 @@ impl<'r, 'a> Filter<'r, 'a> {
         pass
     }
 
-    fn segment<'s>(&'s self, k: usize, g: &'s Gusts, c: &Columns<'s>) -> Segment<'s> {
+    fn segment<'s>(&'s self, k: usize, g: &'s Gusts, c: &Columns<'s>, spread_m_s: [f64; 3]) -> Segment<'s> {
         let first = k * self.piece;
         Segment {
             craft: &self.run.craft,
@@ -285,6 +290,7 @@ impl<'r, 'a> Filter<'r, 'a> {
             interval_s: self.run.interval_s,
             density: &self.run.density[first..],
             steps: self.piece,
+            spread_m_s,
         }
     }
 

@@ -170,6 +170,7 @@ impl<'a> Run<'a> {
             interval_s: self.interval_s,
             density: &self.density[first..],
             steps: if last { samples - 1 } else { samples },
+            spread_m_s: [0.0; 3],
         }
     }
 
