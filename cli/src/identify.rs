@@ -23,9 +23,7 @@ pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool
         MethodWord::FilterError => Method::FilterError,
     });
     let spinner = session.spinner("identifying");
-    // What the data can carry, before fitting; a plant that cannot be integrated has none.
     let options = Options { combined_only: args.combined, ..Options::default() };
-    let told = identifiability(&campaign, &options).ok();
     let found = session.pool()?.install(|| match method {
         Some(Method::OutputError) => output_error::identify(&campaign, &options),
         Some(Method::FilterError) => filter_error::identify(&campaign, &options),
@@ -34,7 +32,10 @@ pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool
     });
     spinner.finish_and_clear();
     let mut found = found.map_err(Failure::of_identification)?;
-    found.identifiability = told;
+    if found.identifiability.is_none() {
+        // A plant that cannot be integrated has none.
+        found.identifiability = session.pool()?.install(|| identifiability(&campaign, &options)).ok();
+    }
     if let Some(reason) = &found.reason {
         session.say(&format!("method {}: {reason}", found.method));
     }
@@ -89,21 +90,21 @@ fn data_set(text: &mut String, d: &DataSet) {
     );
     let _ = writeln!(
         text,
-        "{:<6}{:<10}{:>14}{:>12}{:>10}   {:<28}{:>12}",
+        "{:<11}{:<16}{:>14}{:>12}{:>10}   {:<28}{:>12}",
         "coef", "parameter", "estimate", "std error", "RSE %", "95 % interval", "white s.e."
     );
     for p in &d.parameters {
         let interval = format!("[{:.6}, {:.6}]", p.ci95[0], p.ci95[1]);
         let _ = writeln!(
             text,
-            "{:<6}{:<10}{:>14.6}{:>12.3e}{:>10.3}   {interval:<28}{:>12.3e}",
+            "{:<11}{:<16}{:>14.6}{:>12.3e}{:>10.3}   {interval:<28}{:>12.3e}",
             p.coefficient, p.name, p.estimate, p.std_error, p.rse_percent, p.std_error_white
         );
     }
     for f in &d.fits {
         let _ = writeln!(
             text,
-            "{:<6}R² = {:.6}, residual std = {:.3e}, p(white) = {:.3}",
+            "{:<11}R² = {:.6}, residual std = {:.3e}, p(white) = {:.3}",
             f.coefficient, f.r2, f.residual_std, f.residual_whiteness_p
         );
     }

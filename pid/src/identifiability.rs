@@ -2,13 +2,13 @@
 //! parameters, their correlations, which of them these runs cannot separate, and the errors to expect.
 //!
 //! Output error's sensitivities along the smoothed records (initial states and tunnel speed eliminated), at the parameters that
-//! regression gives; singular values of columns scaled to unit length (Belsley, Kuh and Welsch 1980, §3.2; Klein and Morelli 2006,
+//! regression gives or at the declared ones; singular values of columns scaled to unit length (Belsley, Kuh and Welsch 1980, §3.2; Klein and Morelli 2006,
 //! §5.5).
 
 use crate::equations::Transition;
 use crate::error::PidError;
 use crate::identify::{Method, identify_with};
-use crate::output_error::{Options, Unknowns, ready, run_plants};
+use crate::output_error::{Options, Run, Unknowns, ready, run_plants};
 use crate::smooth::Smoother;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -19,9 +19,8 @@ use windfall_model::Campaign;
 const RANK_TOLERANCE: f64 = 1e-10;
 /// Part of a unit vector from which a parameter counts as belonging to a combination.
 const BELONGS: f64 = 0.1;
-/// Correlation from which two parameters are reported, and from which they count as inseparable by these runs.
+/// Correlation from which two parameters are reported.
 const REPORTED: f64 = 0.9;
-const INSEPARABLE: f64 = 0.9999;
 
 /// What a campaign's runs can tell of its declared parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,7 +33,8 @@ pub struct Identifiability {
     pub condition: f64,
     /// Pairs correlated by 0.9 or more, strongest first.
     pub correlations: Vec<Correlation>,
-    /// Sets of parameters that these runs cannot separate: not at all, or only at correlations above 0.9999.
+    /// Sets of parameters that these runs cannot separate: not at all, or with correlated errors
+    /// of which both are larger than the parameters themselves.
     pub inseparable: Vec<Vec<String>>,
     /// Standard error to expect of each parameter where sensors' noise is all there is; none where the rank is deficient.
     pub expected: Vec<(String, f64)>,
@@ -67,24 +67,27 @@ pub fn identifiability(campaign: &Campaign, options: &Options) -> Result<Identif
     {
         unknowns.start(&set.values(&campaign.plant.aero.structure, &unknowns.parameters));
     }
+    of_runs(&runs, &unknowns).ok_or_else(|| PidError::NoAnswer {
+        campaign: campaign.name.clone(),
+        set: "combined".to_owned(),
+        method: "identifiability",
+        reason: crate::output_error::StopReason::FlightFails.words(),
+    })
+}
+
+/// Examines runs made ready, at these unknowns; `None` where the flight cannot go on.
+pub(crate) fn of_runs(runs: &[Run<'_>], unknowns: &Unknowns) -> Option<Identifiability> {
     let (c, mut work) = (unknowns.columns(), Transition::default());
     let mut a = DMatrix::<f64>::zeros(runs.len() * c.free, c.free);
     for (i, run) in runs.iter().enumerate() {
-        let linear = run.linearise(&run.smoothed, &c, &run.noise_std.map(|s| s.max(1e-9)), &mut work).ok_or_else(|| {
-            PidError::NoAnswer {
-                campaign: campaign.name.clone(),
-                set: run.name.to_owned(),
-                method: "identifiability",
-                reason: crate::output_error::StopReason::FlightFails.words(),
-            }
-        })?;
+        let linear = run.linearise(&run.smoothed, &c, &run.noise_std.map(|s| s.max(1e-9)), &mut work)?;
         a.view_mut((i * c.free, 0), (c.free, c.free)).copy_from(&linear.information.view((0, 0), (c.free, c.free)));
     }
-    Ok(examine(a, &unknowns.names))
+    Some(examine(a, &unknowns.names, &unknowns.values()))
 }
 
 /// Examines sensitivities, a row per whitened measurement.
-fn examine(mut a: DMatrix<f64>, names: &[String]) -> Identifiability {
+fn examine(mut a: DMatrix<f64>, names: &[String], values: &[f64]) -> Identifiability {
     let free = names.len();
     let scale: Vec<f64> = a.column_iter().map(|c| c.norm()).map(|s| if s.is_normal() { s } else { 1.0 }).collect();
     a.column_iter_mut().zip(&scale).for_each(|(mut c, s)| c /= *s);
@@ -115,13 +118,14 @@ fn examine(mut a: DMatrix<f64>, names: &[String]) -> Identifiability {
             for j in i + 1..free {
                 let correlation = covariance(i, j) / (errors[i] * errors[j]);
                 if correlation.abs() >= REPORTED {
+                    if [i, j].iter().all(|k| errors[*k] / scale[*k] > values[*k].abs()) {
+                        inseparable.push(vec![names[i].clone(), names[j].clone()]);
+                    }
                     correlations.push(Correlation { first: names[i].clone(), second: names[j].clone(), correlation });
                 }
             }
         }
         correlations.sort_by(|a, b| b.correlation.abs().total_cmp(&a.correlation.abs()));
-        let close = correlations.iter().filter(|c| c.correlation.abs() > INSEPARABLE);
-        inseparable.extend(close.map(|c| vec![c.first.clone(), c.second.clone()]));
     }
     let condition = (largest / singular.min()).min(f64::MAX);
     Identifiability { free, rank, condition, correlations, inseparable, expected }
@@ -140,7 +144,8 @@ mod tests {
     fn exact_two_correlated_parameters() {
         let r = 0.95_f64;
         let a = DMatrix::from_row_slice(2, 2, &[2.0, 2.0 * r, 0.0, 2.0 * (1.0 - r * r).sqrt()]);
-        let found = examine(a, &names(2));
+        let found = examine(a.clone(), &names(2), &[10.0, 10.0]);
+        assert_eq!(examine(a, &names(2), &[1.0, 1.0]).inseparable, vec![names(2)], "errors of 1.6");
         assert_eq!((found.rank, found.correlations.len(), found.inseparable.len()), (2, 1, 0));
         assert!((found.correlations[0].correlation + r).abs() < 1e-12, "{found:?}");
         for (_, e) in &found.expected {
@@ -152,7 +157,7 @@ mod tests {
     #[test]
     fn exact_inseparable_parameters_are_named() {
         let a = DMatrix::from_row_slice(3, 3, &[1.0, 2.0, 0.0, 3.0, 6.0, 1.0, -1.0, -2.0, 1.0]);
-        let found = examine(a, &names(3));
+        let found = examine(a, &names(3), &[1.0; 3]);
         assert_eq!((found.rank, found.inseparable), (2, vec![names(2)]));
     }
 }

@@ -12,7 +12,7 @@ pub struct Identification {
     /// Why this method was taken, where it was not asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// What the runs can tell at all, all together, where it was asked for.
+    /// What all runs together can tell at all, seen before fitting; none where they cannot be integrated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub identifiability: Option<Identifiability>,
     /// One result per kind of run, and `combined`.

@@ -3,6 +3,7 @@
 use super::filter::{Filter, Pass, Seen};
 use crate::PidError;
 use crate::equations::Transition;
+use crate::identifiability::of_runs;
 use crate::identification::{CoefficientFit, DataSet, Estimate, Identification};
 use crate::output_error::{
     CHANNELS, Columns, NOT_NOISE, Options, Run, StopReason, Unknowns, estimates, kinds, low_frequency_p, ready, run_plants,
@@ -58,6 +59,7 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
     {
         unknowns.start(&set.values(&campaign.plant.aero.structure, &unknowns.parameters));
     }
+    let identifiability = if unknowns.free() > 0 { of_runs(&runs, &unknowns) } else { None };
     let mut warnings = Vec::new();
     let mut data_sets = Vec::new();
     let all: Vec<usize> = (0..runs.len()).collect();
@@ -72,7 +74,7 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
         }
     }
     data_sets.push(combined);
-    Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability: None })
+    Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability })
 }
 
 /// Where the search is.

@@ -4,6 +4,7 @@ use super::problem::{Options, Outcome, Solved, StopReason, Unknowns, solve};
 use super::residual::{ChannelFit, channel_fits, coloured};
 use super::run::{Nominal, Run};
 use crate::PidError;
+use crate::identifiability::of_runs;
 use crate::identification::{CoefficientFit, DataSet, Estimate, Identification};
 use nalgebra::DMatrix;
 use windfall_model::{Campaign, Coefficient, Data, Plant, Use};
@@ -24,6 +25,7 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;
     let unknowns = Unknowns::new(campaign, options)?;
+    let identifiability = if unknowns.free() > 0 { of_runs(&runs, &unknowns) } else { None };
     let mut warnings = Vec::new();
     let all: Vec<usize> = (0..runs.len()).collect();
     let start = runs.iter().map(|r| r.smoothed.clone()).collect();
@@ -43,7 +45,7 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
         }
     }
     data_sets.push(combined.0);
-    Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability: None })
+    Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability })
 }
 
 /// Plant, index and kind of every run to identify on.
