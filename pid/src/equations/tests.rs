@@ -215,3 +215,40 @@ fn law_nose_on_flow_has_finite_slopes() {
     let slope = out.slopes[0][10 * 13 + 4] / 0.01;
     assert!((slope / stiffness - 1.0).abs() < 0.05, "{slope} {stiffness}");
 }
+
+/// A body that pitches with its nose on the flow, in a side gust of which only the standard deviation is known: α² is σ²/V² on average,
+/// so C_m,2 adds C_m,2 σ²/V² to the damping of q + α̇ = 2q. What else is of second order acts on C_m,1: 1/60 of that.
+#[test]
+fn exact_unknown_gust_adds_the_mean_of_damping_that_grows_with_the_angle() {
+    let mut plant = plant();
+    plant.flow = MeanFlow::default();
+    plant.tether = None;
+    plant.vehicle.p_origin_cm = Vec3::zero();
+    let craft = Craft::new(&plant).expect("integrable");
+    let drive = Drive { states: 1, at: vec![[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0].to_vec(); 3] };
+    let (h, q, sigma, vw) = (1e-4, 0.1, 0.1, 7.4);
+    let mut x = [0.0; STATES];
+    x[10] = q;
+    let rate = |spread_m_s: [f64; 3]| {
+        let segment = Segment {
+            craft: &craft,
+            drive: &drive,
+            parameters: &TABLE_5_5,
+            columns: &[None; 11],
+            free: 0,
+            start_s: 0.0,
+            interval_s: h,
+            density: &[1.18],
+            steps: 1,
+            spread_m_s,
+        };
+        let mut out = Transition::default();
+        assert!(segment.fly(x, &[vw], &mut out));
+        (out.states[0][10] - q) / h
+    };
+    let inertia = plant.vehicle.inertia.matrix()[(1, 1)];
+    let scale = 0.5 * 1.18 * vw * vw * plant.vehicle.area_m2() * 0.2125 / inertia * 0.25 * 0.2125 / vw * 2.0 * q;
+    let added = (rate([0.0, 0.0, sigma]) - rate([0.0; 3])) / scale;
+    let expected = TABLE_5_5[8] * (sigma / vw).powi(2);
+    assert!((added / expected - 1.0).abs() < 0.04, "{added} {expected}");
+}
