@@ -21,6 +21,8 @@ pub(crate) enum Command {
     Simulate(SimulateArgs),
     /// Estimate parameters with intervals; each kind of run alone and combined
     Identify(IdentifyArgs),
+    /// How much more tunnel time, from which release angle, brings a parameter's error where it is wanted
+    Plan(PlanArgs),
     /// Fly the identified model against each run
     Resimulate(ResimulateArgs),
     /// Find what the declared model lacks: residual, effect, its numbers, errors before and after
@@ -51,6 +53,7 @@ impl Command {
         match self {
             Self::Simulate(a) => Some(&a.common),
             Self::Identify(a) => Some(&a.common),
+            Self::Plan(a) => Some(&a.common),
             Self::Resimulate(a) => Some(&a.common),
             Self::Close(a) => Some(&a.common),
             Self::Study(a) => Some(&a.common),
@@ -102,6 +105,10 @@ pub(crate) enum MethodWord {
     Thesis,
     /// Joint side and normal force, ends handled, errors for coloured residuals
     EquationError,
+    /// Maximum likelihood of trajectories: right where sensors' noise is all there is
+    OutputError,
+    /// Maximum likelihood of a Kalman filter's innovations: right in turbulence, whose size and scale it estimates
+    FilterError,
 }
 
 /// `identify`.
@@ -109,9 +116,28 @@ pub(crate) enum MethodWord {
 pub(crate) struct IdentifyArgs {
     /// Campaign file (.toml)
     pub(crate) campaign: PathBuf,
-    /// How to identify
-    #[arg(long, value_enum, default_value = "equation-error")]
-    pub(crate) method: MethodWord,
+    /// How to identify [default: output-error where its residual is noise, filter-error where process noise is found; the result says
+    /// which and why]
+    #[arg(long, value_enum)]
+    pub(crate) method: Option<MethodWord>,
+    /// Only all runs together, without each kind of run alone (methods that integrate)
+    #[arg(long)]
+    pub(crate) combined: bool,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+/// `plan`.
+#[derive(Args, Debug)]
+pub(crate) struct PlanArgs {
+    /// Campaign file (.toml)
+    pub(crate) campaign: PathBuf,
+    /// Parameter and wanted standard error, in percent of its estimate (Cm_2=5%) or in its unit (Cm_2=10); may be repeated
+    #[arg(long, value_name = "PARAMETER=ERROR", required = true, value_parser = crate::plan::target)]
+    pub(crate) target: Vec<windfall_pid::plan::Target>,
+    /// Time between runs that counts as tunnel time, s
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = crate::plan::seconds)]
+    pub(crate) between: f64,
     #[command(flatten)]
     pub(crate) common: Common,
 }

@@ -9,6 +9,7 @@ mod close;
 mod close_statistics;
 mod flights;
 mod identify;
+mod plan;
 mod report;
 mod resimulate;
 mod session;
@@ -63,6 +64,7 @@ fn dispatch(command: &Command, session: &mut Session<'_>) -> Result<bool, Failur
     match command {
         Command::Simulate(a) => simulate::run(a, session),
         Command::Identify(a) => identify::run(a, session),
+        Command::Plan(a) => plan::run(a, session),
         Command::Resimulate(a) => resimulate::run(a, session),
         Command::Close(a) => close::run(a, session),
         Command::Study(a) => study::run(a, session),

@@ -6,6 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal as _, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+use windfall_pid::PidError;
 use windfall_scenarios::ScenarioFile;
 use windfall_sim::SimError;
 use windfall_verify::VerifyError;
@@ -34,6 +35,10 @@ impl Failure {
     /// An error of the loop: numerical when a flight failed, bad input otherwise.
     pub(crate) fn of_verification(error: VerifyError) -> Self {
         Self::of(matches!(&error, VerifyError::Simulate(e) if is_numerical(e)), error.into())
+    }
+    /// An identifier's error: a search without an answer is numerical, the rest is bad input.
+    pub(crate) fn of_identification(error: PidError) -> Self {
+        Self::of(matches!(error, PidError::NoAnswer { .. }), error.into())
     }
     fn of(numerical: bool, error: anyhow::Error) -> Self {
         if numerical { Self::Numerical(error) } else { Self::Input(error) }

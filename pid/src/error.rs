@@ -95,4 +95,30 @@ pub enum PidError {
         /// Campaign name.
         campaign: String,
     },
+    /// The plant has something that the integrated methods leave out.
+    #[error("the plant has {what}, which cannot be integrated here: use --method equation-error")]
+    NotIntegrable {
+        /// What it has.
+        what: &'static str,
+    },
+    /// A setting names something that is not there.
+    #[error("{what}: {name}: name a declared parameter of the structure")]
+    Unknown {
+        /// What was asked for.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// A search ended without an answer.
+    #[error("campaign {campaign}, data set {set}, method {method}: {reason}")]
+    NoAnswer {
+        /// Campaign name.
+        campaign: String,
+        /// Data set.
+        set: String,
+        /// Method.
+        method: &'static str,
+        /// Why, and what to try.
+        reason: &'static str,
+    },
 }

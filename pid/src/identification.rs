@@ -1,5 +1,6 @@
 //! pid: the result of an identification. In: fits. Out: the contract's `identification.json` as data.
 
+use crate::identifiability::Identifiability;
 use serde::{Deserialize, Serialize};
 use windfall_model::Structure;
 
@@ -8,6 +9,12 @@ use windfall_model::Structure;
 pub struct Identification {
     /// Name of the method, as on the command line.
     pub method: String,
+    /// Why this method was taken, where it was not asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// What all runs together can tell at all, seen before fitting; none where they cannot be integrated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub identifiability: Option<Identifiability>,
     /// One result per kind of run, and `combined`.
     pub data_sets: Vec<DataSet>,
     /// What a user should know: a cause and a next step each.

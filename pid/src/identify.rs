@@ -6,6 +6,7 @@ use crate::identification::{CoefficientFit, DataSet, Estimate, Identification};
 use crate::regress::{Colour, Fit, Outcome, Prepared, Series, fit};
 use crate::smooth::{Smoother, TABLE_3_1_HZ, smooth};
 use crate::states::states;
+use crate::{filter_error, output_error};
 use realfft::RealFftPlanner;
 use windfall_model::{Campaign, Coefficient, Data, Plant, Record, Use};
 
@@ -17,6 +18,10 @@ pub enum Method {
     Thesis,
     /// Equation error: spline smoothing, C_Y and C_N together, standard errors for coloured residuals.
     EquationError,
+    /// Output error: maximum likelihood on the measured poses and tunnel speed, trajectories integrated.
+    OutputError,
+    /// Filter error: maximum likelihood of a Kalman filter's innovations, turbulence estimated with the parameters.
+    FilterError,
 }
 
 impl Method {
@@ -28,6 +33,8 @@ impl Method {
         match self {
             Self::Thesis => "thesis",
             Self::EquationError => "equation-error",
+            Self::OutputError => "output-error",
+            Self::FilterError => "filter-error",
         }
     }
     /// The smoother that belongs to the method.
@@ -35,7 +42,7 @@ impl Method {
     pub const fn smoother(self) -> Smoother {
         match self {
             Self::Thesis => Smoother::Thesis { cutoffs_hz: TABLE_3_1_HZ },
-            Self::EquationError => Smoother::Auto,
+            Self::EquationError | Self::OutputError | Self::FilterError => Smoother::Auto,
         }
     }
 }
@@ -74,10 +81,14 @@ pub fn process(name: &str, kind: &str, record: &Record, plant: &Plant, smoother:
 /// No usable run, a faulty record, fewer samples than parameters, or nothing that can be estimated. A parameter that the runs do
 /// not excite is left out and named in the warnings.
 pub fn identify(campaign: &Campaign, method: Method) -> Result<Identification, PidError> {
-    identify_with(campaign, method, &method.smoother())
+    match method {
+        Method::OutputError => output_error::identify(campaign, &output_error::Options::default()),
+        Method::FilterError => filter_error::identify(campaign, &output_error::Options::default()),
+        Method::Thesis | Method::EquationError => identify_with(campaign, method, &method.smoother()),
+    }
 }
 
-/// [`identify`] with another smoother.
+/// [`identify`] by regression, with another smoother; a method that integrates counts as equation error here.
 ///
 /// # Errors
 /// As [`identify`].
@@ -105,7 +116,7 @@ pub fn identify_with(campaign: &Campaign, method: Method, smoother: &Smoother) -
             DataSetWork { name: &name, members: &members, runs: &runs, campaign }.solve(&prepared, &mut warnings)
         })
         .collect::<Result<_, _>>()?;
-    Ok(Identification { method: method.name().to_owned(), data_sets, warnings })
+    Ok(Identification { method: method.name().to_owned(), data_sets, warnings, reason: None, identifiability: None })
 }
 
 /// Indices of runs: each kind in order of appearance, then all.
@@ -277,7 +288,7 @@ fn run_series(group: &Group, run: &RunRows, campaign: &Campaign, method: Method)
     let parts: Vec<Series> = group.coefficients.iter().map(|&c| series(group, run, campaign, c)).collect();
     match method {
         Method::Thesis => vec![total(&parts)],
-        Method::EquationError => {
+        Method::EquationError | Method::OutputError | Method::FilterError => {
             let (weight, residuals) = (faded(run), Colour::Weighted(cosines(run)));
             parts.into_iter().map(|s| Series { weight: weight.clone(), residuals, ..s }).collect()
         }

@@ -4,11 +4,17 @@
 //! Appendix B by components and Euler angles; it never sees a simulator or its truth.
 
 mod angles;
+mod choice;
 pub mod coefficients;
+mod equations;
 mod error;
+pub mod filter_error;
+mod identifiability;
 mod identification;
 mod identify;
 mod instrument;
+pub mod output_error;
+pub mod plan;
 pub mod regress;
 pub mod smooth;
 pub mod states;
@@ -16,6 +22,8 @@ pub mod tether_fit;
 pub mod window;
 
 pub use angles::{Angles, rates_and_angles};
+pub use choice::identify_chosen;
 pub use error::PidError;
+pub use identifiability::{Correlation, Identifiability, identifiability};
 pub use identification::{CoefficientFit, DataSet, Estimate, Identification};
 pub use identify::{Method, RunRows, estimated, identify, identify_with, process};

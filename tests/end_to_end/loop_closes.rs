@@ -67,7 +67,8 @@ fn law_identification_json_is_as_the_contract_says() {
     assert!(ran.out.contains("CA_T0") && ran.out.contains("R²"), "{}", ran.out);
     let json: Value =
         serde_json::from_str(&std::fs::read_to_string(dir.path().join("identification.json")).expect("written")).expect("JSON");
-    assert_eq!(json["method"], "equation-error");
+    assert_eq!(json["method"], "output-error");
+    assert!(json["reason"].as_str().is_some_and(|r| r.contains("noise")), "why it was taken");
     let names: Vec<&str> = json["data_sets"].as_array().expect("a list").iter().filter_map(|d| d["name"].as_str()).collect();
     for name in ["perturbed", "unperturbed", "combined"] {
         assert!(names.contains(&name), "{names:?}");

@@ -3,4 +3,5 @@
 mod arrows;
 mod commands;
 mod loop_closes;
+mod plan;
 mod program;

@@ -192,7 +192,13 @@ fn exact_static_pair_is_the_weighted_mean() {
 fn law_nothing_to_fly_is_an_error() {
     let s = bundled("appendix-c");
     let campaign = campaign_of(&s.plant, &[]);
-    let mut empty = windfall_pid::Identification { method: "x".into(), data_sets: vec![], warnings: vec![] };
+    let mut empty = windfall_pid::Identification {
+        method: "x".into(),
+        data_sets: vec![],
+        warnings: vec![],
+        reason: None,
+        identifiability: None,
+    };
     assert!(matches!(resimulate(&campaign, &empty, 1), Err(VerifyError::NoDataSet)));
     empty.data_sets.push(set(vec![estimate("CA", "CA_T0", 6.6, 0.1)]));
     assert!(matches!(resimulate(&campaign, &empty, 1), Err(VerifyError::NoRuns { .. })));

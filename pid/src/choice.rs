@@ -1,0 +1,85 @@
+//! pid: which method is right for the data at hand. In: a campaign. Out: its identification, and why that method was taken.
+
+use crate::error::PidError;
+use crate::identification::Identification;
+use crate::identify::{Method, identify_with};
+use crate::output_error::{CHANNELS, NOT_NOISE, Options, StopReason};
+use crate::{filter_error, output_error};
+use windfall_model::Campaign;
+
+/// Channels that test the declared model; the tunnel speed, the last, tests the smoothness that it is taken to have.
+const POSE: usize = CHANNELS - 1;
+
+/// Identifies by output error where its residual is noise; by filter error where process noise explains what output error leaves; by
+/// equation error where neither follows the runs or the plant has what they do not integrate. [`Identification::reason`] says which
+/// and why; a residual that is not noise is a warning.
+///
+/// # Errors
+/// As [`output_error::identify`]; where the declared model cannot even fly through the record, that reason.
+pub fn identify_chosen(campaign: &Campaign, options: &Options) -> Result<Identification, PidError> {
+    let first = match output_error::identify(campaign, options) {
+        Ok(found) if left(&found).is_empty() => return Ok(because(found, "its residual is noise in every channel".to_owned())),
+        Err(PidError::NotIntegrable { what }) => {
+            return equation_error(campaign, format!("the plant has {what}, which the methods that integrate leave out"));
+        }
+        Err(e) if !searched(&e) => return Err(e),
+        other => other,
+    };
+    match (first, filter_error::identify(campaign, options)) {
+        (first, Ok(second)) if turbulent(&second) => Ok(by_filter(&first.map_or_else(|e| e.to_string(), |f| left(&f)), second)),
+        (Ok(first), Ok(_)) => {
+            let reason = format!("its residual is not noise ({}), and filter error finds no turbulence in it", left(&first));
+            Ok(because(first, reason))
+        }
+        (Ok(first), Err(e)) => {
+            let reason = format!("its residual is not noise ({}), and filter error does not end ({e})", left(&first));
+            Ok(because(first, reason))
+        }
+        (Err(e), Ok(second)) => Ok(by_filter(&e.to_string(), second)),
+        (Err(_), Err(e)) if !searched(&e) => Err(e),
+        (Err(one), Err(other)) => {
+            let mut found = equation_error(campaign, "no trajectory of the declared model follows these runs".to_owned())?;
+            found.warnings.push(format!(
+                "the residual is not noise: the declared model lacks something that output error ({one}) and filter error ({other}) \
+                 cannot make up for; intervals say nothing of bias: try windfall close"
+            ));
+            Ok(found)
+        }
+    }
+}
+
+fn equation_error(campaign: &Campaign, reason: String) -> Result<Identification, PidError> {
+    Ok(because(identify_with(campaign, Method::EquationError, &Method::EquationError.smoother())?, reason))
+}
+
+/// Filter error's result, with what output error left.
+fn by_filter(left: &str, mut found: Identification) -> Identification {
+    found.warnings.push(format!(
+        "output error's residual is not noise ({left}); filter error takes what is left for turbulence: whether it is that or another \
+         effect, windfall close tells"
+    ));
+    because(found, "output error leaves more than noise, and process noise on the air explains it".to_owned())
+}
+
+/// True for a search that ended without an answer although the model flies.
+fn searched(e: &PidError) -> bool {
+    matches!(e, PidError::NoAnswer { reason, .. } if *reason != StopReason::FlightFails.words())
+}
+
+fn because(mut found: Identification, reason: String) -> Identification {
+    found.reason = Some(reason);
+    found
+}
+
+/// Channels of all runs together whose residual is not noise, in words; nothing where all are.
+fn left(found: &Identification) -> String {
+    let fits = found.data_set("combined").map_or(&[][..], |d| &d.fits);
+    let bad = fits.iter().take(POSE).filter(|f| f.residual_whiteness_p < NOT_NOISE / CHANNELS as f64);
+    bad.map(|f| format!("{}: p = {:.1e}", f.coefficient, f.residual_whiteness_p)).collect::<Vec<_>>().join(", ")
+}
+
+/// True where gusts were found.
+fn turbulent(found: &Identification) -> bool {
+    let gusts = found.data_set("combined").map(|d| d.parameters.iter().filter(|p| p.coefficient == "turbulence"));
+    gusts.is_some_and(|mut g| g.any(|p| p.estimate > 0.0))
+}

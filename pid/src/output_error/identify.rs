@@ -1,0 +1,204 @@
+//! pid: a campaign by output error. In: campaign, options. Out: the contract's identification, each kind of run alone and combined.
+
+use super::problem::{Options, Outcome, Solved, StopReason, Unknowns, solve};
+use super::residual::{ChannelFit, channel_fits, coloured};
+use super::run::{Nominal, Run};
+use crate::PidError;
+use crate::identifiability::of_runs;
+use crate::identification::{CoefficientFit, DataSet, Estimate, Identification};
+use nalgebra::DMatrix;
+use windfall_model::{Campaign, Coefficient, Data, Plant, Use};
+
+/// Name of the method.
+const METHOD: &str = "output-error";
+/// Half-width of a 95 % interval in standard errors; residuals are many.
+const NORMAL_95: f64 = 1.959_963_985;
+/// Probability below which a residual is not taken for noise, all channels together.
+pub(crate) const NOT_NOISE: f64 = 0.01;
+
+/// Identifies a campaign's declared parameters by output error.
+///
+/// # Errors
+/// A faulty record, no usable run, a plant that cannot be integrated, options that name what is not there, or a search that ended
+/// without an answer ([`PidError::NoAnswer`] says why).
+pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification, PidError> {
+    let plants = run_plants(campaign)?;
+    let runs = ready(campaign, &plants)?;
+    let unknowns = Unknowns::new(campaign, options)?;
+    let identifiability = if unknowns.free() > 0 { of_runs(&runs, &unknowns) } else { None };
+    let mut warnings = Vec::new();
+    let all: Vec<usize> = (0..runs.len()).collect();
+    let start = runs.iter().map(|r| r.smoothed.clone()).collect();
+    let work = SetWork { campaign, runs: &runs, kinds: &plants, options };
+    let combined = work.solve("combined", &all, unknowns, start, &mut warnings)?;
+    let mut data_sets = Vec::new();
+    let alone = if options.combined_only { Vec::new() } else { kinds(&plants) };
+    for (kind, members) in alone {
+        let nominals = members.iter().map(|&i| combined.1.nominals[i].clone()).collect();
+        // Every kind starts from what all runs gave, and ends where its own likelihood is largest.
+        let mut unknowns = Unknowns::new(campaign, options)?;
+        unknowns.parameters.clone_from(&combined.1.solution.parameters);
+        unknowns.biases = combined.1.unknowns.biases;
+        match work.solve(&kind, &members, unknowns, nominals, &mut warnings) {
+            Ok((set, _)) => data_sets.push(set),
+            Err(e) => warnings.push(format!("data set {kind}: left out: {e}")),
+        }
+    }
+    data_sets.push(combined.0);
+    Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability })
+}
+
+/// Plant, index and kind of every run to identify on.
+pub(crate) struct RunPlant {
+    index: usize,
+    kind: String,
+    plant: Plant,
+}
+
+pub(crate) fn run_plants(campaign: &Campaign) -> Result<Vec<RunPlant>, PidError> {
+    let used = campaign.runs.iter().enumerate().filter(|(_, r)| r.used == Use::Identify);
+    let plants: Vec<RunPlant> = used
+        .map(|(index, r)| RunPlant { index, kind: r.kind.clone(), plant: campaign.plant_for(&campaign.plant, index) })
+        .collect();
+    if plants.is_empty() { Err(PidError::NoRuns { campaign: campaign.name.clone() }) } else { Ok(plants) }
+}
+
+pub(crate) fn ready<'a>(campaign: &'a Campaign, plants: &'a [RunPlant]) -> Result<Vec<Run<'a>>, PidError> {
+    let one = |p: &'a RunPlant| {
+        let run = &campaign.runs[p.index];
+        let Data::Tunnel(record) = &run.data else {
+            return Err(PidError::PointMass { campaign: campaign.name.clone(), run: run.name.clone() });
+        };
+        Run::new(&run.name, record, &p.plant)
+    };
+    plants.iter().map(one).collect()
+}
+
+/// Members of each kind, in order of appearance.
+pub(crate) fn kinds(plants: &[RunPlant]) -> Vec<(String, Vec<usize>)> {
+    let mut kinds: Vec<(String, Vec<usize>)> = Vec::new();
+    for (i, p) in plants.iter().enumerate() {
+        match kinds.iter_mut().find(|(kind, _)| *kind == p.kind) {
+            Some((_, members)) => members.push(i),
+            None => kinds.push((p.kind.clone(), vec![i])),
+        }
+    }
+    kinds
+}
+
+struct SetWork<'w, 'a> {
+    campaign: &'w Campaign,
+    runs: &'w [Run<'a>],
+    kinds: &'w [RunPlant],
+    options: &'w Options,
+}
+
+impl SetWork<'_, '_> {
+    fn solve(
+        &self,
+        name: &str,
+        members: &[usize],
+        mut unknowns: Unknowns,
+        nominals: Vec<Nominal>,
+        warnings: &mut Vec<String>,
+    ) -> Result<(DataSet, Box<Solved>), PidError> {
+        debug_assert_eq!(self.kinds.len(), self.runs.len(), "a plant for every run");
+        let runs: Vec<Run<'_>> = members.iter().map(|&i| self.runs[i].clone()).collect();
+        let stopped = |stop: StopReason| PidError::NoAnswer {
+            campaign: self.campaign.name.clone(),
+            set: name.to_owned(),
+            method: METHOD,
+            reason: stop.words(),
+        };
+        loop {
+            if unknowns.free() == 0 {
+                return Err(PidError::NothingToEstimate { campaign: self.campaign.name.clone() });
+            }
+            let found = solve(&runs, unknowns.clone(), nominals.clone(), self.options.iterations);
+            match found {
+                Outcome::Solved(solved) => return Ok((self.report(name, &runs, &solved, warnings), solved)),
+                Outcome::Undetermined { column, rank } => {
+                    warnings.push(format!(
+                        "data set {name}: {} is not excited (rank {rank} of {}); it is held at its declared value: add a run with \
+                         larger angles or rates, or do not declare it",
+                        unknowns.names[column],
+                        unknowns.free()
+                    ));
+                    unknowns.hold(column);
+                }
+                Outcome::Stopped(stop) => return Err(stopped(stop)),
+            }
+        }
+    }
+
+    fn report(&self, name: &str, runs: &[Run<'_>], solved: &Solved, warnings: &mut Vec<String>) -> DataSet {
+        let fits = channel_fits(runs, solved);
+        let coloured = not_noise(&fits);
+        let covariance = if coloured.is_empty() {
+            solved.solution.covariance.clone()
+        } else {
+            warnings.push(format!(
+                "data set {name}: the residual is not noise in {}: the declared model lacks something (turbulence or another effect); \
+                 intervals are widened for the residual's colour but say nothing of bias: try --method filter-error, and windfall close",
+                coloured.join(", ")
+            ));
+            self::coloured(runs, solved).unwrap_or_else(|| solved.solution.covariance.clone())
+        };
+        DataSet {
+            name: name.to_owned(),
+            runs: runs.iter().map(|r| r.name.to_owned()).collect(),
+            parameters: estimates(self.campaign, &solved.unknowns, &covariance, &solved.solution.covariance),
+            fits: fits.into_iter().map(fit).collect(),
+            condition_number: solved.solution.condition,
+            n_samples: runs.iter().map(|r| r.record.len()).sum(),
+        }
+    }
+}
+
+/// Channels whose residual is not noise, with their probability.
+pub(crate) fn not_noise(fits: &[ChannelFit]) -> Vec<String> {
+    let bad = fits.iter().filter(|f| f.whiteness_p < NOT_NOISE / fits.len() as f64);
+    bad.map(|f| format!("{} (p = {:.1e})", f.channel, f.whiteness_p)).collect()
+}
+
+fn fit(f: ChannelFit) -> CoefficientFit {
+    CoefficientFit {
+        coefficient: f.channel.to_owned(),
+        r2: f.r2,
+        residual_std: f.residual_std,
+        residual_whiteness_p: f.whiteness_p,
+    }
+}
+
+/// Estimates under every coefficient on which a parameter acts: side and normal force as one, as the regression has them.
+pub(crate) fn estimates(
+    campaign: &Campaign,
+    unknowns: &Unknowns,
+    covariance: &DMatrix<f64>,
+    white: &DMatrix<f64>,
+) -> Vec<Estimate> {
+    let structure = &campaign.plant.aero.structure;
+    let mut out: Vec<Estimate> = Vec::new();
+    for coefficient in Coefficient::ALL {
+        for (i, name) in structure.parameters.iter().enumerate() {
+            let Some(column) = unknowns.columns[i] else { continue };
+            let acts = structure.contributions.iter().any(|k| k.coefficient == coefficient && k.parameter == i);
+            let label = if coefficient == Coefficient::CY { Coefficient::CN.name() } else { coefficient.name() };
+            if !acts || out.iter().any(|e| e.coefficient == label && e.name == *name) {
+                continue;
+            }
+            let estimate = unknowns.parameters[i];
+            let std_error = covariance[(column, column)].max(0.0).sqrt();
+            out.push(Estimate {
+                coefficient: label.to_owned(),
+                name: name.clone(),
+                estimate,
+                std_error,
+                rse_percent: (100.0 * std_error / estimate.abs()).min(f64::MAX),
+                ci95: [estimate - NORMAL_95 * std_error, estimate + NORMAL_95 * std_error],
+                std_error_white: white[(column, column)].max(0.0).sqrt(),
+            });
+        }
+    }
+    out
+}

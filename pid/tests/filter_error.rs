@@ -1,0 +1,54 @@
+//! pid tests: filter error on campaigns of an independent simulator.
+
+mod common;
+
+use common::{campaign, truth};
+use windfall_pid::output_error::Options;
+use windfall_pid::{DataSet, filter_error};
+
+const COMBINED: Options =
+    Options { handling: Vec::new(), priors: Vec::new(), angle_biases: false, iterations: 30, combined_only: true };
+
+fn combined(test: &str, name: &str) -> Option<(DataSet, Vec<String>)> {
+    let found = filter_error::identify(&campaign(test, name)?, &COMBINED).expect("identifies");
+    Some((found.data_set("combined").expect("there is one").clone(), found.warnings))
+}
+
+/// Every aerodynamic parameter within 3.4 of its standard errors (eleven normal numbers: 99.3 %).
+fn assert_covered(set: &DataSet) {
+    for p in set.parameters.iter().filter(|p| p.coefficient != "turbulence") {
+        let z = (p.estimate - truth(&p.name)) / p.std_error;
+        assert!(z.abs() < 3.4, "{} {}: {z} standard errors", p.coefficient, p.name);
+    }
+}
+
+/// Gusts of 0.1 m/s rms that another simulator made, of a spectrum that is not stated: parameters inside, level within 10 %.
+#[test]
+fn recover_open_03_with_its_turbulence() {
+    let Some((set, warnings)) = combined("recover_open_03_with_its_turbulence", "open-03") else { return };
+    assert_covered(&set);
+    assert!(warnings.is_empty(), "{warnings:?}");
+    for name in ["axial_rms_m_s", "lateral_rms_m_s"] {
+        let found = set.get("turbulence", name).expect("estimated").estimate;
+        assert!((found / 0.1 - 1.0).abs() < 0.1, "{name} {found}");
+    }
+}
+
+/// No turbulence: none is found, that is said, and the parameters are output error's within a tenth of a standard error or so.
+#[test]
+fn recover_open_00_without_turbulence() {
+    let Some((set, warnings)) = combined("recover_open_00_without_turbulence", "open-00") else { return };
+    assert_covered(&set);
+    assert!(warnings.len() == 1 && warnings[0].contains("no turbulence"), "{warnings:?}");
+    for name in ["axial_rms_m_s", "lateral_rms_m_s"] {
+        let p = set.get("turbulence", name).expect("bounded");
+        assert!(p.estimate == 0.0 && p.ci95[1] < 0.01, "{p:?}");
+    }
+    let Some(c) = campaign("recover_open_00_without_turbulence", "open-00") else { return };
+    let other = windfall_pid::output_error::identify(&c, &COMBINED).expect("identifies");
+    for p in set.parameters.iter().filter(|p| p.coefficient != "turbulence") {
+        let o = other.data_set("combined").and_then(|d| d.get(&p.coefficient, &p.name)).expect("the same");
+        assert!((p.estimate - o.estimate).abs() < 0.3 * o.std_error, "{p:?} {o:?}");
+        assert!((p.std_error / o.std_error - 1.0).abs() < 0.1, "{p:?} {o:?}");
+    }
+}
