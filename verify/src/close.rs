@@ -7,7 +7,7 @@
 use crate::VerifyError;
 use crate::resimulate::hold_out;
 use crate::trace::{
-    Candidate, Evidence, Fit, Free, Hypothesis, PointEvidence, Problem, TunnelEvidence, acts, p_value, repeats, weigh,
+    Candidate, Evidence, Fit, Free, Hypothesis, PointEvidence, Problem, StopReason, TunnelEvidence, acts, p_value, repeats, weigh,
 };
 use rayon::prelude::*;
 use windfall_model::{Acts, CATALOGUE, Campaign, Plant, Use};
@@ -105,10 +105,7 @@ pub fn close(campaign: &Campaign, options: &Options) -> Result<Closing, VerifyEr
         if let Some(h) = held_proof.as_mut() {
             h.settle(&plant);
         }
-        fit = problem(campaign, proof.as_ref()).fit(&next.hypothesis, true);
-        if !fit.log_likelihood.is_finite() {
-            fit = problem(campaign, proof.as_ref()).fit(&next.hypothesis, false);
-        }
+        fit = fitted(&problem(campaign, proof.as_ref()), &next.hypothesis);
     };
     if let Some(bias) = rehearse::bias(campaign, &indices, &fit, options) {
         for (f, b) in bias {
@@ -176,6 +173,16 @@ fn declared_fit(campaign: &Campaign, proof: &mut dyn Evidence) -> Result<Fit, Ve
     Err(VerifyError::Fit { campaign: campaign.name.clone(), reason: "no fit was made" })
 }
 
+/// All numbers fitted together; shapes stay as they are when freeing them does not settle on something better.
+fn fitted(problem: &Problem<'_>, h: &Hypothesis) -> Fit {
+    let free = problem.fit(h, true);
+    if free.stop == StopReason::Converged && free.log_likelihood.is_finite() {
+        return free;
+    }
+    let held = problem.fit(h, false);
+    if held.log_likelihood > free.log_likelihood || !free.log_likelihood.is_finite() { held } else { free }
+}
+
 /// One round: the best family that is beyond noise and holds on runs not used.
 fn round(
     problem: &Problem<'_>,
@@ -196,10 +203,7 @@ fn round(
         .filter_map(|c| {
             let mut h = fit.hypothesis.clone();
             h.effects.push(c.instance.clone());
-            let mut full = problem.fit(&h, true);
-            if !full.log_likelihood.is_finite() {
-                full = problem.fit(&h, false);
-            }
+            let full = fitted(problem, &h);
             let gain = problem.gain(fit, &full);
             let own = full.hypothesis.effects.len() - 1;
             let plausible = full.hypothesis.effects[own].is_plausible();
@@ -237,7 +241,7 @@ fn p_value_of_best(p: f64, families: usize) -> f64 {
 /// Gain of log-likelihood on runs that were not used, all numbers as identified.
 fn held_gain(problem: &Problem<'_>, held: &dyn Evidence, over: &Fit, fit: &Fit) -> f64 {
     let other = Problem { evidence: held, base: problem.base, declared: problem.declared, inputs: problem.inputs };
-    other.predict(&fit.hypothesis) - other.predict(&over.hypothesis)
+    other.predicted_gain(&over.hypothesis, &fit.hypothesis)
 }
 
 fn side(

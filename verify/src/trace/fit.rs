@@ -166,7 +166,8 @@ impl Problem<'_> {
         columns
     }
 
-    /// Gain of log-likelihood of one fit over another, with the determinant of the map from motion to residual.
+    /// Gain of log-likelihood of one fit over another, with the determinant of the map from motion to residual and less what
+    /// noise does differently under the two.
     #[must_use]
     pub fn gain(&self, over: &Fit, fit: &Fit) -> f64 {
         let (p0, p1) = (over.hypothesis.plant(self.base), fit.hypothesis.plant(self.base));
@@ -175,7 +176,26 @@ impl Problem<'_> {
         };
         let there = way(&fit.sigma, &p0, &p1);
         let back = way(&fit.sigma, &p1, &p0);
-        fit.log_likelihood - over.log_likelihood + 0.5 * (there - back)
+        let noise = self.noise_energy(&p1, &fit.sigma) - self.noise_energy(&p0, &fit.sigma);
+        fit.log_likelihood - over.log_likelihood + 0.5 * (there - back + noise)
+    }
+
+    /// What noise alone adds to the sum of squared whitened residuals under a plant, from the copies. A plant that lets more noise
+    /// through (an arm that carries a noisy force into the moment) leaves a larger residual for that reason alone, which the
+    /// likelihood with one measured noise would hold against it, as the score would without its correction.
+    fn noise_energy(&self, plant: &Plant, sigma: &[Cov]) -> f64 {
+        let Some(w) = Whitening::new(sigma) else { return 0.0 };
+        let at = self.point(plant);
+        let square = |d: &Residual| w.whiten(d).iter().map(|x| x * x).sum::<f64>();
+        at.dz.iter().map(square).sum::<f64>() / at.dz.len().max(1) as f64
+    }
+
+    /// Gain of log-likelihood of this evidence, every number as it stands, of one hypothesis over another.
+    #[must_use]
+    pub fn predicted_gain(&self, over: &Hypothesis, h: &Hypothesis) -> f64 {
+        let (_, sigma) = self.sigma(h);
+        let energy = |h: &Hypothesis| self.noise_energy(&h.plant(self.base), &sigma);
+        self.predict(h) - self.predict(over) + 0.5 * (energy(h) - energy(over))
     }
 
     /// Covariance parts of the random inputs of a hypothesis, in order of effect and strength.
