@@ -7,7 +7,7 @@ use windfall_pid::output_error::Options;
 use windfall_pid::{
     DataSet, Identifiability, Identification, Method, filter_error, identifiability, identify, identify_chosen, output_error,
 };
-use windfall_scenarios::{read_campaign_with_warnings, write_json_atomically};
+use windfall_scenarios::read_campaign_with_warnings;
 
 /// Name of the result file.
 pub(crate) const FILE: &str = "identification.json";
@@ -40,17 +40,7 @@ pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool
         session.say(&format!("method {}: {reason}", found.method));
     }
     found.warnings.iter().for_each(|w| session.warn(w));
-    if let Some(folder) = &folder {
-        write_json_atomically(&folder.join(FILE), &found)?;
-    }
-    if session.common.json {
-        session.print_json(&found)?
-    } else {
-        session.print(&table(&campaign.name, &found))?
-    }
-    if let Some(folder) = &folder {
-        session.say(&format!("written: {}", folder.join(FILE).display()));
-    }
+    session.deliver(folder.as_deref(), FILE, &found, || table(&campaign.name, &found))?;
     Ok(true)
 }
 

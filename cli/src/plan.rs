@@ -4,7 +4,7 @@ use crate::args::PlanArgs;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
 use windfall_pid::plan::{Plan, Target, TargetPlan, Wanted, plan};
-use windfall_scenarios::{read_campaign_with_warnings, write_json_atomically};
+use windfall_scenarios::read_campaign_with_warnings;
 
 /// Name of the result file.
 const FILE: &str = "plan.json";
@@ -18,17 +18,7 @@ pub(crate) fn run(args: &PlanArgs, session: &mut Session<'_>) -> Result<bool, Fa
     spinner.finish_and_clear();
     let found = found.map_err(Failure::of_identification)?;
     found.warnings.iter().for_each(|w| session.warn(w));
-    if let Some(folder) = &folder {
-        write_json_atomically(&folder.join(FILE), &found)?;
-    }
-    if session.common.json {
-        session.print_json(&found)?
-    } else {
-        session.print(&words(&campaign.name, &found))?
-    }
-    if let Some(folder) = &folder {
-        session.say(&format!("written: {}", folder.join(FILE).display()));
-    }
+    session.deliver(folder.as_deref(), FILE, &found, || words(&campaign.name, &found))?;
     // The verdict is no where a wanted error is out of reach.
     Ok(found.targets.iter().all(|t| t.std_error_now <= t.std_error_wanted || !t.options.is_empty()))
 }

@@ -4,7 +4,7 @@ use crate::args::ResimulateArgs;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
 use windfall_pid::Identification;
-use windfall_scenarios::{read_campaign_with_warnings, read_json, write_json_atomically};
+use windfall_scenarios::{read_campaign_with_warnings, read_json};
 use windfall_verify::{Resimulation, RunComparison, Statistic, resimulate};
 
 /// Name of the result file.
@@ -20,17 +20,7 @@ pub(crate) fn run(args: &ResimulateArgs, session: &mut Session<'_>) -> Result<bo
     spinner.finish_and_clear();
     let result = result.map_err(Failure::of_verification)?;
     result.warnings.iter().for_each(|w| session.warn(w));
-    if let Some(folder) = &folder {
-        write_json_atomically(&folder.join(FILE), &result)?;
-    }
-    if session.common.json {
-        session.print_json(&result)?
-    } else {
-        session.print(&table(&campaign.name, &result))?
-    }
-    if let Some(folder) = &folder {
-        session.say(&format!("written: {}", folder.join(FILE).display()));
-    }
+    session.deliver(folder.as_deref(), FILE, &result, || table(&campaign.name, &result))?;
     Ok(true)
 }
 

@@ -7,7 +7,7 @@ use std::io::{IsTerminal as _, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use windfall_pid::PidError;
-use windfall_scenarios::ScenarioFile;
+use windfall_scenarios::{ScenarioFile, write_json_atomically};
 use windfall_sim::SimError;
 use windfall_verify::VerifyError;
 
@@ -91,6 +91,27 @@ impl Session<'_> {
         let mut text = serde_json::to_string_pretty(value).context("result as JSON")?;
         text.push('\n');
         self.print(&text)
+    }
+    /// Hands over the one result of a command: into its file where a folder is open, as JSON or words on standard output.
+    pub(crate) fn deliver(
+        &mut self,
+        folder: Option<&Path>,
+        file: &str,
+        result: &impl serde::Serialize,
+        words: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
+        if let Some(folder) = folder {
+            write_json_atomically(&folder.join(file), result)?;
+        }
+        if self.common.json {
+            self.print_json(result)?;
+        } else {
+            self.print(&words())?;
+        }
+        if let Some(folder) = folder {
+            self.say(&format!("written: {}", folder.join(file).display()));
+        }
+        Ok(())
     }
     /// Opens the outputs before the work: makes the folder, refuses to overwrite. `None` when nothing is to be written.
     pub(crate) fn outputs(&mut self, files: &[String]) -> Result<Option<PathBuf>, Failure> {

@@ -4,7 +4,7 @@ use crate::args::VerifyArgs;
 use crate::session::{Failure, Session};
 use serde::Serialize;
 use std::fmt::Write as _;
-use windfall_scenarios::{read_bundled, write_json_atomically};
+use windfall_scenarios::read_bundled;
 use windfall_verify::{Check, Kind, Setups, Verdict, all_pass, checks};
 
 /// Name of the result file.
@@ -29,17 +29,7 @@ pub(crate) fn run(args: &VerifyArgs, session: &mut Session<'_>) -> Result<bool, 
     let all = all.map_err(Failure::of_verification)?;
     let good = all_pass(&all);
     let report = Report { verdict: if good { "pass" } else { "fail" }, checks: &all };
-    if let Some(folder) = &folder {
-        write_json_atomically(&folder.join(FILE), &report)?;
-    }
-    if session.common.json {
-        session.print_json(&report)?
-    } else {
-        session.print(&table(&all, good))?
-    }
-    if let Some(folder) = &folder {
-        session.say(&format!("written: {}", folder.join(FILE).display()));
-    }
+    session.deliver(folder.as_deref(), FILE, &report, || table(&all, good))?;
     Ok(good)
 }
 

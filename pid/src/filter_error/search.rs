@@ -4,7 +4,7 @@ use super::filter::{Filter, Pass, Seen};
 use crate::PidError;
 use crate::equations::Transition;
 use crate::identifiability::of_runs;
-use crate::identification::{CoefficientFit, DataSet, Estimate, Identification};
+use crate::identification::{CoefficientFit, DataSet, Estimate, Identification, NORMAL_95};
 use crate::output_error::{
     CHANNELS, Columns, NOT_NOISE, Options, Run, StopReason, Unknowns, estimates, kinds, low_frequency_p, ready, run_plants,
     spread,
@@ -43,7 +43,6 @@ const UNTOLD: f64 = 0.5;
 const MOST_ITERATIONS: usize = 15;
 /// The search ends when no unknown moves by more than this part of its standard error.
 const SETTLED: f64 = 0.02;
-const NORMAL_95: f64 = 1.959_963_985;
 
 /// Identifies a campaign's declared parameters together with its turbulence.
 ///

@@ -5,14 +5,13 @@ use super::residual::{ChannelFit, channel_fits, coloured};
 use super::run::{Nominal, Run};
 use crate::PidError;
 use crate::identifiability::of_runs;
-use crate::identification::{CoefficientFit, DataSet, Estimate, Identification};
+use crate::identification::{CoefficientFit, DataSet, Estimate, Identification, NORMAL_95};
 use nalgebra::DMatrix;
 use windfall_model::{Campaign, Coefficient, Data, Plant, Use};
 
 /// Name of the method.
 const METHOD: &str = "output-error";
 /// Half-width of a 95 % interval in standard errors; residuals are many.
-const NORMAL_95: f64 = 1.959_963_985;
 /// Probability below which a residual is not taken for noise, all channels together.
 pub(crate) const NOT_NOISE: f64 = 0.01;
 

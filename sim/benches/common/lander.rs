@@ -3,35 +3,14 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use windfall_model::frames::{EulerXyz, Vec3};
-use windfall_model::{
-    Aero, Environment, Flight, Inertia, MeanFlow, Method, Numerics, Plant, PointMass, Release, Sensors, Structure, Tether,
-    TunnelSpeed, Turbulence, Vehicle, WakeShedding,
-};
+use windfall_model::frames::EulerXyz;
+use windfall_model::{Flight, Method, Numerics, Plant, Release, TunnelSpeed};
 use windfall_sim::Truth;
 
-pub(crate) fn plant() -> Plant {
-    let values = [6.6620, 3.5129, -2.0035, 0.0125, -5.6816, -2.0655, 2.5278, -3.3025, -205.4289, -3.3025, -205.4289];
-    Plant {
-        vehicle: Vehicle {
-            mass_kg: 0.7873,
-            inertia: Inertia { xx: 0.02113, yy: 0.0138, zz: 0.01379, ..Inertia::default() },
-            p_origin_cm: Vec3::zero(),
-            diameter_m: 0.2125,
-            apparent: windfall_model::ApparentMass::default(),
-            loose: None,
-        },
-        aero: Aero::new(Structure::axisymmetric(), values.to_vec()),
-        tether: Some(Tether::declared(Vec3::new(-0.25, 0.0, 0.0), Vec3::new(-3.0, 0.0, 0.0), 0.001_300_642_6, 0.016_458_42)),
-        flow: MeanFlow::default(),
-        turbulence: Turbulence::default(),
-        shedding: WakeShedding::default(),
-        contacts: vec![],
-        environment: Environment { gravity_m_s2: 9.80665, gas_constant_j_kg_k: 287.05287 },
-        sensors: Sensors::default(),
-        point: PointMass::default(),
-    }
-}
+/// The tests' lander.
+#[path = "../../tests/it/sage.rs"]
+mod sage;
+pub(crate) use sage::lander as plant;
 
 /// A perturbed release; the tunnel speed wanders as an operator's does (0.1 to 1 Hz, some 0.1 m/s).
 pub(crate) fn flight(duration_s: f64, rate_hz: f64, method: Method, relative_tolerance: f64) -> Flight {

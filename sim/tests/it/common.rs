@@ -1,43 +1,14 @@
-//! sim tests: the SAGE lander of the thesis and readers of shared data. In: nothing. Out: plants, flights, tables.
+//! sim tests: flights of the lander and readers of shared data. In: nothing. Out: plants, flights, tables.
 
+pub(crate) use crate::sage::lander;
 use std::path::PathBuf;
-use windfall_model::frames::Vec3;
-use windfall_model::{
-    Aero, Environment, Flight, Inertia, MeanFlow, Numerics, Plant, PointMass, Release, Sensors, Structure, Tether, TunnelSpeed,
-    Turbulence, Vehicle, WakeShedding,
-};
+use windfall_model::{Flight, Inertia, Numerics, Plant, Release, TunnelSpeed};
 use windfall_sim::{End, Seed, Truth, fly_truth};
 
-/// Table 5.5, C_n1 = C_m1 and C_n2 = C_m2.
-pub(crate) const TABLE_5_5: [f64; 11] =
-    [6.6620, 3.5129, -2.0035, 0.0125, -5.6816, -2.0655, 2.5278, -3.3025, -205.4289, -3.3025, -205.4289];
 /// Static pressure, Pa, and temperature, K, of the exact campaign: 1.1802 kg/m³.
 pub(crate) const PS_PA: f64 = 101_325.0;
 pub(crate) const TS_K: f64 = 299.083_649_392_031_6;
 pub(crate) const DENSITY: f64 = PS_PA / (287.052_87 * TS_K);
-
-/// The 25 % SAGE model (Tables 2.2, 5.5, B.1) in declared form.
-pub(crate) fn lander() -> Plant {
-    Plant {
-        vehicle: Vehicle {
-            mass_kg: 0.7873,
-            inertia: Inertia { xx: 0.02113, yy: 0.0138, zz: 0.01379, ..Inertia::default() },
-            p_origin_cm: Vec3::zero(),
-            diameter_m: 0.2125,
-            apparent: Default::default(),
-            loose: None,
-        },
-        aero: Aero::new(Structure::axisymmetric(), TABLE_5_5.to_vec()),
-        tether: Some(Tether::declared(Vec3::new(-0.25, 0.0, 0.0), Vec3::new(-3.0, 0.0, 0.0), 0.001_300_642_6, 0.016_458_42)),
-        flow: MeanFlow::default(),
-        turbulence: Turbulence::default(),
-        shedding: WakeShedding::default(),
-        contacts: vec![],
-        environment: Environment { gravity_m_s2: 9.80665, gas_constant_j_kg_k: 287.05287 },
-        sensors: Sensors::default(),
-        point: PointMass::default(),
-    }
-}
 
 /// The lander without air, tether and gravity.
 pub(crate) fn torque_free(inertia: Inertia) -> Plant {

@@ -8,5 +8,6 @@ mod ends;
 mod instruments;
 mod lander;
 mod rigid;
+mod sage;
 mod scaling;
 mod solver;

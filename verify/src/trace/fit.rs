@@ -122,6 +122,15 @@ fn minus(a: &[f64], b: &[f64], scale: f64) -> Residual {
     a.iter().zip(b).map(|(x, y)| (x - y) * scale).collect()
 }
 
+/// What noise alone adds to the sum of squared whitened residuals under a plant, from the copies. A plant that lets more noise
+/// through (an arm that carries a noisy force into the moment) leaves a larger residual for that reason alone, which the
+/// likelihood with one measured noise would hold against it, as the score would without its correction.
+fn noise_energy(at: &Point, sigma: &[Cov]) -> f64 {
+    let Some(w) = Whitening::new(sigma) else { return 0.0 };
+    let square = |d: &Residual| w.whiten(d).iter().map(|x| x * x).sum::<f64>();
+    at.dz.iter().map(square).sum::<f64>() / at.dz.len().max(1) as f64
+}
+
 impl Problem<'_> {
     pub(crate) fn point(&self, plant: &Plant) -> Point {
         self.points(plant, self.evidence.copies())
@@ -176,26 +185,20 @@ impl Problem<'_> {
         };
         let there = way(&fit.sigma, &p0, &p1);
         let back = way(&fit.sigma, &p1, &p0);
-        let noise = self.noise_energy(&p1, &fit.sigma) - self.noise_energy(&p0, &fit.sigma);
+        let energy = |p: &Plant| if self.evidence.copies() == 0 { 0.0 } else { noise_energy(&self.point(p), &fit.sigma) };
+        let noise = energy(&p1) - energy(&p0);
         fit.log_likelihood - over.log_likelihood + 0.5 * (there - back + noise)
-    }
-
-    /// What noise alone adds to the sum of squared whitened residuals under a plant, from the copies. A plant that lets more noise
-    /// through (an arm that carries a noisy force into the moment) leaves a larger residual for that reason alone, which the
-    /// likelihood with one measured noise would hold against it, as the score would without its correction.
-    fn noise_energy(&self, plant: &Plant, sigma: &[Cov]) -> f64 {
-        let Some(w) = Whitening::new(sigma) else { return 0.0 };
-        let at = self.point(plant);
-        let square = |d: &Residual| w.whiten(d).iter().map(|x| x * x).sum::<f64>();
-        at.dz.iter().map(square).sum::<f64>() / at.dz.len().max(1) as f64
     }
 
     /// Gain of log-likelihood of this evidence, every number as it stands, of one hypothesis over another.
     #[must_use]
     pub fn predicted_gain(&self, over: &Hypothesis, h: &Hypothesis) -> f64 {
         let (_, sigma) = self.sigma(h);
-        let energy = |h: &Hypothesis| self.noise_energy(&h.plant(self.base), &sigma);
-        self.predict(h) - self.predict(over) + 0.5 * (energy(h) - energy(over))
+        let [(new, noise), (old, noise_before)] = [h, over].map(|h| {
+            let at = self.point(&h.plant(self.base));
+            (self.likelihood(h, &at.z), noise_energy(&at, &sigma))
+        });
+        new - old + 0.5 * (noise - noise_before)
     }
 
     /// Covariance parts of the random inputs of a hypothesis, in order of effect and strength.
@@ -430,6 +433,9 @@ impl Problem<'_> {
 
     /// Log-likelihood of a residual with all sizes as they are.
     fn likelihood(&self, h: &Hypothesis, z: &[f64]) -> f64 {
+        if !z.iter().all(|x| x.is_finite()) {
+            return f64::NEG_INFINITY;
+        }
         let (_, sigma) = self.sigma(h);
         Whitening::new(&sigma).map_or(f64::NEG_INFINITY, |w| w.log_likelihood(z))
     }
@@ -455,8 +461,7 @@ impl Problem<'_> {
     /// Log-likelihood of this evidence with every number as it stands.
     #[must_use]
     pub fn predict(&self, h: &Hypothesis) -> f64 {
-        let z = self.evidence.residual(&h.plant(self.base), 0);
-        if z.iter().all(|x| x.is_finite()) { self.likelihood(h, &z) } else { f64::NEG_INFINITY }
+        self.likelihood(h, &self.evidence.residual(&h.plant(self.base), 0))
     }
 
     /// Size that a random strength of an effect stays under with 95 % confidence: its estimated variance (not below zero, so that
