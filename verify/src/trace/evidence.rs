@@ -32,12 +32,21 @@ pub trait Evidence: Sync {
     /// Residual of the data (copy 0) or of a noisy copy (1 ..= noisy) under a plant. A run whose state the plant makes
     /// non-finite gives NaN.
     fn residual(&self, plant: &Plant, copy: usize) -> Residual;
+    /// Residual of what the copies are made of: data with little noise. Copies of noisy data would also carry products of the two
+    /// noises, which the data have only once.
+    fn clean(&self, plant: &Plant) -> Residual {
+        self.residual(plant, 0)
+    }
     /// Covariance that sensor noise leaves, per bin.
     fn noise(&self) -> &[Cov];
     /// Unit covariance components of an unmodelled residual, to be scaled: each a matrix per bin.
     fn generic(&self) -> &[Vec<Cov>];
     /// Covariance per bin that the random inputs of a plant cause.
     fn random(&self, plant: &Plant) -> Vec<Cov>;
+    /// Draws of what the random inputs of a plant leave in the residual, with all that varies along a run.
+    fn random_draws(&self, _plant: &Plant, count: usize) -> Vec<Residual> {
+        vec![vec![0.0; self.bins() * BIN]; count]
+    }
     /// What the score `aᵀΣ⁻¹z` of each change of plant has at the truth because the motion answers to the random inputs: twice
     /// the real part of `tr(L' L⁻¹ P)` summed over bins, with `L` the map from measured motion to residual, `L'` its change per
     /// step, and `P` the share of the covariance (`sigma`, per bin) that is not sensor noise. The log-determinant of `L` belongs

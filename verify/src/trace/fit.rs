@@ -137,9 +137,15 @@ impl Problem<'_> {
     }
 
     fn points(&self, plant: &Plant, copies: usize) -> Point {
-        let mut all: Vec<Residual> = (0..=copies).into_par_iter().map(|c| self.evidence.residual(plant, c)).collect();
+        if copies == 0 {
+            return Point { z: self.evidence.residual(plant, 0), dz: Vec::new() };
+        }
+        let (clean, mut all) = rayon::join(
+            || self.evidence.clean(plant),
+            || (0..=copies).into_par_iter().map(|c| self.evidence.residual(plant, c)).collect::<Vec<_>>(),
+        );
         let z = all.remove(0);
-        let dz = all.iter().map(|c| minus(c, &z, 1.0)).collect();
+        let dz = all.iter().map(|c| minus(c, &clean, 1.0)).collect();
         Point { z, dz }
     }
 
@@ -361,9 +367,10 @@ impl Problem<'_> {
         Ok(fit)
     }
 
-    /// Replaces the noise's share of each variance by what noise does to the estimates in copies of this evidence (a parametric
-    /// bootstrap of one step, Efron and Tibshirani 1993, ch. 6). The likelihood takes frequencies for independent; noise that
-    /// differs along a run makes them depend, and numbers that are known from a moment of it (a release) scatter more.
+    /// Replaces the share of noise and of random inputs in each variance by what they do to the estimates in copies of this
+    /// evidence (a parametric bootstrap of one step, Efron and Tibshirani 1993, ch. 6). The likelihood takes frequencies for
+    /// independent; noise or gusts whose effect differs along a run make them depend, and numbers that are known from a moment of
+    /// it (a release) scatter more.
     pub fn calibrate(&self, fit: &mut Fit) {
         let (n, copies) = (fit.free.len(), self.evidence.noisy());
         let Some(w) = Whitening::new(&fit.sigma).filter(|_| copies > 0 && n > 0) else { return };
@@ -381,12 +388,13 @@ impl Problem<'_> {
                 w.solve(&minus(&self.evidence.residual(&moved.plant(self.base), 0), &at.z, 1.0 / step))
             })
             .collect();
-        let carried: Vec<Residual> = weights.iter().map(|x| times(self.evidence.noise(), x)).collect();
+        let explained = self.explained(h);
+        let carried: Vec<Residual> = weights.iter().map(|x| times(&explained, x)).collect();
         let noise = DMatrix::from_fn(n, n, |i, k| dot(&weights[i], &carried[k]));
         let formal = &fit.inverse * noise * fit.inverse.transpose();
         let mut seen = DVector::<f64>::zeros(n);
-        for dz in &at.dz {
-            let score = DVector::from_fn(n, |i, _| dot(&weights[i], dz));
+        for (dz, gusts) in at.dz.iter().zip(self.evidence.random_draws(&plant, copies)) {
+            let score = DVector::from_fn(n, |i, _| dot(&weights[i], dz) + dot(&weights[i], &gusts));
             let moved = &fit.inverse * score;
             seen += moved.component_mul(&moved) / copies as f64;
         }
@@ -408,26 +416,30 @@ impl Problem<'_> {
             }
         }
         free.retain(|f| h.get(*f) > 0.0);
-        let n = free.len();
-        let likelihood = |change: &[f64]| -> f64 {
+        let likelihood = |change: &[(usize, f64)]| -> f64 {
             let mut moved = h.clone();
-            for (f, c) in free.iter().zip(change) {
-                moved.set(*f, h.get(*f) * c.exp());
+            for (i, c) in change {
+                moved.set(free[*i], moved.get(free[*i]) * c.exp());
             }
             self.likelihood(&moved, z)
         };
         let step = 0.05;
-        let at = |i: usize, a: f64, k: usize, b: f64| {
-            let mut c = vec![0.0; n];
-            c[i] += a;
-            c[k] += b;
-            likelihood(&c)
-        };
-        let curvature = DMatrix::from_fn(n, n, |i, k| {
-            let d = at(i, step, k, step) - at(i, step, k, -step) - at(i, -step, k, step) + at(i, -step, k, -step);
-            -d / (4.0 * step * step)
+        let curvature = DMatrix::from_fn(free.len(), free.len(), |i, k| {
+            let at = |a: f64, b: f64| likelihood(&[(i, a), (k, b)]);
+            -(at(step, step) - at(step, -step) - at(-step, step) + at(-step, -step)) / (4.0 * step * step)
         });
-        let Some(inverse) = curvature.cholesky().map(|c| c.inverse()) else { return Vec::new() };
+        // A shape that the data do not determine is known from its range, with which size it trades.
+        let known = |i: usize| match free[i] {
+            Free::Effect(k, p) if h.effects[k].parameters[p].role != windfall_model::Role::Strength => {
+                let p = &h.effects[k].parameters[p];
+                12.0 / (p.high / p.low).ln().powi(2)
+            }
+            _ => 0.0,
+        };
+        let within = || &curvature + DMatrix::from_diagonal(&DVector::from_fn(free.len(), |i, _| known(i)));
+        let Some(inverse) = curvature.clone().cholesky().or_else(|| within().cholesky()).map(|c| c.inverse()) else {
+            return Vec::new();
+        };
         free.iter().enumerate().map(|(i, f)| (*f, h.get(*f) * inverse[(i, i)].sqrt())).collect()
     }
 

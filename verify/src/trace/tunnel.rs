@@ -3,7 +3,7 @@
 //! The residual of the six force and moment balances in coefficient form is projected on sinusoids under a taper that rises
 //! quickly at both ends, up to [`BAND_HZ`]. What the motion needs (accelerations) comes from a narrow window, flat over
 //! the band; everything that a plant predicts comes from a wide window, so that little sensor noise reaches it. What noise
-//! leaves in a bin, and what it does through the predictions, is measured on copies of the data with noise added again.
+//! leaves in a bin, and what it does through the predictions, is measured on copies: the data smoothed, and noise added again.
 
 use super::evidence::{BIN, Cov, Evidence, LeadTable, Residual};
 use super::fit::Fit;
@@ -18,11 +18,13 @@ use realfft::{RealFftPlanner, RealToComplex};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use std::sync::{Arc, RwLock};
 use windfall_model::frames::{Body, EulerXyz, Rotation, Vec3};
-use windfall_model::{AirState, Campaign, Coefficient, Data, Entry, Motion, Plant, Record, Sensors, Variable, Wrench};
+use windfall_model::{AirState, Campaign, Coefficient, Data, Motion, Plant, Record, Sensors, Variable, Wrench};
 use windfall_pid::coefficients::{Row, coefficients};
 use windfall_pid::smooth::Smoothed;
 use windfall_pid::states::{State, states};
 use windfall_pid::window::{Kernels, Window};
+
+mod random;
 
 /// Highest frequency used, Hz.
 pub const BAND_HZ: f64 = 5.0;
@@ -91,9 +93,9 @@ struct Prepared {
     inputs: Vec<f64>,
     duration_s: f64,
     bins: usize,
-    /// Wide smoothing of the data and of its noisy copies.
+    /// Wide smoothing of each [`Series`], in that order.
     wide: Vec<Smoothed>,
-    /// What narrow smoothing says beyond wide smoothing under the declared plant, per copy.
+    /// What narrow smoothing says beyond wide smoothing under the declared plant, per series.
     beyond: Vec<Residual>,
     project: Projector,
     /// Dynamic pressure under the declared plant, Pa, at the samples of predictions.
@@ -104,10 +106,37 @@ struct Prepared {
     wide_gain: Vec<f64>,
 }
 
+/// What a residual is made from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Series {
+    Data,
+    /// The data smoothed: what copies add noise to.
+    Clean,
+    /// From 1.
+    Copy(usize),
+}
+
+impl Series {
+    /// All of them with so many copies.
+    fn all(copies: usize) -> impl Iterator<Item = Self> {
+        [Self::Data, Self::Clean].into_iter().chain((1..=copies).map(Self::Copy))
+    }
+    const fn index(self) -> usize {
+        match self {
+            Self::Data => 0,
+            Self::Clean => 1,
+            Self::Copy(c) => c + 1,
+        }
+    }
+    const fn of_copy(copy: usize) -> Self {
+        if copy == 0 { Self::Data } else { Self::Copy(copy) }
+    }
+}
+
 /// Cross-spectrum of the six channels at one frequency.
 type Spectrum = SMatrix<Complex<f64>, 6, 6>;
 
-/// The latest plant without aerodynamics and contacts (both are added to its rows), and the rows it gives per run and copy.
+/// The latest plant without aerodynamics and contacts (both are added to its rows), and the rows it gives per run and series.
 type Focus = (Plant, Vec<Vec<Vec<Row>>>);
 
 /// Evidence of tunnel runs.
@@ -142,10 +171,11 @@ impl TunnelEvidence {
     /// Measures what sensor noise leaves in every bin under a plant: mean over copies and neighbouring frequencies.
     pub fn measure_noise(&mut self, plant: &Plant) {
         self.focus(plant);
-        let all: Vec<Residual> = (0..=self.copies).into_par_iter().map(|c| self.residual(plant, c)).collect();
+        let clean = self.clean(plant);
+        let all: Vec<Residual> = (1..=self.copies).into_par_iter().map(|c| self.residual(plant, c)).collect();
         let mut raw = vec![Cov::zeros(); self.bins()];
-        for copy in &all[1..] {
-            for ((m, a), b) in raw.iter_mut().zip(copy.chunks_exact(BIN)).zip(all[0].chunks_exact(BIN)) {
+        for copy in &all {
+            for ((m, a), b) in raw.iter_mut().zip(copy.chunks_exact(BIN)).zip(clean.chunks_exact(BIN)) {
                 let part = |from: usize| SVector::<f64, 6>::from_fn(|c, _| a[from + c] - b[from + c]);
                 let z = part(0).map(|x| Complex::new(x, 0.0)) + part(6).map(|x| Complex::new(0.0, x));
                 *m += real_form(&(z * z.adjoint())) / self.copies as f64;
@@ -177,13 +207,17 @@ impl TunnelEvidence {
         }
     }
 
-    fn rows(&self, plant: &Plant, run: usize, copy: usize) -> Option<Vec<Row>> {
+    fn rows(&self, plant: &Plant, run: usize, series: Series) -> Option<Vec<Row>> {
         let p = &self.runs[run];
         let own = without_aero(plant).for_run(p.index, &p.inputs);
-        Some(coefficients(&states(&p.wide[copy], &own).ok()?, &own))
+        Some(coefficients(&states(&p.wide[series.index()], &own).ok()?, &own))
     }
 
-    fn residual_run(&self, plant: &Plant, run: usize, copy: usize) -> Residual {
+    fn residual_series(&self, plant: &Plant, series: Series) -> Residual {
+        (0..self.runs.len()).flat_map(|r| self.residual_run(plant, r, series)).collect()
+    }
+
+    fn residual_run(&self, plant: &Plant, run: usize, series: Series) -> Residual {
         let p = &self.runs[run];
         let focus = self.focus.read().ok();
         let bare = without_aero(plant);
@@ -191,11 +225,11 @@ impl TunnelEvidence {
             .as_deref()
             .and_then(|f| f.as_ref())
             .filter(|(known, _)| *known == bare)
-            .and_then(|(_, rows)| rows[run].get(copy));
+            .and_then(|(_, rows)| rows[run].get(series.index()));
         let fresh;
         let rows = match kept {
             Some(rows) => rows,
-            None => match self.rows(plant, run, copy) {
+            None => match self.rows(plant, run, series) {
                 Some(rows) => {
                     fresh = rows;
                     &fresh
@@ -206,7 +240,7 @@ impl TunnelEvidence {
         let unit = Unit::new(plant, &self.declared);
         let contacts: Vec<_> = plant.contacts.iter().filter(|c| c.run == p.index).collect();
         let start_s = rows.first().map_or(0.0, |r| r.t_s);
-        let series: Vec<[f64; 6]> = rows
+        let missing: Vec<[f64; 6]> = rows
             .iter()
             .zip(&p.q_declared_pa)
             .map(|(row, q)| {
@@ -218,8 +252,8 @@ impl TunnelEvidence {
                 unit.convert(std::array::from_fn(|i| row.exp_origin[i] - c[i]), row.q_pa / q)
             })
             .collect();
-        let mut z = p.project.project(&series);
-        for (a, b) in z.iter_mut().zip(&p.beyond[copy]) {
+        let mut z = p.project.project(&missing);
+        for (a, b) in z.iter_mut().zip(&p.beyond[series.index()]) {
             *a += b;
         }
         z
@@ -230,7 +264,7 @@ impl TunnelEvidence {
     pub fn series(&self, plant: &Plant) -> Vec<Vec<(Row, [f64; 6])>> {
         (0..self.runs.len())
             .map(|r| {
-                let rows = self.rows(plant, r, 0).unwrap_or_default();
+                let rows = self.rows(plant, r, Series::Data).unwrap_or_default();
                 rows.into_iter()
                     .map(|row| {
                         let c = plant.aero.coefficients(&row.flow);
@@ -249,6 +283,10 @@ impl TunnelEvidence {
 }
 
 impl Prepared {
+    /// Wide smoothing of the data.
+    fn data(&self) -> &Smoothed {
+        &self.wide[Series::Data.index()]
+    }
     /// Angular frequency of a bin, rad/s.
     fn omega(&self, bin: usize) -> f64 {
         std::f64::consts::TAU * bin as f64 / self.duration_s
@@ -396,13 +434,16 @@ impl Evidence for TunnelEvidence {
         self.copies
     }
     fn residual(&self, plant: &Plant, copy: usize) -> Residual {
-        (0..self.runs.len()).flat_map(|r| self.residual_run(plant, r, copy)).collect()
+        self.residual_series(plant, Series::of_copy(copy))
+    }
+    fn clean(&self, plant: &Plant) -> Residual {
+        self.residual_series(plant, Series::Clean)
     }
     fn residual_of(&self, plant: &Plant, run: usize) -> Residual {
         let mut all = Vec::with_capacity(self.samples());
         for (r, p) in self.runs.iter().enumerate() {
             if r == run {
-                all.extend(self.residual_run(plant, r, 0));
+                all.extend(self.residual_run(plant, r, Series::Data));
             } else {
                 all.extend(std::iter::repeat_n(0.0, p.bins * BIN));
             }
@@ -418,9 +459,13 @@ impl Evidence for TunnelEvidence {
     fn random(&self, plant: &Plant) -> Vec<Cov> {
         let mut out = Vec::with_capacity(self.bins());
         for run in &self.runs {
-            out.extend(random_of_run(run, plant));
+            out.extend(random::spectra(run, plant));
         }
         out
+    }
+    fn random_draws(&self, plant: &Plant, count: usize) -> Vec<Residual> {
+        let per_run: Vec<Vec<Residual>> = self.runs.iter().map(|r| random::draws(r, plant, count)).collect();
+        (0..count).map(|c| per_run.iter().flat_map(|d| d[c].iter().copied()).collect()).collect()
     }
     fn closed_loop(&self, sigma: &[Cov], plant: &Plant, moved: &[(Plant, f64)]) -> Vec<f64> {
         let starts = self.runs.iter().scan(0, |at, r| {
@@ -472,7 +517,10 @@ impl Evidence for TunnelEvidence {
             return;
         }
         let rows: Option<Vec<Vec<Vec<Row>>>> = (0..self.runs.len())
-            .map(|r| (0..=self.copies()).into_par_iter().map(|c| self.rows(plant, r, c)).collect::<Option<Vec<_>>>())
+            .map(|r| {
+                let all: Vec<Series> = Series::all(self.copies()).collect();
+                all.into_par_iter().map(|s| self.rows(plant, r, s)).collect::<Option<Vec<_>>>()
+            })
             .collect();
         if let (Ok(mut f), Some(rows)) = (self.focus.write(), rows) {
             *f = Some((bare, rows));
@@ -567,19 +615,25 @@ fn prepare(
     let plant = declared.for_run(index, inputs);
     let fine = Projector::new(n, dt, bins);
     let project = Projector::new(n / stride, dt * stride as f64, bins);
-    let mut smoothed = Vec::with_capacity(copies + 1);
-    let mut beyond = Vec::with_capacity(copies + 1);
+    let mut smoothed = Vec::with_capacity(copies + 2);
+    let mut beyond = Vec::with_capacity(copies + 2);
     let (mut q_declared_pa, mut kept) = (Vec::new(), Vec::new());
     let wide_gain = (0..bins).map(|k| wide.value_gain(std::f64::consts::TAU * k as f64 / (n as f64 * dt), dt)).collect();
-    for copy in 0..=copies {
-        let channels = noisy(record, &declared.sensors, seed, index, copy).map(|c| c[..n].to_vec());
+    let data = record.channels().map(|c| c[..n].to_vec());
+    let clean = smoothed_channels(&data, &wide);
+    for series in Series::all(copies) {
+        let channels = match series {
+            Series::Data => data.clone(),
+            Series::Clean => clean.clone(),
+            Series::Copy(copy) => noisy(&clean, &declared.sensors, seed, index, copy),
+        };
         let a = decimated(record, &narrow, &channels, 1);
         let b = decimated(record, &wide, &channels, stride);
         let rows = |s: &Smoothed| -> Result<Vec<Row>, VerifyError> { Ok(coefficients(&states(s, &plant)?, &plant)) };
         let exp = |rows: &[Row]| rows.iter().map(|r| r.exp_origin).collect::<Vec<_>>();
         let mut z = fine.project(&exp(&rows(&a)?));
         let coarse = rows(&b)?;
-        if copy == 0 {
+        if series == Series::Data {
             q_declared_pa = coarse.iter().map(|r| r.q_pa).collect();
             kept = states(&b, &plant)?;
         }
@@ -603,16 +657,21 @@ fn prepare(
     })
 }
 
-/// The seven channels, with sensor noise added again for copies above zero.
-fn noisy(record: &Record, sensors: &Sensors, seed: u64, run: usize, copy: usize) -> [Vec<f64>; 7] {
+/// Every channel smoothed at every sample.
+fn smoothed_channels(channels: &[Vec<f64>; 7], kernels: &Kernels) -> [Vec<f64>; 7] {
+    let series: Vec<&[f64]> = channels.iter().map(Vec::as_slice).collect();
+    let mut signals = kernels.smooth(&series, 1).into_iter();
+    std::array::from_fn(|_| signals.next().map(|s| s.value).unwrap_or_default())
+}
+
+/// The seven channels with sensor noise added.
+fn noisy(channels: &[Vec<f64>; 7], sensors: &Sensors, seed: u64, run: usize, copy: usize) -> [Vec<f64>; 7] {
     let (p, r, a, w) = (sensors.position_std_m, sensors.roll_std_rad, sensors.pitch_yaw_std_rad, sensors.wind_std_m_s);
     let std = [p, p, p, r, a, a, w];
-    let channels = record.channels();
     std::array::from_fn(|c| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream((run as u64) << 32 | (copy as u64) << 8 | c as u64);
-        let scale = if copy == 0 { 0.0 } else { std[c] };
-        channels[c].iter().map(|x| x + scale * Distribution::<f64>::sample(&StandardNormal, &mut rng)).collect()
+        channels[c].iter().map(|x| x + std[c] * Distribution::<f64>::sample(&StandardNormal, &mut rng)).collect()
     })
 }
 
@@ -635,44 +694,40 @@ fn decimated(record: &Record, kernels: &Kernels, channels: &[Vec<f64>; 7], strid
     }
 }
 
-/// Mean over neighbouring bins, in units of each bin's own size so that a steep spectrum is not flattened: width grows with
-/// frequency (a sixth) and is at least three bins to each side.
+/// Mean over neighbouring bins, each brought to this one's frequency by the local power law of its channels, so that a steep
+/// spectrum is neither flattened (a plain mean over a sixth to each side of ω⁴ is 5 % too high) nor cut at the end of the band.
+/// The width grows with frequency (a sixth) and is at least three bins to each side, save at the lowest, where it is symmetric.
 fn averaged(raw: &[Cov]) -> Vec<Cov> {
     let n = raw.len();
-    let mean = |from: usize, to: usize| raw[from..to].iter().sum::<Cov>() / (to - from) as f64;
+    let x: Vec<f64> = (0..n).map(|k| ((k + 1) as f64).ln()).collect();
+    let within = |k: usize, w: usize| k.saturating_sub(w)..(k + w + 1).min(n);
     (0..n)
         .map(|k| {
-            let w = (k / 6).max(3);
-            let m = mean(k.saturating_sub(w), (k + w + 1).min(n));
-            m + Cov::from_diagonal(&m.diagonal()) * 0.01
+            let w = (k / 6).max(3).min(k);
+            let exponents: [f64; BIN] = std::array::from_fn(|c| {
+                let wide = within(k, 2 * w.max(1));
+                slope(&x[wide.clone()], &raw[wide].iter().map(|m| m[(c, c)].max(f64::MIN_POSITIVE).ln()).collect::<Vec<_>>())
+            });
+            let mut sum = Cov::zeros();
+            for j in within(k, w) {
+                let to: [f64; BIN] = std::array::from_fn(|c| (0.5 * exponents[c] * (x[k] - x[j])).exp());
+                sum += raw[j].map_with_location(|r, c, m| m * to[r] * to[c]);
+            }
+            let m = sum / within(k, w).len() as f64;
+            m + Cov::from_diagonal(&m.diagonal()) * RIDGE
         })
         .collect()
 }
 
-/// Cross-spectra that random inputs leave in a run: the squared gain of the balance to each input, averaged along the run,
-/// times the input's density.
-fn random_of_run(run: &Prepared, plant: &Plant) -> Vec<Cov> {
-    let own = plant.for_run(run.index, &run.inputs);
-    let mut out = vec![Cov::zeros(); run.bins];
-    let Ok(all) = states(&run.wide[0], &own) else { return out };
-    let some: Vec<&State> = all.iter().step_by(4).collect();
-    let speed = some.iter().map(|s| s.speed).sum::<f64>() / some.len() as f64;
-    for d in own.disturbances(speed) {
-        let (mut steady, mut rate, mut cross) = (Matrix6::zeros(), Matrix6::zeros(), Matrix6::zeros());
-        for s in &some {
-            let (g, h) = gain(s, &own, d.entry);
-            steady += g * g.transpose() / some.len() as f64;
-            rate += h * h.transpose() / some.len() as f64;
-            cross += (h * g.transpose() - g * h.transpose()) / some.len() as f64;
-        }
-        for (k, m) in out.iter_mut().enumerate() {
-            let w = std::f64::consts::TAU * k as f64 / run.duration_s;
-            // (G + iωH)(G + iωH)ᴴ
-            let s = (steady + rate * (w * w)).zip_map(&(cross * w), Complex::new);
-            *m += real_form(&s) * d.density(w);
-        }
-    }
-    out
+/// Part of itself added to the diagonal of a measured covariance, so that it can be factored.
+const RIDGE: f64 = 1e-3;
+
+/// Slope of the straight line through points.
+fn slope(x: &[f64], y: &[f64]) -> f64 {
+    let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
+    let (mx, my) = (mean(x), mean(y));
+    let (xy, xx) = x.iter().zip(y).fold((0.0, 0.0), |(a, b), (x, y)| (a + (x - mx) * (y - my), b + (x - mx).powi(2)));
+    if xx > 0.0 { xy / xx } else { 0.0 }
 }
 
 /// Covariance of real and imaginary parts of a circular vector with covariance `E z zᴴ = s`.
@@ -688,31 +743,6 @@ fn real_form(s: &Spectrum) -> Cov {
         }
     }
     m
-}
-
-/// Change of the six coefficients at the origin per unit of a random input, and per unit of its rate.
-fn gain(s: &State, plant: &Plant, entry: Entry) -> (SVector<f64, 6>, SVector<f64, 6>) {
-    let axis = match entry {
-        Entry::Coefficient(i) => {
-            let mut g = SVector::<f64, 6>::zeros();
-            g[i] = 1.0;
-            return (g, SVector::zeros());
-        }
-        Entry::AirVelocity(axis) => axis,
-    };
-    let (motion, still) = (motion(s), still(s));
-    let unit = |x: f64| {
-        let mut v = [0.0; 3];
-        v[axis] = x;
-        Vec3::from_array(v)
-    };
-    let coefficients = |air: &AirState| load_coefficients(&plant.wrench(&motion, air), s.q_pa, plant);
-    let h = 1e-3;
-    let base = coefficients(&still);
-    (
-        (coefficients(&AirState { gust: unit(h), ..still }) - base) / h,
-        (coefficients(&AirState { gust_rate: unit(h), ..still }) - base) / h,
-    )
 }
 
 /// A state as the motion that forces are made of.

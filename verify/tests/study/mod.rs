@@ -222,7 +222,8 @@ impl Study {
         }
         let seed = draw.place as u64 * 1000 + draw.seed + 100_000 * (draw.families.len() as u64 + 4 * draw.size as u64);
         let Some(flown) = campaign(&self.file, &plant, seed) else { return nothing(OUT_OF_RANGE, None) };
-        match close(&flown, &self.options) {
+        // Copies of their own, so that what chance does to one set of them is not common to all draws.
+        match close(&flown, &Options { seed, ..self.options }) {
             Ok(c) => said(draw, &forms, &self.file.declared_plant, &c),
             Err(e) => nothing("error", Some(e.to_string())),
         }
