@@ -26,7 +26,7 @@ pub fn identify_chosen(campaign: &Campaign, options: &Options) -> Result<Identif
         other => other,
     };
     match (first, filter_error::identify(campaign, options)) {
-        (first, Ok(second)) if turbulent(&second) => Ok(by_filter(&first.map_or_else(|e| e.to_string(), |f| left(&f)), second)),
+        (first, Ok(second)) if driven(&second) => Ok(by_filter(&first.map_or_else(|e| e.to_string(), |f| left(&f)), second)),
         (Ok(first), Ok(_)) => {
             let reason = format!("its residual is not noise ({}), and filter error finds no turbulence in it", left(&first));
             Ok(because(first, reason))
@@ -55,10 +55,10 @@ fn equation_error(campaign: &Campaign, reason: String) -> Result<Identification,
 /// Filter error's result, with what output error left.
 fn by_filter(left: &str, mut found: Identification) -> Identification {
     found.warnings.push(format!(
-        "output error's residual is not noise ({left}); filter error takes what is left for turbulence: whether it is that or another \
-         effect, windfall close tells"
+        "output error's residual is not noise ({left}); filter error takes what is left for process noise, turbulence first: whether it \
+         is that or another effect, windfall close tells"
     ));
-    because(found, "output error leaves more than noise, and process noise on the air explains it".to_owned())
+    because(found, "output error leaves more than noise, and process noise takes up what it leaves".to_owned())
 }
 
 /// True for a search that ended without an answer although the model flies.
@@ -78,8 +78,8 @@ fn left(found: &Identification) -> String {
     bad.map(|f| format!("{}: p = {:.1e}", f.coefficient, f.residual_whiteness_p)).collect::<Vec<_>>().join(", ")
 }
 
-/// True where gusts were found.
-fn turbulent(found: &Identification) -> bool {
-    let gusts = found.data_set("combined").map(|d| d.parameters.iter().filter(|p| p.coefficient == "turbulence"));
-    gusts.is_some_and(|mut g| g.any(|p| p.estimate > 0.0))
+/// True where gusts or random moments were found.
+fn driven(found: &Identification) -> bool {
+    let drive = |c: &str| c == filter_error::TURBULENCE || c == filter_error::PROCESS_NOISE;
+    found.data_set("combined").is_some_and(|d| d.parameters.iter().any(|p| drive(&p.coefficient) && p.estimate > 0.0))
 }

@@ -9,7 +9,7 @@
 use crate::choice::identify_chosen;
 use crate::equations::{Air, Craft, Drive, Extra, INPUTS, STATES, Segment, Transition, origin};
 use crate::error::PidError;
-use crate::filter_error::{Filter, NONE_M_S};
+use crate::filter_error::{Filter, NONE_M_S, Random, START_SCALE_M};
 use crate::output_error::{CHANNELS, Columns, NODE, Options, Run, SPEED, Unknowns, ready, run_plants};
 use nalgebra::DMatrix;
 use serde::Serialize;
@@ -102,8 +102,8 @@ pub fn plan(campaign: &Campaign, targets: &[Target], between_s: f64) -> Result<P
     let turbulence = Turbulence {
         axial_rms_m_s: gust("axial_rms_m_s", NONE_M_S),
         lateral_rms_m_s: gust("lateral_rms_m_s", NONE_M_S),
-        axial_scale_m: gust("axial_scale_m", 0.05),
-        lateral_scale_m: gust("lateral_scale_m", 0.05),
+        axial_scale_m: gust("axial_scale_m", START_SCALE_M),
+        lateral_scale_m: gust("lateral_scale_m", START_SCALE_M),
     };
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;
@@ -264,7 +264,8 @@ impl<'s> Scene<'s> {
     /// Information on the free parameters of a run's first part, for each length, s.
     fn information(&self, run: &Run<'_>, lengths_s: &[f64]) -> Option<Vec<DMatrix<f64>>> {
         let c: Columns<'_> = self.unknowns.columns();
-        let seen = Filter::new(run, self.noise).run(&self.turbulence, &c, &mut Transition::default())?;
+        let random = Random { turbulence: self.turbulence, turning: [0.0; 2] };
+        let seen = Filter::new(run, self.noise).run(&random, &c, &mut Transition::default())?;
         let mut m = DMatrix::<f64>::zeros(c.free, c.free);
         let mut out = Vec::with_capacity(lengths_s.len());
         for (row, (slopes, variance)) in seen.by_parameter.chunks_exact(c.free).zip(&seen.pass.variance).enumerate() {

@@ -52,3 +52,13 @@ fn recover_open_00_without_turbulence() {
         assert!((p.std_error / o.std_error - 1.0).abs() < 0.1, "{p:?} {o:?}");
     }
 }
+
+/// A moment that is no gust's (a c.m. off its place by 2.7 mm): the search ends with random moments in it, and says so.
+#[test]
+fn law_what_no_gust_explains_ends_with_random_moments() {
+    let Some((set, warnings)) = combined("law_what_no_gust_explains_ends_with_random_moments", "open-04") else { return };
+    let across = set.get("process-noise", "across_rad_s1_5").expect("estimated");
+    assert!(across.ci95[0] > 0.0, "{across:?}");
+    assert!(warnings.iter().any(|w| w.contains("random moments")), "{warnings:?}");
+    assert!(warnings.iter().any(|w| w.contains("not noise")), "{warnings:?}");
+}

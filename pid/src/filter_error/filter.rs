@@ -53,6 +53,15 @@ pub(crate) struct Filter<'r, 'a> {
     noise: [f64; CHANNELS],
 }
 
+/// What drives a run at random.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Random {
+    pub(crate) turbulence: Turbulence,
+    /// White angular acceleration about x and across it, as the root of its intensity, rad/s per root second: moments that neither
+    /// the declared model nor gusts make.
+    pub(crate) turning: [f64; 2],
+}
+
 /// The random side: gust matrices at the run's speed.
 struct Gusts {
     drive: Drive,
@@ -63,6 +72,7 @@ struct Gusts {
     /// White part of each gust's rate, m/s² per unit of noise.
     rate: [f64; 3],
     stationary: DMatrix<f64>,
+    turning: [f64; 2],
 }
 
 /// Innovations and their variances along a pass, each given all measurements before it.
@@ -91,7 +101,7 @@ impl<'r, 'a> Filter<'r, 'a> {
         self.run.record.len() / self.piece
     }
 
-    fn gusts(&self, t: &Turbulence) -> Gusts {
+    fn gusts(&self, Random { turbulence: t, turning }: &Random) -> Gusts {
         let n = self.run.record.len() as f64;
         let speed = self.run.record.vw_m_s.iter().sum::<f64>() / n;
         let ns = SPEED + GUSTS;
@@ -154,6 +164,7 @@ impl<'r, 'a> Filter<'r, 'a> {
             root,
             rate,
             stationary,
+            turning: *turning,
         }
     }
 
@@ -178,13 +189,17 @@ impl<'r, 'a> Filter<'r, 'a> {
             }
         }
         let half_s = 0.5 * self.run.interval_s * self.piece as f64;
-        std::array::from_fn(|i| std::array::from_fn(|j| half_s * root.iter().map(|r| r[i] * r[j]).sum::<f64>()))
+        let mut q: Square =
+            std::array::from_fn(|i| std::array::from_fn(|j| half_s * root.iter().map(|r| r[i] * r[j]).sum::<f64>()));
+        let [roll, across] = g.turning.map(|t| half_s * t * t);
+        (9..12).for_each(|i| q[i][i] += if i == 9 { roll } else { across });
+        q
     }
 
     /// Filters the run, the model linearised about its own predictions; `None` where the flight cannot go on. Measurements are
     /// taken one by one (their noise is independent; Durbin and Koopman 2012, §6.4).
-    pub(crate) fn run(&self, t: &Turbulence, c: &Columns<'_>, work: &mut Transition) -> Option<Seen> {
-        let g = self.gusts(t);
+    pub(crate) fn run(&self, random: &Random, c: &Columns<'_>, work: &mut Transition) -> Option<Seen> {
+        let g = self.gusts(random);
         let (mut z, mut p) = self.start(&g);
         let mut s = DMatrix::<f64>::zeros(c.free, ALL);
         let rows = self.pieces() * self.piece * CHANNELS;
@@ -252,10 +267,10 @@ impl<'r, 'a> Filter<'r, 'a> {
         Some(seen)
     }
 
-    /// The same filter with gusts of other size but equal scale, the model's linearisation as it was: a gust's size acts on the
+    /// The same filter with gusts or turning of other size but equal scale, the model's linearisation as it was: a size acts on the
     /// driving noise alone.
-    pub(crate) fn again(&self, t: &Turbulence, seen: &Seen) -> Pass {
-        let g = self.gusts(t);
+    pub(crate) fn again(&self, random: &Random, seen: &Seen) -> Pass {
+        let g = self.gusts(random);
         let (_, mut p) = self.start(&g);
         // How far this filter's state is from the other's.
         let mut off = [0.0; ALL];

@@ -7,10 +7,17 @@
 //! alone, so their sum has zero mean and the bound its usual form. Slopes by size and scale of the gusts, of innovations and of their
 //! covariance, are differences of the filter itself (a thousandth of their logarithm: the likelihood bends over its whole, so
 //! truncation is 1e-6 and rounding 1e-10 of a slope).
+//!
+//! The search ends on data whose missing effect is no turbulence too: scales of the gusts are freed last and held where they run away,
+//! and where no gust below a tenth of the tunnel speed explains the runs, white moments are allowed for beside it.
 
 mod filter;
+mod likelihood;
+mod point;
+mod report;
 mod search;
 
-pub(crate) use filter::Filter;
-pub(crate) use search::NONE_M_S;
+pub(crate) use filter::{Filter, Random};
+pub(crate) use report::{PROCESS_NOISE, TURBULENCE};
 pub use search::identify;
+pub(crate) use search::{NONE_M_S, START_SCALE_M};

@@ -1,33 +1,40 @@
 //! pid: the search for parameters and turbulence of largest likelihood. In: a campaign. Out: the contract's identification.
+//!
+//! Sizes of gusts come first, their scales held: a problem with one peak whatever it is that the declared model lacks. Scales are
+//! freed from there, and held again where they run away, as they do when what is left has not the colour of gusts. Where gusts do not
+//! explain the runs at all, white moments are allowed for beside them (process noise on the body rates; Jategaonkar 2015, ch. 5).
 
-use super::filter::{Filter, Pass, Seen};
+use super::filter::Filter;
+use super::likelihood::{Local, inverse, local, log_likelihood2};
+use super::point::{Point, RANDOM, SIZES, Sought};
+use super::report::data_set;
 use crate::PidError;
 use crate::equations::Transition;
 use crate::identifiability::of_runs;
-use crate::identification::{CoefficientFit, DataSet, Estimate, Identification, NORMAL_95};
-use crate::output_error::{
-    CHANNELS, Columns, NOT_NOISE, Options, Run, StopReason, Unknowns, estimates, kinds, low_frequency_p, ready, run_plants,
-    spread,
-};
+use crate::identification::{DataSet, Identification};
+use crate::output_error::{CHANNELS, Options, Run, StopReason, Unknowns, kinds, ready, run_plants};
 use nalgebra::{DMatrix, DVector};
-use realfft::RealFftPlanner;
-use windfall_model::{Campaign, Turbulence};
+use windfall_model::Campaign;
 
-const METHOD: &str = "filter-error";
-/// Names of what describes the gusts; their logarithms are sought.
-const GUSTS: [&str; 4] = ["axial_rms_m_s", "lateral_rms_m_s", "axial_scale_m", "lateral_scale_m"];
-/// Difference of a logarithm.
-const STEP: f64 = 1e-3;
+pub(super) const METHOD: &str = "filter-error";
 /// Scale at which the search starts, three model diameters (m).
-const START_SCALE_M: f64 = 0.6;
+pub(crate) const START_SCALE_M: f64 = 0.6;
 /// Sizes tried for a start, m/s: from 1 % of the tunnel speed by this factor, up or down, within these bounds.
 const START_SIZE_M_S: f64 = 0.08;
 const SIZE_FACTOR: f64 = 3.0;
 const SIZES_M_S: std::ops::Range<f64> = 8e-4..2.0;
+/// A tenth of the tunnel speed: about larger gusts the filter's linearisation says little, and moments are tried instead.
+const LARGE_M_S: f64 = 0.5;
+/// Gusts beside which turning is sought at first, m/s, and the turning tried about x and across it, rad/s per root second.
+const BESIDE_TURNING_M_S: f64 = 0.02;
+const START_TURNING: [f64; 2] = [0.01, 0.1];
+const TURNINGS: std::ops::Range<f64> = 1e-4..20.0;
 /// A scale that the data do not tell stays near its start: prior standard deviation of its logarithm, so 0.08 to 4 m are likely.
-const SCALE_PRIOR: f64 = 1.0;
-/// Largest step of a logarithm.
-const TRUST: f64 = 0.7;
+pub(super) const SCALE_PRIOR: f64 = 1.0;
+/// Standard deviations from its prior at which a scale has run away.
+const AWAY: f64 = 2.0;
+/// Largest growth and largest shrinking of a logarithm in a step.
+const TRUST: [f64; 2] = [0.7, 1.6];
 /// By how much twice the log-likelihood may fall in a step: the score leaves out how the gain depends on the parameters.
 const SLACK: f64 = 0.1;
 /// Levenberg's share of the information's diagonal: at first, and where no step helps any more.
@@ -35,14 +42,18 @@ const FIRST_DAMPING: f64 = 0.1;
 const LAST_DAMPING: f64 = 1e4;
 /// By how much the damping also shortens the whole step.
 const SHORTENING: f64 = 0.1;
-/// Size of a gust that is not there, m/s.
+/// Size of a gust that is not there, m/s; of turning in its own unit.
 pub(crate) const NONE_M_S: f64 = 1e-6;
-/// A gust whose logarithm has a larger standard error cannot be told from none.
+/// A gust whose logarithm has a larger standard error cannot be told from none, unless twice the log-likelihood falls by more than
+/// this without it (99 % of chi-squared with two degrees).
 const UNTOLD: f64 = 0.5;
-/// Where gusts explain the data, five to eight iterations are enough; where something else is missing, more do not help.
-const MOST_ITERATIONS: usize = 15;
-/// The search ends when no unknown moves by more than this part of its standard error.
+const TOLD: f64 = 9.2;
+/// Most iterations for sizes, and for scales once sizes are found.
+const MOST_ITERATIONS: usize = 20;
+const SCALE_ITERATIONS: usize = 6;
+/// The search ends when no unknown moves by more than this part of its standard error, or all together by less than a tenth.
 const SETTLED: f64 = 0.02;
+const SETTLED_TOGETHER: f64 = 0.1;
 
 /// Identifies a campaign's declared parameters together with its turbulence.
 ///
@@ -62,365 +73,223 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
     let mut warnings = Vec::new();
     let mut data_sets = Vec::new();
     let all: Vec<usize> = (0..runs.len()).collect();
-    let gusts = [START_SIZE_M_S, START_SIZE_M_S, START_SCALE_M, START_SCALE_M].map(f64::ln);
-    let start = Point { unknowns, gusts, untold: [None; 2] };
-    let (combined, point) = solve(campaign, "combined", &runs, &all, start, options, &mut warnings)?;
-    let alone = if options.combined_only { Vec::new() } else { kinds(&plants) };
-    for (kind, members) in alone {
-        match solve(campaign, &kind, &runs, &members, point.clone(), options, &mut warnings) {
+    let mut solve = |name: &str, members: &[usize], begin: Begin| -> Result<(DataSet, Point), PidError> {
+        let mut search = Search::new(&runs, members, options);
+        let found = search.find(begin).map_err(|reason| PidError::NoAnswer {
+            campaign: campaign.name.clone(),
+            set: name.to_owned(),
+            method: METHOD,
+            reason: reason.words(),
+        })?;
+        let set = data_set(campaign, name, &search.filters, &found.point, &found.local, &found.covariance, &mut warnings);
+        Ok((set, found.point))
+    };
+    let (combined, point) = solve("combined", &all, Begin::From(unknowns))?;
+    let mut left_out = Vec::new();
+    for (kind, members) in if options.combined_only { Vec::new() } else { kinds(&plants) } {
+        match solve(&kind, &members, Begin::Near(point.clone())) {
             Ok((set, _)) => data_sets.push(set),
-            Err(e) => warnings.push(format!("data set {kind}: left out: {e}")),
+            Err(e) => left_out.push(format!("data set {kind}: left out: {e}")),
         }
     }
+    warnings.extend(left_out);
     data_sets.push(combined);
     Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability })
 }
 
-/// Where the search is.
-#[derive(Clone)]
-struct Point {
-    unknowns: Unknowns,
-    /// Logarithms of rms (m/s) and scale (m).
-    gusts: [f64; 4],
-    /// Axial and lateral gusts that cannot be told from none: the rms at which that was found, m/s.
-    untold: [Option<f64>; 2],
+/// Where a search begins.
+enum Begin {
+    /// Parameters alone.
+    From(Unknowns),
+    /// What other runs gave.
+    Near(Point),
 }
 
-impl Point {
-    fn turbulence(&self) -> Turbulence {
-        let [axial_rms_m_s, lateral_rms_m_s, axial_scale_m, lateral_scale_m] = self.gusts.map(f64::exp);
-        Turbulence { axial_rms_m_s, lateral_rms_m_s, axial_scale_m, lateral_scale_m }
-    }
-    fn moved(&self, step: &DVector<f64>) -> Self {
-        let free = self.unknowns.free();
-        Self {
-            unknowns: self.unknowns.moved(&step.rows(0, free).into_owned(), 1.0),
-            gusts: std::array::from_fn(|k| self.gusts[k] + step[free + k]),
-            untold: self.untold,
+/// Why a search ended without an answer.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum End {
+    Stopped(StopReason),
+    Unexcited,
+    /// The scale of a gust left its range.
+    ScaleAway,
+}
+
+impl End {
+    const fn words(self) -> &'static str {
+        match self {
+            Self::Stopped(stop) => stop.words(),
+            Self::Unexcited => {
+                "a parameter is not excited by these runs: add a run with larger angles or rates, or do not declare it"
+            }
+            Self::ScaleAway => "the scale of the gusts has no likeliest value",
         }
     }
+}
+
+/// Where a search ended.
+struct Found {
+    point: Point,
+    local: Local,
+    covariance: DMatrix<f64>,
+}
+
+struct Search<'r, 'a> {
+    filters: Vec<Filter<'r, 'a>>,
+    work: Transition,
+    iterations: usize,
+}
+
+impl<'r, 'a> Search<'r, 'a> {
+    fn new(runs: &'r [Run<'a>], members: &[usize], options: &Options) -> Self {
+        let mean = |c: usize| members.iter().map(|&i| runs[i].noise_std[c].powi(2)).sum::<f64>() / members.len() as f64;
+        let noise: [f64; CHANNELS] = std::array::from_fn(|c| mean(c).sqrt().max(1e-9));
+        let filters = members.iter().map(|&i| Filter::new(&runs[i], noise)).collect();
+        Self { filters, work: Transition::default(), iterations: options.iterations }
+    }
+
+    fn find(&mut self, begin: Begin) -> Result<Found, End> {
+        let mut start = match begin {
+            Begin::Near(point) => return self.near(point),
+            Begin::From(unknowns) => Point::new(unknowns, START_SIZE_M_S),
+        };
+        self.likeliest(&mut start, &[0, 1], SIZES_M_S);
+        let sizes = if start.random[0] < LARGE_M_S.ln() {
+            self.climb(start.clone(), MOST_ITERATIONS)
+        } else {
+            Err(End::Stopped(StopReason::NoDescent))
+        };
+        match sizes {
+            Ok(found) if found.point.is_still() => Ok(found),
+            Ok(found) => {
+                let freed = Point { sought: Sought { scales: true, turning: false }, ..found.point.clone() };
+                Ok(self.climb(freed, SCALE_ITERATIONS).unwrap_or(found))
+            }
+            Err(End::Unexcited) => Err(End::Unexcited),
+            Err(_) => self.turning(start.unknowns),
+        }
+    }
+
+    /// With moments at random beside gusts.
+    fn turning(&mut self, unknowns: Unknowns) -> Result<Found, End> {
+        let mut start = Point::new(unknowns, BESIDE_TURNING_M_S);
+        start.sought.turning = true;
+        (start.random[4], start.random[5]) = (START_TURNING[0].ln(), START_TURNING[1].ln());
+        self.likeliest(&mut start, &[5], TURNINGS);
+        self.likeliest(&mut start, &[4], TURNINGS);
+        self.climb(start, MOST_ITERATIONS)
+    }
+
+    /// From another data set's point, scales held where they run away.
+    fn near(&mut self, mut point: Point) -> Result<Found, End> {
+        if point.sought.scales {
+            if let Ok(found) = self.climb(point.clone(), SCALE_ITERATIONS) {
+                return Ok(found);
+            }
+            point.sought.scales = false;
+            (point.random[2], point.random[3]) = (START_SCALE_M.ln(), START_SCALE_M.ln());
+        }
+        self.climb(point, MOST_ITERATIONS)
+    }
+
+    /// Climbs to the likelihood's peak by scoring.
+    fn climb(&mut self, mut point: Point, most: usize) -> Result<Found, End> {
+        let flown = |l: Option<Local>| l.ok_or(End::Stopped(StopReason::FlightFails));
+        let mut now = flown(local(&self.filters, &point, &mut self.work))?;
+        let mut damping = FIRST_DAMPING;
+        let free = point.unknowns.free();
+        for _ in 0..self.iterations.min(most) {
+            let covariance = inverse(&now.information)
+                .map_err(|column| if column < free { End::Unexcited } else { End::Stopped(StopReason::NoDescent) })?;
+            if self.give_up_untold(&mut point, &covariance, now.log_likelihood2) {
+                now = flown(local(&self.filters, &point, &mut self.work))?;
+                continue;
+            }
+            let step = &covariance * &now.score;
+            let together = step.dot(&now.score).max(0.0).sqrt();
+            if together < SETTLED_TOGETHER || (0..step.len()).all(|i| step[i].abs() < SETTLED * covariance[(i, i)].sqrt()) {
+                return Ok(Found { point, local: now, covariance });
+            }
+            loop {
+                let step = damped(&now, free, damping).unwrap_or_else(|| step.clone());
+                if let Some(there) = self.attempt(&point, &step, now.log_likelihood2) {
+                    (point, now) = there;
+                    damping *= 0.1;
+                    break;
+                }
+                damping *= 5.0;
+                if damping > LAST_DAMPING {
+                    return Err(End::Stopped(StopReason::NoDescent));
+                }
+            }
+            let off = |k: usize| (point.random[k] - START_SCALE_M.ln()).abs();
+            if off(2).max(off(3)) > AWAY * SCALE_PRIOR {
+                return Err(End::ScaleAway);
+            }
+        }
+        Err(End::Stopped(StopReason::Iterations))
+    }
+
+    /// The point a step away, where the step is short enough and the likelihood no smaller.
+    fn attempt(&mut self, point: &Point, step: &DVector<f64>, log_likelihood2: f64) -> Option<(Point, Local)> {
+        let random = step.rows(point.unknowns.free(), RANDOM);
+        if random.max() > TRUST[0] || random.min() < -TRUST[1] {
+            return None;
+        }
+        let next = point.moved(step);
+        let there = local(&self.filters, &next, &mut self.work)?;
+        (there.log_likelihood2 > log_likelihood2 - SLACK).then_some((next, there))
+    }
+
     /// Takes gusts that the data cannot tell from none for none; true where there was one.
-    fn give_up_untold(&mut self, covariance: &DMatrix<f64>) -> bool {
-        let free = self.unknowns.free();
-        let mut any = false;
-        for k in 0..2 {
-            let error = covariance[(free + k, free + k)].sqrt();
-            if self.untold[k].is_none() && error > UNTOLD {
-                self.untold[k] = Some(self.gusts[k].exp());
-                (self.gusts[k], self.gusts[2 + k]) = (NONE_M_S.ln(), START_SCALE_M.ln());
-                any = true;
+    fn give_up_untold(&mut self, point: &mut Point, covariance: &DMatrix<f64>, now: f64) -> bool {
+        let (free, mut any) = (point.unknowns.free(), false);
+        for (size, k) in SIZES.into_iter().enumerate() {
+            if point.held(free + k) || point.told[size] || covariance[(free + k, free + k)].sqrt() < UNTOLD {
+                continue;
+            }
+            let without = point.without(size);
+            let there = log_likelihood2(&self.filters, &without, &mut self.work);
+            if there.is_some_and(|there| there > now - TOLD) {
+                (*point, any) = (without, true);
+            } else {
+                point.told[size] = true;
             }
         }
         any
     }
-    /// True for size and scale of gusts that are none.
-    fn gone(&self, index: usize) -> bool {
-        let free = self.unknowns.free();
-        index >= free && self.untold[(index - free) % 2].is_some()
-    }
-    fn varied(&self, k: usize, by: f64) -> Turbulence {
-        let mut other = self.clone();
-        other.gusts[k] += by;
-        other.turbulence()
-    }
-}
 
-/// Likelihood at a point: twice its logarithm, score and information.
-struct Local {
-    log_likelihood2: f64,
-    score: DVector<f64>,
-    information: DMatrix<f64>,
-    /// Whitened innovations of every run, by channel.
-    whitened: Vec<[Vec<f64>; CHANNELS]>,
-    /// Sum of squared innovations by channel.
-    left: [f64; CHANNELS],
-    samples: f64,
-}
-
-fn solve(
-    campaign: &Campaign,
-    name: &str,
-    runs: &[Run<'_>],
-    members: &[usize],
-    mut point: Point,
-    options: &Options,
-    warnings: &mut Vec<String>,
-) -> Result<(DataSet, Point), PidError> {
-    let noise: [f64; CHANNELS] = std::array::from_fn(|c| {
-        (members.iter().map(|&i| runs[i].noise_std[c].powi(2)).sum::<f64>() / members.len() as f64).sqrt().max(1e-9)
-    });
-    let filters: Vec<Filter<'_, '_>> = members.iter().map(|&i| Filter::new(&runs[i], noise)).collect();
-    let stopped = |stop: StopReason| PidError::NoAnswer {
-        campaign: campaign.name.clone(),
-        set: name.to_owned(),
-        method: METHOD,
-        reason: stop.words(),
-    };
-    let mut work = Transition::default();
-    if name == "combined" {
-        likeliest_size(&filters, &mut point, &mut work);
-    }
-    let mut now = local(&filters, &point, &mut work).ok_or_else(|| stopped(StopReason::FlightFails))?;
-    let mut damping = FIRST_DAMPING;
-    for _ in 0..options.iterations.min(MOST_ITERATIONS) {
-        let free = point.unknowns.free();
-        let covariance = inverse(&now.information).map_err(|column| PidError::NoAnswer {
-            campaign: campaign.name.clone(),
-            set: name.to_owned(),
-            method: METHOD,
-            reason: if column < free { UNEXCITED } else { StopReason::NoDescent.words() },
-        })?;
-        if point.give_up_untold(&covariance) {
-            now = local(&filters, &point, &mut work).ok_or_else(|| stopped(StopReason::FlightFails))?;
-            continue;
-        }
-        let step = &covariance * &now.score;
-        if (0..step.len()).all(|i| step[i].abs() < SETTLED * covariance[(i, i)].sqrt()) {
-            report_gusts(name, &point, &covariance, warnings);
-            return Ok((data_set(campaign, name, &filters, &point, &now, &covariance, warnings), point));
-        }
-        loop {
-            let step = damped(&now, free, damping).unwrap_or_else(|| step.clone());
-            let there = (step.rows(free, 4).amax() < TRUST).then(|| point.moved(&step)).and_then(|next| {
-                let there = local(&filters, &next, &mut work)?;
-                Some((next, there)).filter(|(_, t)| t.log_likelihood2 > now.log_likelihood2 - SLACK)
-            });
-            if let Some(there) = there {
-                (point, now) = there;
-                damping *= 0.1;
+    /// Starts from the likeliest size, equal for those named, found by climbing from the one there.
+    fn likeliest(&mut self, point: &mut Point, which: &[usize], range: std::ops::Range<f64>) {
+        let with = |size: f64| {
+            let mut other = point.clone();
+            which.iter().for_each(|&k| other.random[k] = size.ln());
+            other
+        };
+        let mut value = |size: f64| log_likelihood2(&self.filters, &with(size), &mut self.work).unwrap_or(f64::NEG_INFINITY);
+        let mut size = point.random[which[0]].exp();
+        let mut best = value(size);
+        for factor in [SIZE_FACTOR, 1.0 / SIZE_FACTOR] {
+            let mut climbed = false;
+            while range.contains(&(size * factor)) {
+                let next = value(size * factor);
+                if next <= best {
+                    break;
+                }
+                (size, best, climbed) = (size * factor, next, true);
+            }
+            if climbed {
                 break;
             }
-            damping *= 5.0;
-            if damping > LAST_DAMPING {
-                return Err(stopped(StopReason::NoDescent));
-            }
         }
+        *point = with(size);
     }
-    Err(stopped(StopReason::Iterations))
 }
 
-/// Starts from the likeliest size of gust, equal along and across the stream, found by climbing from the first of them.
-fn likeliest_size(filters: &[Filter<'_, '_>], point: &mut Point, work: &mut Transition) {
-    let mut value = |size: f64| {
-        let [.., axial, lateral] = point.gusts;
-        let gusts = [size.ln(), size.ln(), axial, lateral];
-        log_likelihood2(filters, &Point { gusts, ..point.clone() }, work).unwrap_or(f64::NEG_INFINITY)
-    };
-    let mut size = START_SIZE_M_S;
-    let mut best = value(size);
-    for factor in [SIZE_FACTOR, 1.0 / SIZE_FACTOR] {
-        let mut climbed = false;
-        while SIZES_M_S.contains(&(size * factor)) {
-            let next = value(size * factor);
-            if next <= best {
-                break;
-            }
-            (size, best, climbed) = (size * factor, next, true);
-        }
-        if climbed {
-            break;
-        }
-    }
-    (point.gusts[0], point.gusts[1]) = (size.ln(), size.ln());
-}
-
-/// Twice the log-likelihood alone.
-fn log_likelihood2(filters: &[Filter<'_, '_>], point: &Point, work: &mut Transition) -> Option<f64> {
-    let c = point.unknowns.columns();
-    let none = vec![None; c.columns.len()];
-    let without = Columns { columns: &none, bias_columns: [None; CHANNELS], free: 0, ..c };
-    let mut sum = 0.0;
-    for filter in filters {
-        sum += filter.run(&point.turbulence(), &without, work)?.pass.log_likelihood2();
-    }
-    Some(sum).filter(|s| s.is_finite())
-}
-
-const UNEXCITED: &str = "a parameter is not excited by these runs: add a run with larger angles or rates, or do not declare it";
-
-/// Scoring step with Levenberg's damping of the gusts, whose logarithms bend the likelihood; what is left after shortening the whole.
+/// Scoring step with Levenberg's damping of the random drive, whose logarithms bend the likelihood; what is left after shortening the
+/// whole.
 fn damped(now: &Local, free: usize, damping: f64) -> Option<DVector<f64>> {
     let mut m = now.information.clone();
-    (free..free + 4).for_each(|k| m[(k, k)] *= 1.0 + damping);
+    (free..free + RANDOM).for_each(|k| m[(k, k)] *= 1.0 + damping);
     let covariance = inverse(&m).ok()?;
     Some(covariance * &now.score / (1.0 + SHORTENING * damping))
-}
-
-/// Inverse by Cholesky of the matrix scaled to unit diagonal, or the column that spoils it.
-fn inverse(m: &DMatrix<f64>) -> Result<DMatrix<f64>, usize> {
-    let scale: Vec<f64> = m.diagonal().iter().map(|d| d.sqrt()).collect();
-    if let Some(column) = scale.iter().position(|s| !s.is_normal()) {
-        return Err(column);
-    }
-    let scaled = DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)] / (scale[i] * scale[j]));
-    let inverse = scaled.cholesky().ok_or(0_usize)?.inverse();
-    Ok(DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| inverse[(i, j)] / (scale[i] * scale[j])))
-}
-
-fn local(filters: &[Filter<'_, '_>], point: &Point, work: &mut Transition) -> Option<Local> {
-    let c = point.unknowns.columns();
-    let none = vec![None; c.columns.len()];
-    let without = Columns { columns: &none, bias_columns: [None; CHANNELS], free: 0, ..c };
-    let (free, base) = (c.free, point.turbulence());
-    let count = free + 4;
-    let mut out = Local {
-        log_likelihood2: 0.0,
-        score: DVector::zeros(count),
-        information: DMatrix::zeros(count, count),
-        whitened: Vec::new(),
-        left: [0.0; CHANNELS],
-        samples: 0.0,
-    };
-    for filter in filters {
-        let seen = filter.run(&base, &c, work)?;
-        let varied = [
-            filter.again(&point.varied(0, STEP), &seen),
-            filter.again(&point.varied(1, STEP), &seen),
-            filter.run(&point.varied(2, STEP), &without, work)?.pass,
-            filter.run(&point.varied(3, STEP), &without, work)?.pass,
-        ];
-        out.add(&seen, &varied, free);
-    }
-    for k in 2..4 {
-        let off = point.gusts[k] - START_SCALE_M.ln();
-        out.log_likelihood2 -= (off / SCALE_PRIOR).powi(2);
-        out.score[free + k] -= off / SCALE_PRIOR.powi(2);
-        out.information[(free + k, free + k)] += SCALE_PRIOR.powi(-2);
-    }
-    for index in (0..count).filter(|i| point.gone(*i)) {
-        // What describes a gust that has vanished stays where it is.
-        out.score[index] = 0.0;
-        out.information.row_mut(index).fill(0.0);
-        out.information.column_mut(index).fill(0.0);
-        out.information[(index, index)] = 1.0;
-    }
-    (out.log_likelihood2.is_finite() && out.score.iter().all(|v| v.is_finite())).then_some(out)
-}
-
-impl Local {
-    /// Adds a run: `−Σ ν²/s + ln s`, its score and its expected information (Harvey 1989, eq. 3.4.70).
-    fn add(&mut self, seen: &Seen, varied: &[Pass; 4], free: usize) {
-        let pass = &seen.pass;
-        self.log_likelihood2 += pass.log_likelihood2();
-        let mut whitened: [Vec<f64>; CHANNELS] = Default::default();
-        // Slopes of an innovation in its own standard deviations.
-        let mut slopes = DVector::zeros(free + 4);
-        for (row, (innovation, variance)) in pass.innovation.iter().zip(&pass.variance).enumerate() {
-            let std = variance.sqrt();
-            let e = innovation / std;
-            for j in 0..free {
-                slopes[j] = seen.by_parameter[row * free + j] / std;
-            }
-            let mut bends = [0.0; 4];
-            for (k, v) in varied.iter().enumerate() {
-                slopes[free + k] = (v.innovation[row] - innovation) / (STEP * std);
-                bends[k] = (v.variance[row] / variance).ln() / STEP;
-            }
-            self.score.axpy(-e, &slopes, 1.0);
-            self.information.syger(1.0, &slopes, &slopes, 1.0);
-            for k in 0..4 {
-                self.score[free + k] += 0.5 * (e * e - 1.0) * bends[k];
-                (0..=k).for_each(|j| self.information[(free + k, free + j)] += 0.5 * bends[k] * bends[j]);
-            }
-            whitened[row % CHANNELS].push(e);
-            self.left[row % CHANNELS] += innovation * innovation;
-        }
-        self.information.fill_upper_triangle_with_lower_triangle();
-        self.samples += (pass.innovation.len() / CHANNELS) as f64;
-        self.whitened.push(whitened);
-    }
-}
-
-fn report_gusts(name: &str, point: &Point, covariance: &DMatrix<f64>, warnings: &mut Vec<String>) {
-    let free = point.unknowns.free();
-    if point.untold.iter().all(Option::is_some) {
-        warnings.push(format!("data set {name}: no turbulence that these runs could tell: --method output-error says more"));
-    }
-    for k in 2..4 {
-        if covariance[(free + k, free + k)].sqrt() > 0.5 * SCALE_PRIOR && !point.gone(free + k) {
-            warnings.push(format!("data set {name}: {} is told by its prior more than by the data", GUSTS[k]));
-        }
-    }
-}
-
-fn data_set(
-    campaign: &Campaign,
-    name: &str,
-    filters: &[Filter<'_, '_>],
-    point: &Point,
-    now: &Local,
-    covariance: &DMatrix<f64>,
-    warnings: &mut Vec<String>,
-) -> DataSet {
-    let mut planner = RealFftPlanner::new();
-    let intervals: Vec<f64> = filters.iter().map(|f| f.run.interval_s).collect();
-    let fits: Vec<CoefficientFit> = (0..CHANNELS)
-        .map(|c| {
-            let series: Vec<&[f64]> = now.whitened.iter().map(|w| w[c].as_slice()).collect();
-            let total: f64 = filters.iter().map(|f| spread(f.run.record.channels()[c])).sum();
-            CoefficientFit {
-                coefficient: crate::smooth::CHANNELS[c].to_owned(),
-                r2: if total > 0.0 { 1.0 - now.left[c] / total } else { 0.0 },
-                residual_std: (now.left[c] / now.samples).sqrt(),
-                residual_whiteness_p: low_frequency_p(&series, &intervals, &mut planner),
-            }
-        })
-        .collect();
-    // The innovations of the tunnel speed test the smoothness that it is taken to have, not the declared model.
-    let bad: Vec<&str> = fits[..6]
-        .iter()
-        .filter(|f| f.residual_whiteness_p < NOT_NOISE / CHANNELS as f64)
-        .map(|f| f.coefficient.as_str())
-        .collect();
-    if !bad.is_empty() {
-        warnings.push(format!(
-            "data set {name}: the residual is not noise in {}, turbulence allowed for: the declared model lacks another effect; intervals \
-             say nothing of its bias: try windfall close",
-            bad.join(", ")
-        ));
-    }
-    let mut parameters = estimates(campaign, &point.unknowns, covariance, covariance);
-    parameters.extend(gust_estimates(point, covariance));
-    let information = covariance.clone();
-    let eigen = {
-        let d: Vec<f64> = information.diagonal().iter().map(|v| v.sqrt()).collect();
-        DMatrix::from_fn(d.len(), d.len(), |i, j| information[(i, j)] / (d[i] * d[j])).symmetric_eigenvalues()
-    };
-    DataSet {
-        name: name.to_owned(),
-        runs: filters.iter().map(|f| f.run.name.to_owned()).collect(),
-        parameters,
-        fits,
-        condition_number: (eigen.max() / eigen.min().max(f64::MIN_POSITIVE)).sqrt(),
-        n_samples: filters.iter().map(|f| f.run.record.len()).sum(),
-    }
-}
-
-/// Size and scale of the gusts under the word `turbulence`; intervals are those of the logarithms.
-fn gust_estimates(point: &Point, covariance: &DMatrix<f64>) -> Vec<Estimate> {
-    let free = point.unknowns.free();
-    let one = |(k, name): (usize, &&str)| {
-        if let Some(limit) = point.untold[k % 2] {
-            return (k < 2).then(|| Estimate {
-                coefficient: "turbulence".to_owned(),
-                name: (*name).to_owned(),
-                estimate: 0.0,
-                std_error: limit,
-                rse_percent: f64::MAX,
-                ci95: [0.0, NORMAL_95 * limit],
-                std_error_white: limit,
-            });
-        }
-        let (estimate, relative) = (point.gusts[k].exp(), covariance[(free + k, free + k)].max(0.0).sqrt());
-        Some(Estimate {
-            coefficient: "turbulence".to_owned(),
-            name: (*name).to_owned(),
-            estimate,
-            std_error: estimate * relative,
-            rse_percent: 100.0 * relative,
-            ci95: [estimate * (-NORMAL_95 * relative).exp(), estimate * (NORMAL_95 * relative).exp()],
-            std_error_white: estimate * relative,
-        })
-    };
-    GUSTS.iter().enumerate().filter_map(one).collect()
 }

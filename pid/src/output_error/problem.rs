@@ -57,6 +57,8 @@ impl Default for Options {
 pub enum StopReason {
     /// The last step was below a thousandth of a standard error, and all pieces meet.
     Converged,
+    /// Iterations used up, the last step below a tenth of a standard error, and all pieces meet.
+    Nearly,
     /// Iterations used up.
     Iterations,
     /// No step, however short, made the misfit smaller.
@@ -71,10 +73,15 @@ impl StopReason {
     pub const fn words(self) -> &'static str {
         match self {
             Self::Converged => "converged",
+            Self::Nearly => "converged to a tenth of a standard error",
             Self::Iterations => {
-                "iterations used up while parameters still moved: declare fewer parameters, hold some, or give priors"
+                "iterations used up while parameters still moved: declare fewer parameters, hold some, or give priors; where the \
+                 declared model's flights drift away from the record, take --method filter-error"
             }
-            Self::NoDescent => "no step lowers the misfit: the declared model does not follow these runs; try windfall close",
+            Self::NoDescent => {
+                "no step lowers the misfit: flights of the declared model drift away from these runs; take --method filter-error, \
+                 which lets them, and windfall close"
+            }
             Self::FlightFails => {
                 "the declared model cannot fly through the record (no airspeed or nose horizontal): check units, cut the window"
             }
@@ -258,6 +265,8 @@ pub(crate) struct Solved {
 const RANK_TOLERANCE: f64 = 1e-10;
 /// A step below this part of every standard error ends the search.
 const STEP: f64 = 1e-3;
+/// The same when iterations are used up: where the model is wrong, steps shrink slowly and white noise's errors are too small.
+const NEARLY: f64 = 0.1;
 /// Smallest noise of a channel, as part of its sensor's: exact data must not divide by zero.
 const FLOOR: f64 = 1e-4;
 /// What sensors are taken to have where a plant states nothing: thesis Table A.3 (m, rad, m/s).
@@ -274,27 +283,33 @@ pub(crate) fn solve(runs: &[Run<'_>], unknowns: Unknowns, nominals: Vec<Nominal>
     let Some(mut misfits) = search.misfits(&search.unknowns.clone(), &search.nominals.clone()) else {
         return Outcome::Stopped(StopReason::FlightFails);
     };
-    for iteration in 1..=iterations {
+    let mut pace = Pace::default();
+    for iteration in 1..=iterations.max(1) {
         let Some(linear) = search.linearise() else { return Outcome::Stopped(StopReason::FlightFails) };
         let normal = match Normal::new(&linear, &search.unknowns) {
             Ok(normal) => normal,
             Err((column, rank)) => return Outcome::Undetermined { column, rank },
         };
         let largest = normal.largest_step();
-        let Some((next, fraction)) = search.descend(&linear, &normal, &misfits) else {
+        let whole = pace.next(&normal);
+        let Some((next, fraction)) = search.descend(&linear, &normal, &misfits, whole) else {
             if largest < 30.0 * STEP {
                 // Rounding is all that is left.
                 return search.finish(&normal, misfits, iteration, StopReason::Converged);
             }
             return Outcome::Stopped(StopReason::NoDescent);
         };
+        pace.took(fraction);
         misfits = next;
         let before = search.std;
         search.update_noise(&misfits);
         let settled = search.std.iter().zip(before).all(|(a, b)| (a / b).ln().abs() < STEP);
         let gaps: f64 = misfits.iter().map(|m| m.gaps).sum();
-        if largest < STEP && settled && fraction >= 1.0 && gaps < 1e-3 {
+        if largest < STEP && settled && fraction >= MOST_SHORT && gaps < 1e-3 {
             return search.finish(&normal, misfits, iteration, StopReason::Converged);
+        }
+        if iteration >= iterations && largest < NEARLY && gaps < 1e-3 {
+            return search.finish(&normal, misfits, iteration, StopReason::Nearly);
         }
     }
     Outcome::Stopped(StopReason::Iterations)
@@ -341,12 +356,12 @@ impl Search<'_, '_> {
         };
         misfits.iter().map(weighted).sum::<f64>() + unknowns.prior_misfit()
     }
-    /// The longest of the step's halves that lowers the merit, taken.
-    fn descend(&mut self, linear: &[Linearised], normal: &Normal, now: &[Misfit]) -> Option<(Vec<Misfit>, f64)> {
+    /// The longest of the step's halves, `whole` times as long, that lowers the merit, taken.
+    fn descend(&mut self, linear: &[Linearised], normal: &Normal, now: &[Misfit], whole: f64) -> Option<(Vec<Misfit>, f64)> {
         let before = self.merit(now, &self.unknowns);
         let steps: Vec<_> = self.runs.iter().zip(linear).map(|(r, l)| r.step(l, &normal.step)).collect::<Option<_>>()?;
         for halving in 0..=HALVINGS {
-            let fraction = 0.5_f64.powi(halving as i32);
+            let fraction = whole * 0.5_f64.powi(halving as i32);
             let unknowns = self.unknowns.moved(&normal.step, fraction);
             let nominals: Vec<Nominal> = self.nominals.iter().zip(&steps).map(|(n, s)| n.moved(s, fraction)).collect();
             let Some(misfits) = self.misfits(&unknowns, &nominals) else { continue };
@@ -393,6 +408,40 @@ impl Search<'_, '_> {
             linear,
             residuals: misfits.into_iter().map(|m| m.residuals).collect(),
         }))
+    }
+}
+
+/// How long steps should be. Where the model is wrong, residuals bend the misfit and Gauss-Newton steps are too short or too long by a
+/// factor that two steps along one line tell (Aitken 1926).
+#[derive(Default)]
+struct Pace {
+    /// Last step in standard errors, and the part of it taken.
+    last: Option<(DVector<f64>, f64)>,
+}
+
+/// Cosine of two steps beyond which they lie on a line; largest lengthening and shortening.
+const ON_A_LINE: f64 = 0.9;
+const MOST_LONG: f64 = 10.0;
+const MOST_SHORT: f64 = 0.25;
+
+impl Pace {
+    /// Length of this step in Gauss-Newton's.
+    fn next(&mut self, normal: &Normal) -> f64 {
+        let step = normal.in_errors();
+        let ratio = self.last.as_ref().map_or(0.0, |(last, part)| {
+            let (along, square) = (step.dot(last), last.norm_squared());
+            // A part of a step leaves what it did not take: 1 − part × (1 − ratio of whole steps).
+            let on_a_line = along.abs() > ON_A_LINE * step.norm() * last.norm();
+            if on_a_line { 1.0 - (1.0 - along / square) / part } else { 0.0 }
+        });
+        self.last = Some((step, 1.0));
+        let length = if ratio < 1.0 { 1.0 / (1.0 - ratio) } else { MOST_LONG };
+        length.clamp(MOST_SHORT, MOST_LONG)
+    }
+    fn took(&mut self, part: f64) {
+        if let Some(last) = &mut self.last {
+            last.1 = part;
+        }
     }
 }
 
@@ -444,9 +493,12 @@ impl Normal {
         let step = &root * (u.transpose() * b);
         Ok(Self { step, covariance: &root * root.transpose(), condition: largest / singular.min() })
     }
+    /// The step in standard errors.
+    fn in_errors(&self) -> DVector<f64> {
+        DVector::from_fn(self.step.len(), |i, _| self.step[i] / self.covariance[(i, i)].sqrt())
+    }
     /// Largest step in standard errors.
     fn largest_step(&self) -> f64 {
-        let relative = |(d, v): (&f64, &f64)| d.abs() / v.sqrt();
-        self.step.iter().zip(self.covariance.diagonal().iter()).map(relative).fold(0.0, f64::max)
+        self.in_errors().amax()
     }
 }

@@ -1,0 +1,128 @@
+//! pid: what filter error found, in the contract's words. In: filters, the point reached and the likelihood there. Out: a data set with
+//! its warnings.
+
+use super::filter::Filter;
+use super::likelihood::Local;
+use super::point::{Point, RANDOM, SIZES};
+use super::search::{SCALE_PRIOR, START_SCALE_M};
+use crate::identification::{CoefficientFit, DataSet, Estimate, NORMAL_95};
+use crate::output_error::{CHANNELS, NOT_NOISE, estimates, low_frequency_p, spread};
+use nalgebra::DMatrix;
+use realfft::RealFftPlanner;
+use windfall_model::Campaign;
+
+/// Under what the random drive is reported.
+pub(crate) const TURBULENCE: &str = "turbulence";
+pub(crate) const PROCESS_NOISE: &str = "process-noise";
+/// Coefficient and name of what drives the runs at random.
+const NAMES: [(&str, &str); RANDOM] = [
+    (TURBULENCE, "axial_rms_m_s"),
+    (TURBULENCE, "lateral_rms_m_s"),
+    (TURBULENCE, "axial_scale_m"),
+    (TURBULENCE, "lateral_scale_m"),
+    (PROCESS_NOISE, "roll_rad_s1_5"),
+    (PROCESS_NOISE, "across_rad_s1_5"),
+];
+
+/// Warnings of what the data did not tell of the random drive.
+fn report_random(name: &str, point: &Point, covariance: &DMatrix<f64>, warnings: &mut Vec<String>) {
+    let free = point.unknowns.free();
+    if point.is_still() {
+        warnings.push(format!("data set {name}: no turbulence that these runs could tell: --method output-error says more"));
+    } else if !point.sought.scales {
+        warnings.push(format!(
+            "data set {name}: scales of the gusts are held at {} m: what is left has not the colour of gusts",
+            START_SCALE_M
+        ));
+    }
+    if point.sought.turning {
+        warnings.push(format!(
+            "data set {name}: gusts alone do not explain these runs; random moments are allowed for beside them (process-noise)"
+        ));
+    }
+    for (k, (_, name_k)) in NAMES.iter().enumerate().take(4).skip(2) {
+        if !point.held(free + k) && covariance[(free + k, free + k)].sqrt() > 0.5 * SCALE_PRIOR {
+            warnings.push(format!("data set {name}: {name_k} is told by its prior more than by the data"));
+        }
+    }
+}
+
+pub(super) fn data_set(
+    campaign: &Campaign,
+    name: &str,
+    filters: &[Filter<'_, '_>],
+    point: &Point,
+    now: &Local,
+    covariance: &DMatrix<f64>,
+    warnings: &mut Vec<String>,
+) -> DataSet {
+    report_random(name, point, covariance, warnings);
+    let mut planner = RealFftPlanner::new();
+    let intervals: Vec<f64> = filters.iter().map(|f| f.run.interval_s).collect();
+    let fits: Vec<CoefficientFit> = (0..CHANNELS)
+        .map(|c| {
+            let series: Vec<&[f64]> = now.whitened.iter().map(|w| w[c].as_slice()).collect();
+            let total: f64 = filters.iter().map(|f| spread(f.run.record.channels()[c])).sum();
+            CoefficientFit {
+                coefficient: crate::smooth::CHANNELS[c].to_owned(),
+                r2: if total > 0.0 { 1.0 - now.left[c] / total } else { 0.0 },
+                residual_std: (now.left[c] / now.samples).sqrt(),
+                residual_whiteness_p: low_frequency_p(&series, &intervals, &mut planner),
+            }
+        })
+        .collect();
+    // The innovations of the tunnel speed test the smoothness that it is taken to have, not the declared model.
+    let bad: Vec<&str> = fits[..6]
+        .iter()
+        .filter(|f| f.residual_whiteness_p < NOT_NOISE / CHANNELS as f64)
+        .map(|f| f.coefficient.as_str())
+        .collect();
+    if !bad.is_empty() {
+        warnings.push(format!(
+            "data set {name}: the residual is not noise in {}, turbulence allowed for: the declared model lacks another effect; intervals \
+             say nothing of its bias: try windfall close",
+            bad.join(", ")
+        ));
+    }
+    let mut parameters = estimates(campaign, &point.unknowns, covariance, covariance);
+    parameters.extend(random_estimates(point, covariance));
+    let information = covariance.clone();
+    let eigen = {
+        let d: Vec<f64> = information.diagonal().iter().map(|v| v.sqrt()).collect();
+        DMatrix::from_fn(d.len(), d.len(), |i, j| information[(i, j)] / (d[i] * d[j])).symmetric_eigenvalues()
+    };
+    DataSet {
+        name: name.to_owned(),
+        runs: filters.iter().map(|f| f.run.name.to_owned()).collect(),
+        parameters,
+        fits,
+        condition_number: (eigen.max() / eigen.min().max(f64::MIN_POSITIVE)).sqrt(),
+        n_samples: filters.iter().map(|f| f.run.record.len()).sum(),
+    }
+}
+
+/// Sizes and scales of what drives the runs at random; intervals are those of the logarithms.
+fn random_estimates(point: &Point, covariance: &DMatrix<f64>) -> Vec<Estimate> {
+    let free = point.unknowns.free();
+    let one = |(k, (coefficient, name)): (usize, &(&str, &str))| {
+        let make = |estimate: f64, std_error: f64, ci95: [f64; 2]| Estimate {
+            coefficient: (*coefficient).to_owned(),
+            name: (*name).to_owned(),
+            estimate,
+            std_error,
+            rse_percent: if estimate > 0.0 { 100.0 * std_error / estimate } else { f64::MAX },
+            ci95,
+            std_error_white: std_error,
+        };
+        if let Some(limit) = SIZES.iter().position(|s| *s == k).and_then(|size| point.untold[size]) {
+            return Some(make(0.0, limit, [0.0, NORMAL_95 * limit]));
+        }
+        if point.held(free + k) {
+            return None;
+        }
+        let (estimate, relative) = (point.random[k].exp(), covariance[(free + k, free + k)].max(0.0).sqrt());
+        let ends = [-NORMAL_95, NORMAL_95].map(|z| estimate * (z * relative).exp());
+        Some(make(estimate, estimate * relative, ends))
+    };
+    NAMES.iter().enumerate().filter_map(one).collect()
+}
