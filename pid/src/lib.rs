@@ -6,6 +6,7 @@
 mod angles;
 mod choice;
 pub mod coefficients;
+pub mod compatibility;
 mod equations;
 mod error;
 pub mod filter_error;
