@@ -10,12 +10,12 @@
 
 mod pressure;
 
+use crate::PidError;
 use crate::identifiability::Correlation;
 use crate::identification::NORMAL_95;
 use crate::output_error::{
     KINDS, Outcome, Run, Solved, Unknowns, channel_fits, coloured, not_noise, one_step, ready, run_plants, solve_from,
 };
-use crate::PidError;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -33,16 +33,37 @@ const CORRELATED: f64 = 0.9;
 const ITERATIONS: usize = 20;
 
 /// Whether the instruments agree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Agreement {
+    /// Nothing was found, at [`FALSE_ALARM_RATE`].
+    Consistent,
+    /// They do not, and errors of the instruments account for it.
+    Inconsistent,
+    /// Output error gave no answer, or its residual is not noise with errors of the instruments either: what it finds of them may be
+    /// what the declared model lacks.
+    Undecided,
+}
+
+/// What was examined.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Compatibility {
-    /// Whether nothing was found, at [`FALSE_ALARM_RATE`].
-    pub consistent: bool,
+    /// Whether they agree.
+    pub verdict: Agreement,
     /// Chance that a consistent campaign is found inconsistent.
     pub false_alarm_rate: f64,
     /// Dynamic pressure against tunnel speed; none where no run has it.
     pub pressure: Option<Pressure>,
     /// The instruments' errors, all estimated together and with the declared parameters; none where output error does not end.
     pub instruments: Option<Instruments>,
+}
+
+impl Compatibility {
+    /// Of dynamic pressure alone.
+    #[must_use]
+    pub fn of_pressure(pressure: Pressure) -> Self {
+        join(Some(pressure), None)
+    }
 }
 
 /// Errors of the instruments by trajectories.
@@ -120,8 +141,13 @@ pub fn compatibility(campaign: &Campaign) -> Result<Compatibility, PidError> {
 /// Both tests as one verdict.
 pub(crate) fn join(pressure: Option<Pressure>, instruments: Option<Instruments>) -> Compatibility {
     let each = 0.5 * FALSE_ALARM_RATE;
-    let consistent = pressure.as_ref().is_none_or(|p| p.p_value >= each) && instruments.as_ref().is_none_or(|i| i.p_value >= each);
-    Compatibility { consistent, false_alarm_rate: FALSE_ALARM_RATE, pressure, instruments }
+    let verdict = match &instruments {
+        _ if pressure.as_ref().is_some_and(|p| p.p_value < each) => Agreement::Inconsistent,
+        Some(i) if i.residual.is_empty() && i.p_value < each => Agreement::Inconsistent,
+        Some(i) if i.residual.is_empty() => Agreement::Consistent,
+        _ => Agreement::Undecided,
+    };
+    Compatibility { verdict, false_alarm_rate: FALSE_ALARM_RATE, pressure, instruments }
 }
 
 /// Errors of the instruments beside a solution's parameters. `None` where the search with them does not end.
@@ -229,11 +255,15 @@ impl Joint {
         // Columns of unit variance: errors in m, s and rad differ by decades.
         let scale = covariance.diagonal().map(|v| 1.0 / v.sqrt());
         let unit = DMatrix::from_diagonal(&scale);
-        let inner = (&unit * &covariance * &unit).pseudo_inverse(1e-13).unwrap_or_else(|_| DMatrix::zeros(scale.len(), scale.len()));
+        let inner =
+            (&unit * &covariance * &unit).pseudo_inverse(1e-13).unwrap_or_else(|_| DMatrix::zeros(scale.len(), scale.len()));
         Self { estimate, covariance, information: &unit * inner * &unit }
     }
     /// Estimates of these when the others are zero, with their covariance.
     fn alone(&self, set: &[usize]) -> (DVector<f64>, DMatrix<f64>) {
+        if set.is_empty() {
+            return (DVector::zeros(0), DMatrix::zeros(0, 0));
+        }
         let own = DMatrix::from_fn(set.len(), set.len(), |i, j| self.information[(set[i], set[j])]);
         let pull = &self.information * &self.estimate;
         let pull = DVector::from_iterator(set.len(), set.iter().map(|k| pull[*k]));

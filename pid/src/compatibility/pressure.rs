@@ -56,15 +56,21 @@ struct Pair {
 }
 
 pub(super) fn examine(campaign: &Campaign) -> Option<Pressure> {
-    let pairs: Vec<Pair> = campaign.runs.iter().filter_map(|run| match &run.data {
-        Data::Tunnel(record) => {
-            let q = record.qw_pa.as_ref()?;
-            let density = record.ps_pa.iter().zip(&record.ts_k).map(|(p, t)| campaign.plant.environment.density_kg_m3(*p, *t));
-            let w: Vec<f64> = q.iter().zip(density).map(|(q, rho)| (2.0 * q / rho).sqrt()).collect();
-            (w.len() >= 32 && w.iter().chain(&record.vw_m_s).all(|x| x.is_finite())).then(|| Pair::new(&record.vw_m_s, w, record.interval_s()))
-        }
-        Data::Point(_) => None,
-    }).collect();
+    let pairs: Vec<Pair> = campaign
+        .runs
+        .iter()
+        .filter_map(|run| match &run.data {
+            Data::Tunnel(record) => {
+                let q = record.qw_pa.as_ref()?;
+                let density =
+                    record.ps_pa.iter().zip(&record.ts_k).map(|(p, t)| campaign.plant.environment.density_kg_m3(*p, *t));
+                let w: Vec<f64> = q.iter().zip(density).map(|(q, rho)| (2.0 * q / rho).sqrt()).collect();
+                (w.len() >= 32 && w.iter().chain(&record.vw_m_s).all(|x| x.is_finite()))
+                    .then(|| Pair::new(&record.vw_m_s, w, record.interval_s()))
+            }
+            Data::Point(_) => None,
+        })
+        .collect();
     if pairs.is_empty() {
         return None;
     }
@@ -144,7 +150,8 @@ fn shared(pairs: &[Pair]) -> f64 {
 }
 
 fn computed(pairs: &[Pair]) -> Pressure {
-    let ratios: Vec<f64> = pairs.iter().flat_map(|p| p.w.iter().zip(&p.v).map(|(w, v)| w / v)).filter(|r| r.is_finite()).collect();
+    let ratios: Vec<f64> =
+        pairs.iter().flat_map(|p| p.w.iter().zip(&p.v).map(|(w, v)| w / v)).filter(|r| r.is_finite()).collect();
     let n = ratios.len() as f64;
     let mean = ratios.iter().sum::<f64>() / n;
     let std = (ratios.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
@@ -241,11 +248,8 @@ fn measured(pairs: &[Pair]) -> Option<Pressure> {
     }
     let off = at - Vector2::new(1.0, 0.0);
     let told = NORMAL_95 * covariance[(1, 1)].sqrt() < LONGEST_S;
-    let (square, degrees) = if told {
-        (off.dot(&(scaled_inverse(&covariance)? * off)), 2.0)
-    } else {
-        (off[0] * off[0] / covariance[(0, 0)], 1.0)
-    };
+    let (square, degrees) =
+        if told { (off.dot(&(scaled_inverse(&covariance)? * off)), 2.0) } else { (off[0] * off[0] / covariance[(0, 0)], 1.0) };
     let p_value = ChiSquared::new(degrees).ok()?.sf(square);
     Some(result(at[0], covariance[(0, 0)].sqrt(), told.then(|| [at[1], covariance[(1, 1)].sqrt()]), p_value, whiteness_p))
 }

@@ -6,8 +6,8 @@ use crate::equations::Transition;
 use crate::identifiability::of_runs;
 use crate::identification::{CoefficientFit, DataSet, Estimate, Identification, NORMAL_95};
 use crate::output_error::{
-    CHANNELS, Columns, NOT_NOISE, Options, Run, StopReason, Unknowns, estimates, kinds, low_frequency_p, ready, run_plants,
-    spread,
+    CHANNELS, Columns, NOT_NOISE, Options, Run, StopReason, Unknowns, aligned, estimates, kinds, low_frequency_p, ready,
+    run_plants, spread,
 };
 use nalgebra::{DMatrix, DVector};
 use realfft::RealFftPlanner;
@@ -73,7 +73,7 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
         }
     }
     data_sets.push(combined);
-    Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability })
+    Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability, compatibility: None })
 }
 
 /// Where the search is.
@@ -389,6 +389,8 @@ fn data_set(
     DataSet {
         name: name.to_owned(),
         runs: filters.iter().map(|f| f.run.name.to_owned()).collect(),
+        covariance: aligned(campaign, &point.unknowns, covariance, &parameters),
+        curves: Vec::new(),
         parameters,
         fits,
         condition_number: (eigen.max() / eigen.min().max(f64::MIN_POSITIVE)).sqrt(),

@@ -15,10 +15,10 @@ mod run;
 mod speed;
 
 pub use identify::identify;
-pub(crate) use identify::{NOT_NOISE, estimates, kinds, not_noise, ready, run_plants};
+pub(crate) use identify::{NOT_NOISE, aligned, estimates, kinds, not_noise, ready, run_plants};
 pub(crate) use instruments::KINDS;
-pub(crate) use problem::{Outcome, Solved, Unknowns, one_step, solve, solve_from};
 pub use problem::{Handling, Options, Prior, Solution, StopReason};
+pub(crate) use problem::{Outcome, Solved, Unknowns, one_step, solve, solve_from};
 pub use residual::ChannelFit;
 pub(crate) use residual::{channel_fits, coloured, low_frequency_p, spread};
 pub(crate) use run::{CHANNELS, Columns, NODE, Run, SPEED};

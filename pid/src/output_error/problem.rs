@@ -44,11 +44,20 @@ pub struct Options {
     pub iterations: usize,
     /// Only all runs together, without each kind of run alone.
     pub combined_only: bool,
+    /// Also examine whether the instruments agree (output error, all runs together).
+    pub compatibility: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { handling: Vec::new(), priors: Vec::new(), angle_biases: false, iterations: 30, combined_only: false }
+        Self {
+            handling: Vec::new(),
+            priors: Vec::new(),
+            angle_biases: false,
+            iterations: 30,
+            combined_only: false,
+            compatibility: false,
+        }
     }
 }
 

@@ -369,9 +369,7 @@ impl<'a> Run<'a> {
         let Some(errors) = &c.errors else { return self.residual(sample, x, speed[0], c) };
         let seen = observe(&variables(x, speed, errors), &self.known(sample, x, speed, errors, c));
         let measured = self.record.channels();
-        std::array::from_fn(|k| {
-            self.recorded(sample, k, errors).map_or(0.0, |i| measured[k][i] - seen[k] - c.biases[k])
-        })
+        std::array::from_fn(|k| self.recorded(sample, k, errors).map_or(0.0, |i| measured[k][i] - seen[k] - c.biases[k]))
     }
 
     /// Index in the record of what a channel shows of this sample's instant, but for under half a sample.

@@ -92,6 +92,16 @@ pub(crate) fn estimate(replay: &Replay, record: &Record, sensors: &Sensors) -> R
     Ok(best)
 }
 
+/// Estimates again for a plant that is near another one, over the same span, from that one's answer; `None` where the flight fails.
+pub(crate) fn again(replay: &Replay, record: &Record, sensors: &Sensors, near: &Initial) -> Option<Initial> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of samples")]
+    let samples = ((near.span_s / record.interval_s()).round() as usize + 1).min(record.len());
+    if samples < FEWEST {
+        return None;
+    }
+    Problem { replay, record, weights: weights(sensors), samples }.solve(near.release)
+}
+
 fn failed(release: Release) -> Initial {
     let stop = InitialStop::FlightFails;
     Initial { release, std_error: [f64::INFINITY; N], misfit: f64::INFINITY, span_s: 0.0, iterations: 0, stop }
