@@ -29,7 +29,11 @@ pub(crate) fn pressure(p: &Pressure, limit: f64) -> String {
 }
 
 fn of(x: f64, ci: [f64; 2]) -> String {
-    let (x, half) = with_interval(x, Some(0.5 * (ci[1] - ci[0])));
+    let half = 0.5 * (ci[1] - ci[0]);
+    if half < 1e-6 * x.abs() {
+        return format!("{x:.6}");
+    }
+    let (x, half) = with_interval(x, Some(half));
     half.map_or_else(|| x.clone(), |h| format!("{x} ± {h}"))
 }
 

@@ -1,7 +1,8 @@
 //! verify: what the parameters' errors do to a re-simulated run. In: a model with covariance, runs. Out: bands on Θ and ω_q,r.
 //!
 //! Parameters are drawn from their joint normal distribution; a run's initial state is not known either and is estimated again for every
-//! draw, because what a parameter moves the initial state partly moves back. Gusts and sensor noise are no part of these bands.
+//! draw, because what a parameter moves the initial state partly moves back. Bands over time are the model's own, without gusts and
+//! sensor noise; intervals of statistics, which stand beside measured ones, have both.
 
 use super::statistics::{LINES, Swing, table};
 use super::{Initial, Replay, initial};
@@ -39,6 +40,7 @@ pub struct Band {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct RunBands {
     pub(super) bands: Vec<Band>,
+    /// One per draw, gusts and sensor noise in it.
     pub(super) draws: Vec<Swing>,
 }
 
@@ -78,18 +80,20 @@ pub(super) fn of_run(
         return Err(VerifyError::NotTunnel { run: campaign.runs[index].name.clone() });
     };
     let (replay, initial) = base;
-    let one = |plant: &Plant| -> Result<Swing, VerifyError> {
+    let one = |(draw, plant): (usize, &Plant)| -> Result<(Swing, Swing), VerifyError> {
         let own = replay.with(&campaign.plant_for(plant, index));
         let release = initial::again(&own, record, &own.sensors(), initial).map_or(initial.release, |i| i.release);
-        let flown = own.fly_as_far_as_it_goes(release)?;
-        Ok(super::swing(&rates_and_angles(&flown.record, own.smoother())?))
+        let swing = |r: &Record| -> Result<Swing, VerifyError> { Ok(super::swing(&rates_and_angles(r, own.smoother())?)) };
+        let noisy = own.draw(release, Seed { campaign: draw as u64, run: index as u64 })?;
+        Ok((swing(&own.fly_as_far_as_it_goes(release)?.record)?, swing(&noisy.record)?))
     };
-    let draws: Vec<Swing> = plants.par_iter().map(one).collect::<Result<_, _>>()?;
+    let both: Vec<(Swing, Swing)> = plants.par_iter().enumerate().map(one).collect::<Result<_, _>>()?;
+    let (still, draws): (Vec<Swing>, Vec<Swing>) = both.into_iter().unzip();
     let pick = |s: &Swing, k: usize| if k == 0 { s.theta_deg.clone() } else { s.omega_qr_deg_s.clone() };
     let bands = ["theta_deg", "omega_qr_deg_s"]
         .iter()
         .enumerate()
-        .map(|(k, quantity)| band(quantity, record, &pick(test, k), &draws.iter().map(|d| pick(d, k)).collect::<Vec<_>>()))
+        .map(|(k, quantity)| band(quantity, record, &pick(test, k), &still.iter().map(|d| pick(d, k)).collect::<Vec<_>>()))
         .collect();
     Ok(RunBands { bands, draws })
 }

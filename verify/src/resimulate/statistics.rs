@@ -29,7 +29,7 @@ pub struct Statistic {
     /// Standard deviation over seeds; absent with one seed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulation_std: Option<f64>,
-    /// 95 % interval over draws of the parameters, without gusts and sensor noise; absent without draws.
+    /// 95 % interval over draws of parameters, gusts and sensor noise; absent without draws.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub draws_ci95: Option<[f64; 2]>,
 }
