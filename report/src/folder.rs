@@ -55,8 +55,13 @@ fn bands(value: &mut Value) -> String {
     if figures.is_empty() {
         return String::new();
     }
-    let note = "Shaded: 95 % at each point, from the covariance of the estimates; thick grey: measured.";
+    let note = "Shaded, and ± in the titles: 95 % at each point, from the covariance of the estimates. Thick grey: measured.";
     format!("<p class=\"note\">{note}</p>\n<div class=\"grid\">{}</div>\n", figures.iter().map(chart).collect::<String>())
+}
+
+/// Half the band where it is widest: it may be thinner than the curve.
+fn widest([low, high]: &[Vec<f64>; 2]) -> String {
+    format!(", ± {} at most", crate::number(low.iter().zip(high).map(|(a, b)| 0.5 * (b - a)).fold(0.0, f64::max)))
 }
 
 fn numbers(value: &Value, key: &str) -> Option<Vec<f64>> {
@@ -71,14 +76,14 @@ fn curve(c: &Value) -> Option<Figure> {
         _ => "α_T",
     };
     let quantity = word("quantity")?;
-    let band = Some([numbers(c, "low")?, numbers(c, "high")?]);
+    let band = [numbers(c, "low")?, numbers(c, "high")?];
     Some(Figure {
         topic: Topic::Variable,
-        title: format!("{quantity} over {angle}"),
+        title: format!("{quantity} over {angle}{}", widest(&band)),
         x_label: format!("{angle}, deg"),
         y_label: quantity.to_owned(),
         log_y: false,
-        series: vec![Series { role: Role::After, x: numbers(c, "angle_deg")?, y: numbers(c, "value")?, band }],
+        series: vec![Series { role: Role::After, x: numbers(c, "angle_deg")?, y: numbers(c, "value")?, band: Some(band) }],
     })
 }
 
@@ -88,15 +93,15 @@ fn over_time(run: &str, b: &Value) -> Option<Figure> {
         _ => ("ω_q,r", "deg/s"),
     };
     let t = numbers(b, "t_s")?;
-    let band = Some([numbers(b, "low")?, numbers(b, "high")?]);
+    let band = [numbers(b, "low")?, numbers(b, "high")?];
     let measured = Series { role: Role::Measured, x: t.clone(), y: numbers(b, "test")?, band: None };
     Some(Figure {
         topic: Topic::Trajectory,
-        title: format!("{run}: {title}"),
+        title: format!("{run}: {title}{}", widest(&band)),
         x_label: "time, s".to_owned(),
         y_label: format!("{title}, {unit}"),
         log_y: false,
-        series: vec![measured, Series { role: Role::After, x: t, y: numbers(b, "median")?, band }],
+        series: vec![measured, Series { role: Role::After, x: t, y: numbers(b, "median")?, band: Some(band) }],
     })
 }
 
@@ -182,6 +187,16 @@ fn words(key: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn law_bands_are_drawn_and_their_series_not_laid_out() {
+        let value = serde_json::json!({"data_sets": [{"name": "combined", "covariance": [[123.456]], "curves": [{
+            "quantity": "C_A", "over": "alpha_T", "angle_deg": [0.0, 10.0, 20.0], "value": [6.6, 6.5, 6.2], "low": [6.5, 6.4, 6.0],
+            "high": [6.7, 6.6, 6.4]}]}]});
+        let page = folder_page("r", &FolderResults { others: &[("Identification".to_owned(), value)], ..Default::default() });
+        assert!(page.contains("C_A over α_T, ± 0.2000 at most") && page.contains("class=\"band after\""), "{page}");
+        assert!(!page.contains("123.4"), "a covariance is no table to read");
+    }
 
     #[test]
     fn law_any_result_is_laid_out_and_escaped() {
