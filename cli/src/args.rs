@@ -123,6 +123,10 @@ pub(crate) struct IdentifyArgs {
     /// Only all runs together, without each kind of run alone (methods that integrate)
     #[arg(long)]
     pub(crate) combined: bool,
+    /// Check the stated errors by N copies: the identified model is flown again with the campaign's own inputs and noise, and identified
+    /// again; scatter over stated error is known to 1/√(2N)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
+    pub(crate) bootstrap: Option<u16>,
     #[command(flatten)]
     pub(crate) common: Common,
 }
@@ -153,6 +157,10 @@ pub(crate) struct ResimulateArgs {
     /// Number of seeds over which simulated statistics are averaged
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) seeds: u16,
+    /// Also fly N models with parameters drawn from their covariance: 95 % bands on Θ and ω_q,r, intervals of the statistics; 40 to
+    /// 200 are enough, 0 is none
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) draws: u16,
     #[command(flatten)]
     pub(crate) common: Common,
 }

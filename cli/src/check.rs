@@ -80,6 +80,9 @@ fn campaign(c: &Campaign, warnings: Vec<String>) -> Understood {
         let used = if run.used == Use::Identify { "identify" } else { "hold-out" };
         summary.push(format!("run {}: {}, {used}, {samples} samples, {seconds:.3} s", run.name, run.kind));
     }
+    if let Some(p) = windfall_pid::compatibility::pressure(c) {
+        summary.push(crate::agreement::pressure(&p, windfall_pid::compatibility::FALSE_ALARM_RATE));
+    }
     Understood { kind: "campaign", name: c.name.clone(), summary, warnings }
 }
 

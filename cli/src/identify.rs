@@ -3,11 +3,15 @@
 use crate::args::{IdentifyArgs, MethodWord};
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
+use windfall_model::Campaign;
+use windfall_pid::bands::add_curves;
+use windfall_pid::compatibility::{Compatibility, pressure};
 use windfall_pid::output_error::Options;
 use windfall_pid::{
     DataSet, Identifiability, Identification, Method, filter_error, identifiability, identify, identify_chosen, output_error,
 };
 use windfall_scenarios::read_campaign_with_warnings;
+use windfall_verify::{Bootstrap, bootstrap};
 
 /// Name of the result file.
 pub(crate) const FILE: &str = "identification.json";
@@ -23,7 +27,7 @@ pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool
         MethodWord::FilterError => Method::FilterError,
     });
     let spinner = session.spinner("identifying");
-    let options = Options { combined_only: args.combined, ..Options::default() };
+    let options = Options { combined_only: args.combined, compatibility: true, ..Options::default() };
     let found = session.pool()?.install(|| match method {
         Some(Method::OutputError) => output_error::identify(&campaign, &options),
         Some(Method::FilterError) => filter_error::identify(&campaign, &options),
@@ -36,16 +40,81 @@ pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool
         // A plant that cannot be integrated has none.
         found.identifiability = session.pool()?.install(|| identifiability(&campaign, &options)).ok();
     }
+    if found.compatibility.is_none() {
+        found.compatibility = pressure(&campaign).map(Compatibility::of_pressure);
+    }
+    add_curves(&campaign, &mut found).map_err(Failure::of_identification)?;
     if let Some(reason) = &found.reason {
         session.say(&format!("method {}: {reason}", found.method));
     }
     found.warnings.iter().for_each(|w| session.warn(w));
-    session.deliver(folder.as_deref(), FILE, &found, || table(&campaign.name, &found))?;
+    let copies = match args.bootstrap {
+        Some(n) => Some(copies(&campaign, &found, usize::from(n), session)?),
+        None => None,
+    };
+    let result = Written { found: &found, bootstrap: copies.as_ref() };
+    session.deliver(folder.as_deref(), FILE, &result, || {
+        table(&campaign.name, &found) + &copies.as_ref().map_or_else(String::new, bootstrap_table)
+    })?;
     Ok(true)
+}
+
+/// The file: an identification, and its check where one was asked for.
+#[derive(serde::Serialize)]
+struct Written<'a> {
+    #[serde(flatten)]
+    found: &'a Identification,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bootstrap: Option<&'a Bootstrap>,
+}
+
+fn copies(campaign: &Campaign, found: &Identification, n: usize, session: &mut Session<'_>) -> Result<Bootstrap, Failure> {
+    let method = [Method::Thesis, Method::EquationError, Method::OutputError, Method::FilterError];
+    let method = method.into_iter().find(|m| m.name() == found.method).unwrap_or(Method::OutputError);
+    let spinner = session.spinner("identifying copies");
+    let result = session.pool()?.install(|| bootstrap(campaign, found, method, n));
+    spinner.finish_and_clear();
+    let result = result.map_err(Failure::of_verification)?;
+    if let Some(first) = result.failed.first() {
+        session.warn(&format!("{} of {n} copies gave no answer, the first: {first}", result.failed.len()));
+    }
+    Ok(result)
+}
+
+fn bootstrap_table(b: &Bootstrap) -> String {
+    let mut text = format!(
+        "\n{} copies of the identified model, identified again (each ratio ± {:.2} by their number)\n",
+        b.draws - b.failed.len(),
+        b.ratio_std_error
+    );
+    let _ = writeln!(
+        text,
+        "{:<11}{:<16}{:>12}{:>12}{:>8}{:>12}{:>14}",
+        "coef", "parameter", "std error", "scatter", "ratio", "bias/s.e.", "95 % covers"
+    );
+    for p in &b.parameters {
+        let _ = writeln!(
+            text,
+            "{:<11}{:<16}{:>12.3e}{:>12.3e}{:>8.2}{:>+12.2}{:>12.0} %",
+            p.coefficient,
+            p.name,
+            p.std_error,
+            p.scatter,
+            p.ratio,
+            p.bias_over_std_error,
+            100.0 * p.covered
+        );
+    }
+    text
 }
 
 fn table(campaign: &str, found: &Identification) -> String {
     let mut text = format!("{campaign}, method {}\n", found.method);
+    if let Some(c) = &found.compatibility {
+        crate::agreement::lines(c).iter().for_each(|l| {
+            let _ = writeln!(text, "{l}");
+        });
+    }
     if let Some(told) = &found.identifiability {
         excitation(&mut text, told);
     }

@@ -3,6 +3,7 @@
 //! Nothing is decided here: commands check their input, open their outputs, call the rooms and print what they return.
 //! Exit codes: 0 done; 1 done, and the verdict is no; 2 bad input or usage; 3 numerical failure.
 
+mod agreement;
 mod args;
 mod check;
 mod close;

@@ -5,7 +5,7 @@ use crate::session::{Failure, Session};
 use std::fmt::Write as _;
 use windfall_pid::Identification;
 use windfall_scenarios::{read_campaign_with_warnings, read_json};
-use windfall_verify::{Resimulation, RunComparison, Statistic, resimulate};
+use windfall_verify::{Resimulation, RunComparison, Statistic, resimulate_with_draws};
 
 /// Name of the result file.
 const FILE: &str = "resimulation.json";
@@ -16,7 +16,8 @@ pub(crate) fn run(args: &ResimulateArgs, session: &mut Session<'_>) -> Result<bo
     let model: Identification = read_json(&args.model)?;
     let folder = session.outputs(&[FILE.to_owned()])?;
     let spinner = session.spinner("flying the identified model");
-    let result = session.pool()?.install(|| resimulate(&campaign, &model, usize::from(args.seeds)));
+    let result =
+        session.pool()?.install(|| resimulate_with_draws(&campaign, &model, usize::from(args.seeds), usize::from(args.draws)));
     spinner.finish_and_clear();
     let result = result.map_err(Failure::of_verification)?;
     result.warnings.iter().for_each(|w| session.warn(w));
@@ -40,7 +41,12 @@ fn table(campaign: &str, r: &Resimulation) -> String {
         "{:<24}{:<10}{:>16.4}{:>16.5}{:>16.4}\n",
         "all, rms", "", all.attitude_rms_deg, all.position_rms_m, all.rate_rms_deg_s
     );
-    let _ = writeln!(text, "{:<18}{:<10}{:>12}{:>14}{:>18}", "quantity", "statistic", "test", "simulation", "std over seeds");
+    let drawn = if r.statistics.iter().any(|s| s.draws_ci95.is_some()) { "95 % over parameters drawn" } else { "" };
+    let _ = writeln!(
+        text,
+        "{:<18}{:<10}{:>12}{:>14}{:>18}{drawn:>30}",
+        "quantity", "statistic", "test", "simulation", "std over seeds"
+    );
     r.statistics.iter().for_each(|s| statistic_line(&mut text, s));
     text
 }
@@ -56,5 +62,7 @@ fn run_line(text: &mut String, run: &RunComparison) {
 
 fn statistic_line(text: &mut String, s: &Statistic) {
     let spread = s.simulation_std.map_or_else(String::new, |x| format!("{x:.4}"));
-    let _ = writeln!(text, "{:<18}{:<10}{:>12.4}{:>14.4}{spread:>18}", s.quantity, s.statistic, s.test, s.simulation);
+    let drawn = s.draws_ci95.map_or_else(String::new, |[a, b]| format!("[{a:.4}, {b:.4}]"));
+    let line = format!("{:<18}{:<10}{:>12.4}{:>14.4}{spread:>18}{drawn:>30}", s.quantity, s.statistic, s.test, s.simulation);
+    let _ = writeln!(text, "{}", line.trim_end());
 }

@@ -26,7 +26,10 @@ pub fn identify_chosen(campaign: &Campaign, options: &Options) -> Result<Identif
         other => other,
     };
     match (first, filter_error::identify(campaign, options)) {
-        (first, Ok(second)) if driven(&second) => Ok(by_filter(&first.map_or_else(|e| e.to_string(), |f| left(&f)), second)),
+        (first, Ok(mut second)) if driven(&second) => {
+            second.compatibility = first.as_ref().ok().and_then(|f| f.compatibility.clone());
+            Ok(by_filter(&first.map_or_else(|e| e.to_string(), |f| left(&f)), second))
+        }
         (Ok(first), Ok(_)) => {
             let reason = format!("its residual is not noise ({}), and filter error finds no turbulence in it", left(&first));
             Ok(because(first, reason))

@@ -1,6 +1,9 @@
 //! pid: the result of an identification. In: fits. Out: the contract's `identification.json` as data.
 
+use crate::bands::Curve;
+use crate::compatibility::Compatibility;
 use crate::identifiability::Identifiability;
+use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use windfall_model::Structure;
 
@@ -18,6 +21,9 @@ pub struct Identification {
     /// What all runs together can tell at all, seen before fitting; none where they cannot be integrated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub identifiability: Option<Identifiability>,
+    /// Whether the instruments agree with each other; where it was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compatibility: Option<Compatibility>,
     /// One result per kind of run, and `combined`.
     pub data_sets: Vec<DataSet>,
     /// What a user should know: a cause and a next step each.
@@ -40,6 +46,12 @@ pub struct DataSet {
     pub condition_number: f64,
     /// Samples in the set.
     pub n_samples: usize,
+    /// Covariance of the estimates, rows and columns in the order of `parameters`. Regression knows none between coefficients: zeros.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub covariance: Vec<Vec<f64>>,
+    /// Coefficients over the angle, with bands; empty until [`crate::bands::add_curves`].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub curves: Vec<Curve>,
 }
 
 /// One parameter's estimate. Dimensionless.
@@ -88,6 +100,21 @@ impl DataSet {
     pub fn get(&self, coefficient: &str, name: &str) -> Option<&Estimate> {
         self.parameters.iter().find(|p| p.coefficient == coefficient && p.name == name)
     }
+    /// Covariance of [`DataSet::values`], in the structure's order; zero where there is no estimate. `None` where the set has none.
+    #[must_use]
+    pub fn covariance_of(&self, structure: &Structure) -> Option<DMatrix<f64>> {
+        let n = self.parameters.len();
+        if self.covariance.len() != n || self.covariance.iter().any(|r| r.len() != n) {
+            return None;
+        }
+        let own = DMatrix::from_fn(n, n, |i, j| self.covariance[i][j]);
+        let share = DMatrix::from_fn(structure.parameters.len(), n, |i, j| {
+            let (name, all) = (&structure.parameters[i], || self.parameters.iter().filter(|p| p.name == structure.parameters[i]));
+            let total: f64 = all().map(weight).sum();
+            if self.parameters[j].name == *name { weight(&self.parameters[j]) / total } else { 0.0 }
+        });
+        Some(&share * own * share.transpose())
+    }
     /// Values for a structure's parameters: where two coefficients give one parameter (the static moment, from C_m and C_n), the
     /// mean weighted by inverse variance; `otherwise` where there is no estimate.
     ///
@@ -102,9 +129,12 @@ impl DataSet {
     #[must_use]
     pub fn value(&self, name: &str) -> Option<f64> {
         let all = || self.parameters.iter().filter(|p| p.name == name);
-        // Exact data may have a zero standard error; it then counts like rounding.
-        let weight = |p: &Estimate| 1.0 / p.std_error.max(1.0e-12 * p.estimate.abs()).max(f64::MIN_POSITIVE.sqrt()).powi(2);
         let total: f64 = all().map(weight).sum();
         (total > 0.0).then(|| all().map(|p| weight(p) / total * p.estimate).sum())
     }
+}
+
+/// Weight of an estimate in a mean. Exact data may have a zero standard error; it then counts like rounding.
+fn weight(p: &Estimate) -> f64 {
+    1.0 / p.std_error.max(1.0e-12 * p.estimate.abs()).max(f64::MIN_POSITIVE.sqrt()).powi(2)
 }

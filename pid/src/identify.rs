@@ -116,7 +116,14 @@ pub fn identify_with(campaign: &Campaign, method: Method, smoother: &Smoother) -
             DataSetWork { name: &name, members: &members, runs: &runs, campaign }.solve(&prepared, &mut warnings)
         })
         .collect::<Result<_, _>>()?;
-    Ok(Identification { method: method.name().to_owned(), data_sets, warnings, reason: None, identifiability: None })
+    Ok(Identification {
+        method: method.name().to_owned(),
+        data_sets,
+        warnings,
+        reason: None,
+        identifiability: None,
+        compatibility: None,
+    })
 }
 
 /// Indices of runs: each kind in order of appearance, then all.
@@ -201,6 +208,8 @@ impl<'a> DataSetWork<'a> {
             fits: Vec::new(),
             condition_number: 1.0,
             n_samples: self.members.iter().map(|&i| self.runs[i].rows.len()).sum(),
+            covariance: Vec::new(),
+            curves: Vec::new(),
         };
         for group in groups {
             if let Some((columns, fit)) = self.regress(group, warnings)? {
@@ -252,6 +261,14 @@ impl<'a> DataSetWork<'a> {
         let white = Fit::std_errors(&fit.covariance_white);
         let honest = Fit::std_errors(&fit.covariance);
         let half = fit.t95();
+        let before = set.parameters.len();
+        for row in &mut set.covariance {
+            row.extend(columns.iter().map(|_| 0.0));
+        }
+        for i in 0..columns.len() {
+            let own = (0..columns.len()).map(|j| fit.covariance[(i, j)]);
+            set.covariance.push(std::iter::repeat_n(0.0, before).chain(own).collect());
+        }
         for (i, &column) in columns.iter().enumerate() {
             let (estimate, std_error) = (fit.estimate[i], honest[i]);
             let name = self.parameter(group, column);

@@ -4,8 +4,10 @@
 //! Appendix B by components and Euler angles; it never sees a simulator or its truth.
 
 mod angles;
+pub mod bands;
 mod choice;
 pub mod coefficients;
+pub mod compatibility;
 mod equations;
 mod error;
 pub mod filter_error;

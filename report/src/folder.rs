@@ -3,8 +3,9 @@
 
 use crate::closing::closing_body;
 use crate::html::{Cell, escape, page, section, table};
+use crate::svg::chart;
 use serde_json::{Map, Value};
-use windfall_verify::close::{Closing, Figure};
+use windfall_verify::close::{Closing, Figure, Role, Series, Topic};
 
 /// What a folder holds.
 #[derive(Default)]
@@ -25,9 +26,83 @@ pub fn folder_page(title: &str, results: &FolderResults<'_>) -> String {
         None => format!("<h1>{}</h1>\n", escape(title)),
     };
     for (name, value) in results.others {
-        body += &section(name, "", &laid_out(value, 3));
+        let mut value = value.clone();
+        let drawn = bands(&mut value);
+        body += &section(name, "", &(drawn + &laid_out(&value, 3)));
     }
     page(title, &body)
+}
+
+/// Figures of what has bands: identified coefficients over the angle, re-simulated runs over time. Their series, and the covariance,
+/// are taken out of the value: no one reads them as tables.
+fn bands(value: &mut Value) -> String {
+    let mut figures = Vec::new();
+    for set in value.get_mut("data_sets").and_then(Value::as_array_mut).into_iter().flatten() {
+        let Some(map) = set.as_object_mut() else { continue };
+        map.remove("covariance");
+        let curves = map.remove("curves");
+        // Kinds of run alone are in the file; the page shows all runs together.
+        if map.get("name").and_then(Value::as_str) == Some("combined") {
+            figures.extend(curves.iter().flat_map(|c| c.as_array()).flatten().filter_map(curve));
+        }
+    }
+    for run in value.get_mut("runs").and_then(Value::as_array_mut).into_iter().flatten() {
+        let Some(map) = run.as_object_mut() else { continue };
+        let bands = map.remove("bands");
+        let name = map.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
+        figures.extend(bands.iter().flat_map(|b| b.as_array()).flatten().filter_map(|b| over_time(&name, b)));
+    }
+    if figures.is_empty() {
+        return String::new();
+    }
+    let note = "Shaded, and ± in the titles: 95 % at each point, from the covariance of the estimates. Thick grey: measured.";
+    format!("<p class=\"note\">{note}</p>\n<div class=\"grid\">{}</div>\n", figures.iter().map(chart).collect::<String>())
+}
+
+/// Half the band where it is widest: it may be thinner than the curve.
+fn widest([low, high]: &[Vec<f64>; 2]) -> String {
+    format!(", ± {} at most", crate::number(low.iter().zip(high).map(|(a, b)| 0.5 * (b - a)).fold(0.0, f64::max)))
+}
+
+fn numbers(value: &Value, key: &str) -> Option<Vec<f64>> {
+    value.get(key)?.as_array()?.iter().map(Value::as_f64).collect()
+}
+
+fn curve(c: &Value) -> Option<Figure> {
+    let word = |key: &str| c.get(key).and_then(Value::as_str);
+    let angle = match word("over")? {
+        "alpha" => "α",
+        "beta" => "β",
+        _ => "α_T",
+    };
+    let quantity = word("quantity")?;
+    let band = [numbers(c, "low")?, numbers(c, "high")?];
+    Some(Figure {
+        topic: Topic::Variable,
+        title: format!("{quantity} over {angle}{}", widest(&band)),
+        x_label: format!("{angle}, deg"),
+        y_label: quantity.to_owned(),
+        log_y: false,
+        series: vec![Series { role: Role::After, x: numbers(c, "angle_deg")?, y: numbers(c, "value")?, band: Some(band) }],
+    })
+}
+
+fn over_time(run: &str, b: &Value) -> Option<Figure> {
+    let (title, unit) = match b.get("quantity")?.as_str()? {
+        "theta_deg" => ("Θ", "deg"),
+        _ => ("ω_q,r", "deg/s"),
+    };
+    let t = numbers(b, "t_s")?;
+    let band = [numbers(b, "low")?, numbers(b, "high")?];
+    let measured = Series { role: Role::Measured, x: t.clone(), y: numbers(b, "test")?, band: None };
+    Some(Figure {
+        topic: Topic::Trajectory,
+        title: format!("{run}: {title}{}", widest(&band)),
+        x_label: "time, s".to_owned(),
+        y_label: format!("{title}, {unit}"),
+        log_y: false,
+        series: vec![measured, Series { role: Role::After, x: t, y: numbers(b, "median")?, band: Some(band) }],
+    })
 }
 
 /// A value as HTML: scalars of a record in one table, lists of records as tables, the rest below headings.
@@ -112,6 +187,16 @@ fn words(key: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn law_bands_are_drawn_and_their_series_not_laid_out() {
+        let value = serde_json::json!({"data_sets": [{"name": "combined", "covariance": [[123.456]], "curves": [{
+            "quantity": "C_A", "over": "alpha_T", "angle_deg": [0.0, 10.0, 20.0], "value": [6.6, 6.5, 6.2], "low": [6.5, 6.4, 6.0],
+            "high": [6.7, 6.6, 6.4]}]}]});
+        let page = folder_page("r", &FolderResults { others: &[("Identification".to_owned(), value)], ..Default::default() });
+        assert!(page.contains("C_A over α_T, ± 0.2000 at most") && page.contains("class=\"band after\""), "{page}");
+        assert!(!page.contains("123.4"), "a covariance is no table to read");
+    }
 
     #[test]
     fn law_any_result_is_laid_out_and_escaped() {

@@ -2,7 +2,7 @@
 
 use crate::html::escape;
 use std::fmt::Write as _;
-use windfall_verify::close::{Figure, Role};
+use windfall_verify::close::{Figure, Role, Series};
 
 /// Size of a chart, in its own units, and room for labels at the left, below, above and right.
 const SIZE: [f64; 2] = [360.0, 220.0];
@@ -102,7 +102,7 @@ pub(crate) fn chart(f: &Figure) -> String {
     let [w, h] = SIZE;
     let [left, below, above, right] = ROOM;
     let xs = f.series.iter().flat_map(|s| s.x.iter().copied());
-    let ys = f.series.iter().flat_map(|s| s.y.iter().copied());
+    let ys = f.series.iter().flat_map(|s| s.y.iter().chain(s.band.iter().flatten().flatten()).copied());
     let (Some(x), Some(y)) = (Scale::new(xs, false, left, w - right), Scale::new(ys, f.log_y, h - below, above)) else {
         return String::new();
     };
@@ -113,6 +113,11 @@ pub(crate) fn chart(f: &Figure) -> String {
         escape(&f.title)
     );
     axes(&mut out, &x, &y, f);
+    for s in &f.series {
+        if let Some(band) = &s.band {
+            let _ = write!(out, "<path class=\"band {}\" d=\"{}\"/>", class(s.role), outline(&x, &y, s, band));
+        }
+    }
     for s in &f.series {
         let mut d = String::new();
         let mut pen = 'M';
@@ -128,6 +133,15 @@ pub(crate) fn chart(f: &Figure) -> String {
     }
     out.push_str("</svg></figure>\n");
     out
+}
+
+/// Along the lower end of a band and back along the upper.
+fn outline(x: &Scale, y: &Scale, s: &Series, [low, high]: &[Vec<f64>; 2]) -> String {
+    let there = s.x.iter().zip(low);
+    let back = s.x.iter().zip(high).rev();
+    let points = there.chain(back).filter_map(|(a, b)| Some((x.place(*a)?, y.place(*b)?)));
+    let path = points.enumerate().map(|(k, (a, b))| format!("{}{a:.1} {b:.2}", if k == 0 { 'M' } else { 'L' }));
+    path.collect::<String>() + "Z"
 }
 
 fn axes(out: &mut String, x: &Scale, y: &Scale, f: &Figure) {

@@ -74,6 +74,15 @@ pub enum VerifyError {
         /// Methods that there are.
         allowed: String,
     },
+    /// Copies of a campaign that all failed.
+    #[error("no two copies of the campaign could be identified: {reason}; try another method, or windfall close")]
+    NoCopies {
+        /// What the first said.
+        reason: String,
+    },
+    /// An identification that cannot be drawn from.
+    #[error("the identification has no covariance to draw parameters from; identify the campaign again with this version")]
+    NoCovariance,
     /// An identification without result.
     #[error("the identification has no data set; identify the campaign again")]
     NoDataSet,

@@ -1,5 +1,6 @@
 //! The loop: recovery, re-simulation, tracing and closing, and the verdicts. No physics and no files of its own.
 
+mod bootstrap;
 mod checks;
 pub mod close;
 mod error;
@@ -10,10 +11,11 @@ pub mod study;
 pub mod tether_trace;
 pub mod trace;
 
+pub use bootstrap::{Bootstrap, BootstrapLine, bootstrap};
 pub use checks::{Bound, Check, Kind, Setups, Verdict, all_pass, checks};
 pub use error::VerifyError;
 pub use recovery::{Reconstructed, Recovered, Recovery, TABLE_C_1, campaign_of, recover};
 pub use resimulate::{
-    FlownParameter, HoldOut, Initial, InitialStop, Replay, Resimulation, RunComparison, Statistic, Swing, TrajectoryError,
-    estimate_initial, fly_like, hold_out, identified_plant, resimulate,
+    Band, FlownParameter, HoldOut, Initial, InitialStop, Replay, Resimulation, RunComparison, Statistic, Swing, TrajectoryError,
+    estimate_initial, fly_like, hold_out, identified_plant, resimulate, resimulate_with_draws,
 };

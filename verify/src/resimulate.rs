@@ -3,6 +3,7 @@
 //! Each run is flown again from its own initial state with its recorded tunnel speed. Trajectories are compared without chance;
 //! the statistics of Θ and ω_q,r with all that the plant says is random, both sides through the same smoothing.
 
+mod bands;
 mod initial;
 mod replay;
 mod statistics;
@@ -18,6 +19,7 @@ use windfall_pid::coefficients::coefficients;
 use windfall_pid::{DataSet, Identification, rates_and_angles};
 use windfall_sim::Seed;
 
+pub use bands::Band;
 pub use initial::{Initial, InitialStop, estimate_initial};
 pub use replay::{Replay, fly_like};
 
@@ -65,6 +67,9 @@ pub struct RunComparison {
     pub specific_force_rms: [f64; 3],
     /// rms of the moment residual over inertia at the measured states, body x, y, z, rad/s²; its sensor noise included.
     pub specific_moment_rms: [f64; 3],
+    /// Θ and ω_q,r over time with what the parameters' errors leave open; empty without draws.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bands: Vec<Band>,
     /// Samples of the measurement.
     #[serde(skip)]
     pub test: Swing,
@@ -115,10 +120,25 @@ pub struct Resimulation {
 /// # Errors
 /// A point-mass campaign, no run, an identification of another structure, or a record or flight that cannot be used.
 pub fn resimulate(campaign: &Campaign, identification: &Identification, seeds: usize) -> Result<Resimulation, VerifyError> {
+    resimulate_with_draws(campaign, identification, seeds, 0)
+}
+
+/// [`resimulate`], and flights with parameters drawn from their covariance: bands on Θ and ω_q,r of every run, and intervals of the
+/// statistics.
+///
+/// # Errors
+/// As [`resimulate`]; [`VerifyError::NoCovariance`] for an identification without covariance when draws are asked for.
+pub fn resimulate_with_draws(
+    campaign: &Campaign,
+    identification: &Identification,
+    seeds: usize,
+    draws: usize,
+) -> Result<Resimulation, VerifyError> {
     let set = combined(identification)?;
     let plant = identified_plant(campaign, set)?;
     let all: Vec<usize> = (0..campaign.runs.len()).collect();
-    let joined = hold_out(campaign, &plant, &all, seeds)?;
+    let plants = if draws > 0 { bands::drawn(&plant, set, draws)? } else { Vec::new() };
+    let joined = join(compared(campaign, &plant, &all, seeds, &plants)?);
     let structure = &plant.aero.structure;
     let parameters: Vec<FlownParameter> = structure
         .parameters
@@ -172,14 +192,21 @@ fn warnings(campaign: &Campaign, parameters: &[FlownParameter], runs: &[RunCompa
 /// # Errors
 /// A point-mass run, no run, or a record or flight that cannot be used.
 pub fn hold_out(campaign: &Campaign, plant: &Plant, runs: &[usize], seeds: usize) -> Result<HoldOut, VerifyError> {
+    Ok(join(compared(campaign, plant, runs, seeds, &[])?))
+}
+
+/// Each run, flown by the plant and by plants drawn around it.
+fn compared(
+    campaign: &Campaign,
+    plant: &Plant,
+    runs: &[usize],
+    seeds: usize,
+    drawn: &[Plant],
+) -> Result<Vec<Compared>, VerifyError> {
     if runs.is_empty() {
         return Err(VerifyError::NoRuns { what: "hold-out" });
     }
-    let all: Vec<Compared> = runs
-        .par_iter()
-        .map(|&i| compare(&campaign.runs[i], &campaign.plant_for(plant, i), i, seeds.max(1)))
-        .collect::<Result<_, _>>()?;
-    Ok(join(all))
+    runs.par_iter().map(|&i| compare(campaign, plant, i, seeds.max(1), drawn)).collect()
 }
 
 /// One run's comparison and what joining needs.
@@ -187,6 +214,8 @@ struct Compared {
     run: RunComparison,
     squares: Squares,
     draws: Vec<Swing>,
+    /// One per drawn plant.
+    drawn: Vec<Swing>,
     samples: usize,
 }
 
@@ -194,11 +223,13 @@ fn join(all: Vec<Compared>) -> HoldOut {
     let mut squares = Squares::default();
     let mut test = Swing::default();
     let mut draws = vec![Swing::default(); all.first().map_or(0, |c| c.draws.len())];
+    let mut drawn = vec![Swing::default(); all.first().map_or(0, |c| c.drawn.len())];
     let (mut force, mut moment, mut samples) = ([0.0; 3], [0.0; 3], 0.0);
     for c in &all {
         squares.add(&c.squares);
         test.append(&c.run.test);
         draws.iter_mut().zip(&c.draws).for_each(|(d, o)| d.append(o));
+        drawn.iter_mut().zip(&c.drawn).for_each(|(d, o)| d.append(o));
         let n = c.samples as f64;
         samples += n;
         for k in 0..3 {
@@ -208,14 +239,23 @@ fn join(all: Vec<Compared>) -> HoldOut {
     }
     HoldOut {
         trajectory: squares.error(),
-        statistics: table_5_6(&test, &draws),
+        statistics: with_intervals(table_5_6(&test, &draws), &drawn),
         specific_force_rms: force.map(|s| (s / samples).sqrt()),
         specific_moment_rms: moment.map(|s| (s / samples).sqrt()),
         runs: all.into_iter().map(|c| c.run).collect(),
     }
 }
 
-fn compare(run: &Run, plant: &Plant, index: usize, seeds: usize) -> Result<Compared, VerifyError> {
+/// Lines of Table 5.6 with their intervals over drawn plants.
+fn with_intervals(mut lines: Vec<Statistic>, drawn: &[Swing]) -> Vec<Statistic> {
+    if !drawn.is_empty() {
+        lines.iter_mut().zip(bands::intervals(drawn)).for_each(|(l, ci)| l.draws_ci95 = Some(ci));
+    }
+    lines
+}
+
+fn compare(campaign: &Campaign, plant: &Plant, index: usize, seeds: usize, drawn: &[Plant]) -> Result<Compared, VerifyError> {
+    let (run, plant): (&Run, _) = (&campaign.runs[index], &campaign.plant_for(plant, index));
     let Data::Tunnel(record) = &run.data else { return Err(VerifyError::NotTunnel { run: run.name.clone() }) };
     let replay = Replay::new(record, plant)?;
     let initial = estimate(&replay, record, &plant.sensors)?;
@@ -231,24 +271,29 @@ fn compare(run: &Run, plant: &Plant, index: usize, seeds: usize) -> Result<Compa
     let draws = draws(&replay, &initial, index, seeds)?;
     let test = swing(&measured);
     let (specific_force_rms, specific_moment_rms) = specific_residual(&replay, plant);
+    let (statistics, misfit, initial_span_s) = (table_5_6(&test, &draws), initial.misfit.min(f64::MAX), initial.span_s);
+    let (initial_stop, base) = (initial.stop, (replay, initial));
+    let of_draws = if drawn.is_empty() { None } else { Some(bands::of_run(campaign, index, drawn, &base, &test)?) };
+    let (bands, drawn) = of_draws.map_or_else(Default::default, |b| (b.bands, b.draws));
     let comparison = RunComparison {
         name: run.name.clone(),
         kind: run.kind.clone(),
         used: if run.used == Use::Identify { "identify" } else { "hold-out" }.to_owned(),
         trajectory: squares.error(),
         trajectory_from_first_sample: from_first.error(),
-        statistics: table_5_6(&test, &draws),
-        misfit: initial.misfit.min(f64::MAX),
-        initial_span_s: initial.span_s,
-        initial: initial.stop,
+        statistics: with_intervals(statistics, &drawn),
+        misfit,
+        initial_span_s,
+        initial: initial_stop,
         duration_s: record.duration_s(),
         flown_s,
         specific_force_rms,
         specific_moment_rms,
+        bands,
         test,
         simulation: draws.first().cloned().unwrap_or_default(),
     };
-    Ok(Compared { run: comparison, squares, draws, samples: record.len() })
+    Ok(Compared { run: comparison, squares, draws, drawn, samples: record.len() })
 }
 
 /// Θ and ω_q,r of one draw per seed, through instruments and smoothing as the measurement.

@@ -9,6 +9,7 @@ use windfall_pid::output_error::Options;
 use windfall_pid::{DataSet, Estimate, Identification, Method, PidError, filter_error, identify, output_error};
 use windfall_scenarios::read_bundled;
 use windfall_sim::{Seed, fly};
+use windfall_verify::{bootstrap, resimulate_with_draws};
 
 /// Gusts of the study: 0.1 m/s along and across the stream, three diameters long.
 const GUSTS: Turbulence = Turbulence { axial_rms_m_s: 0.1, lateral_rms_m_s: 0.1, axial_scale_m: 0.6, lateral_scale_m: 0.6 };
@@ -252,4 +253,48 @@ fn study_of_output_error() {
 #[ignore = "slow: ten seconds of processor time a campaign"]
 fn study_of_filter_error() {
     long(FILTER_ERROR);
+}
+
+/// Copies of an identified campaign scatter as the stated errors say: a ratio within 3.5/√(2(n − 1)), eleven of them counted as a fourth
+/// part of their number because they are correlated.
+#[test]
+fn recover_stated_errors_by_bootstrap() {
+    let scenario = scenario(OUTPUT_ERROR);
+    let campaign = campaign(&scenario, 7_777, 1.0);
+    let options = Options { combined_only: true, ..Options::default() };
+    let found = output_error::identify(&campaign, &options).expect("identifies");
+    let copies = bootstrap(&campaign, &found, Method::OutputError, 16).expect("copies fly");
+    assert!(copies.failed.is_empty(), "{:?}", copies.failed);
+    let n = copies.parameters.len() as f64;
+    let mean = copies.parameters.iter().map(|p| p.ratio).sum::<f64>() / n;
+    assert!((mean - 1.0).abs() < 3.5 * copies.ratio_std_error / (n / 4.0).sqrt(), "{mean}: {:?}", copies.parameters);
+}
+
+/// Bands on flights of known parameters, over two campaigns of three runs: pointwise 95 % hold the noise-free flight. Samples of a run go
+/// together: taken for six numbers a run, the share scatters by √(0.0475/36); 3.5 of these are allowed.
+#[test]
+fn recover_the_flight_inside_its_bands() {
+    let scenario = scenario(OUTPUT_ERROR);
+    let (mut inside, mut all) = (0.0, 0.0);
+    for seed in 8_000..8_002 {
+        let campaign = campaign(&scenario, seed, 1.0);
+        let options = Options { combined_only: true, ..Options::default() };
+        let found = output_error::identify(&campaign, &options).expect("identifies");
+        let flown = resimulate_with_draws(&campaign, &found, 1, 40).expect("flies");
+        for (i, run) in flown.runs.iter().enumerate() {
+            let exact = Flight { sensor_noise: false, ..scenario.flights[i].clone() };
+            let truth = fly(&scenario.plant, &exact, Seed { campaign: seed, run: i as u64 }).expect("flies").record;
+            let band = &run.bands[0];
+            let every = (band.t_s[1] * exact.rate_hz).round() as usize;
+            for (k, (low, high)) in band.low.iter().zip(&band.high).enumerate() {
+                let [ry, rz] = [truth.attitude_rad[1][k * every], truth.attitude_rad[2][k * every]];
+                let theta_deg = (ry.cos() * rz.cos()).acos().to_degrees();
+                assert!(low < high, "a band has a width");
+                inside += f64::from(u8::from(*low <= theta_deg && theta_deg <= *high));
+                all += 1.0;
+            }
+        }
+    }
+    println!("{inside} of {all} inside");
+    assert!(inside / all > 0.95 - 3.5 * (0.0475_f64 / 36.0).sqrt(), "{inside} of {all}");
 }

@@ -247,7 +247,7 @@ pub(crate) struct WindShape<S> {
 }
 
 #[inline(always)]
-fn each<S>(f: impl FnMut(usize) -> S) -> [S; 3] {
+pub(crate) fn each<S>(f: impl FnMut(usize) -> S) -> [S; 3] {
     [0, 1, 2].map(f)
 }
 
@@ -267,7 +267,7 @@ fn damping<S: Number>(f: &mut [S; VARIABLES], [u, v, w]: [S; 3], [ud, vd, wd]: [
 
 /// Body-to-tunnel matrix (eq. B.14).
 #[inline(always)]
-fn matrix<S: Number>(sx: S, cx: S, sy: S, cy: S, sz: S, cz: S) -> [[S; 3]; 3] {
+pub(crate) fn matrix<S: Number>(sx: S, cx: S, sy: S, cy: S, sz: S, cz: S) -> [[S; 3]; 3] {
     [
         [cz * cy, -(sz * cy), sy],
         [cz * sy * sx + sz * cx, cz * cx - sz * sy * sx, -(cy * sx)],

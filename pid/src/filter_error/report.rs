@@ -6,7 +6,7 @@ use super::likelihood::Local;
 use super::point::{Point, RANDOM, SIZES};
 use super::search::{SCALE_PRIOR, START_SCALE_M};
 use crate::identification::{CoefficientFit, DataSet, Estimate, NORMAL_95};
-use crate::output_error::{CHANNELS, NOT_NOISE, estimates, low_frequency_p, spread};
+use crate::output_error::{CHANNELS, NOT_NOISE, aligned, estimates, low_frequency_p, spread};
 use nalgebra::DMatrix;
 use realfft::RealFftPlanner;
 use windfall_model::Campaign;
@@ -94,6 +94,8 @@ pub(super) fn data_set(
     DataSet {
         name: name.to_owned(),
         runs: filters.iter().map(|f| f.run.name.to_owned()).collect(),
+        covariance: aligned(campaign, &point.unknowns, covariance, &parameters),
+        curves: Vec::new(),
         parameters,
         fits,
         condition_number: (eigen.max() / eigen.min().max(f64::MIN_POSITIVE)).sqrt(),

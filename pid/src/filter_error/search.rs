@@ -94,7 +94,7 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
     }
     warnings.extend(left_out);
     data_sets.push(combined);
-    Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability })
+    Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability, compatibility: None })
 }
 
 /// Where a search begins.

@@ -4,6 +4,7 @@ use super::problem::{Options, Outcome, Solved, StopReason, Unknowns, solve};
 use super::residual::{ChannelFit, channel_fits, coloured};
 use super::run::{Nominal, Run};
 use crate::PidError;
+use crate::compatibility;
 use crate::identifiability::of_runs;
 use crate::identification::{CoefficientFit, DataSet, Estimate, Identification, NORMAL_95};
 use nalgebra::DMatrix;
@@ -30,6 +31,9 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
     let start = runs.iter().map(|r| r.smoothed.clone()).collect();
     let work = SetWork { campaign, runs: &runs, kinds: &plants, options };
     let combined = work.solve("combined", &all, unknowns, start, &mut warnings)?;
+    let compatibility = options
+        .compatibility
+        .then(|| compatibility::join(compatibility::pressure(campaign), compatibility::instruments(&runs, &combined.1)));
     let mut data_sets = Vec::new();
     let alone = if options.combined_only { Vec::new() } else { kinds(&plants) };
     for (kind, members) in alone {
@@ -44,7 +48,7 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
         }
     }
     data_sets.push(combined.0);
-    Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability })
+    Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability, compatibility })
 }
 
 /// Plant, index and kind of every run to identify on.
@@ -143,10 +147,13 @@ impl SetWork<'_, '_> {
             ));
             self::coloured(runs, solved).unwrap_or_else(|| solved.solution.covariance.clone())
         };
+        let parameters = estimates(self.campaign, &solved.unknowns, &covariance, &solved.solution.covariance);
         DataSet {
             name: name.to_owned(),
             runs: runs.iter().map(|r| r.name.to_owned()).collect(),
-            parameters: estimates(self.campaign, &solved.unknowns, &covariance, &solved.solution.covariance),
+            covariance: aligned(self.campaign, &solved.unknowns, &covariance, &parameters),
+            curves: Vec::new(),
+            parameters,
             fits: fits.into_iter().map(fit).collect(),
             condition_number: solved.solution.condition,
             n_samples: runs.iter().map(|r| r.record.len()).sum(),
@@ -167,6 +174,24 @@ fn fit(f: ChannelFit) -> CoefficientFit {
         residual_std: f.residual_std,
         residual_whiteness_p: f.whiteness_p,
     }
+}
+
+/// Covariance in the order of the estimates; those that are no parameter of the structure keep their own variance.
+pub(crate) fn aligned(
+    campaign: &Campaign,
+    unknowns: &Unknowns,
+    covariance: &DMatrix<f64>,
+    parameters: &[Estimate],
+) -> Vec<Vec<f64>> {
+    let structure = &campaign.plant.aero.structure;
+    let column = |p: &Estimate| structure.index(&p.name).and_then(|i| unknowns.columns[i]);
+    let columns: Vec<Option<usize>> = parameters.iter().map(column).collect();
+    let entry = |i: usize, j: usize| match (columns[i], columns[j]) {
+        (Some(a), Some(b)) => covariance[(a, b)],
+        _ if i == j => parameters[i].std_error.powi(2),
+        _ => 0.0,
+    };
+    (0..columns.len()).map(|i| (0..columns.len()).map(|j| entry(i, j)).collect()).collect()
 }
 
 /// Estimates under every coefficient on which a parameter acts: side and normal force as one, as the regression has them.

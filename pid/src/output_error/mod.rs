@@ -8,15 +8,18 @@
 //! transformations (see [`run`]), parameters solved by singular values of scaled columns.
 
 mod identify;
+mod instruments;
 mod problem;
 mod residual;
 mod run;
 mod speed;
 
 pub use identify::identify;
-pub(crate) use identify::{NOT_NOISE, estimates, kinds, ready, run_plants};
-pub(crate) use problem::Unknowns;
+pub(crate) use identify::{NOT_NOISE, aligned, estimates, kinds, not_noise, ready, run_plants};
+pub(crate) use instruments::KINDS;
 pub use problem::{Handling, Options, Prior, Solution, StopReason};
+pub(crate) use problem::{Outcome, Solved, Unknowns, one_step, solve, solve_from};
 pub use residual::ChannelFit;
-pub(crate) use residual::{low_frequency_p, spread};
+pub(crate) use residual::{channel_fits, coloured, low_frequency_p, spread};
 pub(crate) use run::{CHANNELS, Columns, NODE, Run, SPEED};
+pub(crate) use speed::{Liveliness, liveliness};

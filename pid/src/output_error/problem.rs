@@ -1,5 +1,6 @@
 //! pid: the search for the most likely parameters. In: runs made ready, starting values, what is free. Out: a solution.
 
+use super::instruments::{ERRORS, Errors, KINDS};
 use super::run::{CHANNELS, Columns, Linearised, Misfit, Nominal, Run};
 use crate::PidError;
 use crate::equations::Transition;
@@ -43,11 +44,20 @@ pub struct Options {
     pub iterations: usize,
     /// Only all runs together, without each kind of run alone.
     pub combined_only: bool,
+    /// Also examine whether the instruments agree (output error, all runs together).
+    pub compatibility: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { handling: Vec::new(), priors: Vec::new(), angle_biases: false, iterations: 30, combined_only: false }
+        Self {
+            handling: Vec::new(),
+            priors: Vec::new(),
+            angle_biases: false,
+            iterations: 30,
+            combined_only: false,
+            compatibility: false,
+        }
     }
 }
 
@@ -121,6 +131,8 @@ pub(crate) struct Unknowns {
     pub(crate) columns: Vec<Option<usize>>,
     pub(crate) biases: [f64; CHANNELS],
     pub(crate) bias_columns: [Option<usize>; CHANNELS],
+    /// Other errors of the instruments, when they are examined.
+    pub(crate) errors: Option<Errors>,
     pub(crate) names: Vec<String>,
     /// Mean and standard deviation, by column.
     priors: Vec<(usize, f64, f64)>,
@@ -175,7 +187,15 @@ impl Unknowns {
             ))
         };
         let priors = options.priors.iter().map(prior).collect::<Result<_, _>>()?;
-        Ok(Self { parameters, columns, biases: [0.0; CHANNELS], bias_columns, names, priors })
+        Ok(Self { parameters, columns, biases: [0.0; CHANNELS], bias_columns, errors: None, names, priors })
+    }
+
+    /// With all errors of the instruments free beside what is free already, from zero.
+    pub(crate) fn with_errors(mut self) -> Self {
+        let first = self.free();
+        self.errors = Some(Errors { values: [0.0; ERRORS], columns: std::array::from_fn(|k| Some(first + k)) });
+        self.names.extend(KINDS.iter().map(|k| k.0.to_owned()));
+        self
     }
 
     /// Holds one more unknown at its value.
@@ -189,6 +209,7 @@ impl Unknowns {
         };
         self.columns.iter_mut().for_each(lower);
         self.bias_columns.iter_mut().for_each(lower);
+        self.errors.iter_mut().flat_map(|e| &mut e.columns).for_each(lower);
         self.names.remove(column);
         self.priors.retain(|p| p.0 != column);
         self.priors.iter_mut().filter(|p| p.0 > column).for_each(|p| p.0 -= 1);
@@ -203,13 +224,15 @@ impl Unknowns {
             columns: &self.columns,
             biases: self.biases,
             bias_columns: self.bias_columns,
+            errors: self.errors,
             free: self.free(),
         }
     }
     /// Values by column.
     pub(crate) fn values(&self) -> Vec<f64> {
         let mut values = vec![0.0; self.free()];
-        let all = self.columns.iter().zip(&self.parameters).chain(self.bias_columns.iter().zip(&self.biases));
+        let errors = self.errors.iter().flat_map(|e| e.columns.iter().zip(&e.values));
+        let all = self.columns.iter().zip(&self.parameters).chain(self.bias_columns.iter().zip(&self.biases)).chain(errors);
         all.filter_map(|(c, v)| c.map(|c| (c, *v))).for_each(|(c, v)| values[c] = v);
         values
     }
@@ -223,8 +246,9 @@ impl Unknowns {
     }
     pub(crate) fn moved(&self, step: &DVector<f64>, fraction: f64) -> Self {
         let mut moved = self.clone();
-        let own = moved.parameters.iter_mut().zip(&self.columns);
-        own.chain(moved.biases.iter_mut().zip(&self.bias_columns)).for_each(|(v, c)| *v += c.map_or(0.0, |c| fraction * step[c]));
+        let own = moved.parameters.iter_mut().zip(&self.columns).chain(moved.biases.iter_mut().zip(&self.bias_columns));
+        let errors = moved.errors.iter_mut().flat_map(|e| e.values.iter_mut().zip(&e.columns));
+        own.chain(errors).for_each(|(v, c)| *v += c.map_or(0.0, |c| fraction * step[c]));
         moved
     }
     fn prior_misfit(&self) -> f64 {
@@ -279,7 +303,32 @@ const HALVINGS: u32 = 8;
 
 /// Most likely unknowns of these runs. `nominals` are where trajectories start: the smoothed ones, or a neighbour's solution.
 pub(crate) fn solve(runs: &[Run<'_>], unknowns: Unknowns, nominals: Vec<Nominal>, iterations: usize) -> Outcome {
-    let mut search = Search { runs, unknowns, nominals, std: first_noise(runs), work: Transition::default() };
+    solve_from(runs, unknowns, nominals, first_noise(runs), iterations)
+}
+
+/// One step of all unknowns from here, with its covariance, each channel's noise as given; the column that the data do not determine
+/// where there is one. `None` where the flight cannot go on.
+pub(crate) fn one_step(
+    runs: &[Run<'_>],
+    unknowns: &Unknowns,
+    nominals: &[Nominal],
+    std: &[f64; CHANNELS],
+) -> Option<Result<(DVector<f64>, DMatrix<f64>), usize>> {
+    let (c, mut work) = (unknowns.columns(), Transition::default());
+    let linear: Option<Vec<Linearised>> =
+        runs.iter().zip(nominals).map(|(run, nominal)| run.linearise(nominal, &c, std, &mut work)).collect();
+    Some(Normal::new(&linear?, unknowns).map(|n| (n.step, n.covariance)).map_err(|(column, _)| column))
+}
+
+/// [`solve`], from known noise.
+pub(crate) fn solve_from(
+    runs: &[Run<'_>],
+    unknowns: Unknowns,
+    nominals: Vec<Nominal>,
+    std: [f64; CHANNELS],
+    iterations: usize,
+) -> Outcome {
+    let mut search = Search { runs, unknowns, nominals, std, work: Transition::default() };
     let Some(mut misfits) = search.misfits(&search.unknowns.clone(), &search.nominals.clone()) else {
         return Outcome::Stopped(StopReason::FlightFails);
     };

@@ -6,9 +6,10 @@
 //! jerk of the tunnel speed and the node's state (square-root information, Bierman 1977, run backward so that the forward pass
 //! needs no inverse of a damped motion). The work is linear in the length of the run.
 
+use super::instruments::{Errors, Known, STATE_OF, VARIABLES, observe, variables};
 use super::speed::liveliness;
 use crate::PidError;
-use crate::equations::{Craft, Drive, INPUTS, STATES, Segment, Transition, origin, origin_slopes};
+use crate::equations::{Air, Craft, Drive, Dual, Extra, INPUTS, STATES, Segment, Transition, origin, origin_slopes};
 use crate::smooth::{Smoother, smooth};
 use crate::states::states;
 use nalgebra::{DMatrix, DVector};
@@ -61,6 +62,8 @@ pub(crate) struct Columns<'a> {
     pub(crate) biases: [f64; CHANNELS],
     /// Column of each bias; none where held.
     pub(crate) bias_columns: [Option<usize>; CHANNELS],
+    /// Other errors of the instruments; none where they are as the plant has them.
+    pub(crate) errors: Option<Errors>,
     /// Number of columns.
     pub(crate) free: usize,
 }
@@ -196,7 +199,7 @@ impl<'a> Run<'a> {
             }
             for i in 0..samples {
                 let at = if i == 0 { &x } else { &work.states[i - 1] };
-                let r = self.residual(first + i, at, self.speed(i, &s)[0], c);
+                let r = self.left(first + i, at, self.speed(i, &s), c);
                 residuals.iter_mut().zip(r).for_each(|(series, r)| series.push(r));
             }
             if let Some(next) = nominal.nodes.get(k + 1) {
@@ -313,14 +316,11 @@ impl<'a> Run<'a> {
         let mut buffer = vec![0.0; width];
         for i in 0..samples {
             let at = if i == 0 { &x } else { &work.states[i - 1] };
-            let residual = self.residual(first + i, at, self.speed(i, &s)[0], c);
-            let turned = origin_slopes(at, self.craft.plant.vehicle.p_origin_cm.to_array());
+            let speed = self.speed(i, &s);
+            let residual = self.left(first + i, at, speed, c);
+            let outputs = self.outputs(first + i, at, speed, c);
             for channel in 0..CHANNELS {
-                buffer.fill(0.0);
-                self.output_slopes(i, channel, &turned, work, width, &mut buffer);
-                if let Some(column) = c.bias_columns[channel] {
-                    buffer[NODE + column] += 1.0;
-                }
+                self.slopes(i, channel, &outputs, c, work, &mut buffer);
                 let weight = 1.0 / std[channel];
                 for (j, v) in buffer.iter().enumerate() {
                     a[(row, 1 + j)] = v * weight;
@@ -364,6 +364,84 @@ impl<'a> Run<'a> {
         }
     }
 
+    /// [`Run::residual`], with errors of the instruments where there are such; zero where a delay leaves the record.
+    fn left(&self, sample: usize, x: &[f64; STATES], speed: [f64; SPEED], c: &Columns<'_>) -> [f64; CHANNELS] {
+        let Some(errors) = &c.errors else { return self.residual(sample, x, speed[0], c) };
+        let seen = observe(&variables(x, speed, errors), &self.known(sample, x, speed, errors, c));
+        let measured = self.record.channels();
+        std::array::from_fn(|k| self.recorded(sample, k, errors).map_or(0.0, |i| measured[k][i] - seen[k] - c.biases[k]))
+    }
+
+    /// Index in the record of what a channel shows of this sample's instant, but for under half a sample.
+    fn recorded(&self, sample: usize, channel: usize, errors: &Errors) -> Option<usize> {
+        sample.checked_add_signed(errors.shift(channel, self.interval_s)).filter(|i| *i < self.record.len())
+    }
+
+    fn known(&self, sample: usize, x: &[f64; STATES], speed: [f64; SPEED], errors: &Errors, c: &Columns<'_>) -> Known {
+        let taken_s = [3, 6].map(|channel| errors.shift(channel, self.interval_s) as f64 * self.interval_s);
+        let air = Air {
+            t_s: sample as f64 * self.interval_s,
+            density_kg_m3: self.density[sample],
+            vw_m_s: speed[0],
+            vw_rate_m_s2: speed[1],
+        };
+        let mut terms = vec![0.0; self.craft.terms.acts.len()];
+        // Where the flow is not defined the trajectory has failed already.
+        let rate = self.craft.rate(x, air, &Extra::default(), c.parameters, &mut terms).unwrap_or([0.0; STATES]);
+        Known {
+            p_cm: [x[0], x[1], x[2]],
+            w_rate: [rate[9], rate[10], rate[11]],
+            p_origin_cm: self.craft.plant.vehicle.p_origin_cm.to_array(),
+            wind_scale: self.craft.plant.sensors.wind_scale,
+            taken_s,
+        }
+    }
+
+    /// What outputs depend on at one sample.
+    fn outputs(&self, sample: usize, x: &[f64; STATES], speed: [f64; SPEED], c: &Columns<'_>) -> Outputs {
+        let Some(errors) = &c.errors else {
+            return Outputs::Plain(origin_slopes(x, self.craft.plant.vehicle.p_origin_cm.to_array()));
+        };
+        let values = variables(x, speed, errors);
+        let seen = observe(&std::array::from_fn(|k| Dual::variable(values[k], k)), &self.known(sample, x, speed, errors, c));
+        let there = |k: usize| self.recorded(sample, k, errors).is_some();
+        Outputs::WithErrors(Box::new(std::array::from_fn(|k| if there(k) { seen[k].slopes } else { [f64::NAN; VARIABLES] })))
+    }
+
+    /// Slopes of one output at sample `i` of a piece by node and parameters, into `out`.
+    fn slopes(&self, i: usize, channel: usize, outputs: &Outputs, c: &Columns<'_>, work: &Transition, out: &mut [f64]) {
+        out.fill(0.0);
+        match outputs {
+            Outputs::Plain(turned) => self.output_slopes(i, channel, turned, work, NODE + c.free, out),
+            Outputs::WithErrors(slopes) => {
+                let slopes = &slopes[channel];
+                if slopes[0].is_nan() {
+                    return;
+                }
+                let place = (channel < 3).then_some((channel, 1.0));
+                for (state, factor) in STATE_OF.into_iter().zip(*slopes).chain(place).filter(|(_, f)| *f != 0.0) {
+                    if i == 0 {
+                        out[state] += factor;
+                    } else {
+                        let width = NODE + c.free;
+                        let row = &work.slopes[i - 1][state * width..(state + 1) * width];
+                        out.iter_mut().zip(row).for_each(|(o, v)| *o += factor * v);
+                    }
+                }
+                let t = i as f64 * self.interval_s;
+                let [value, rate, second] = [slopes[6], slopes[7], slopes[8]];
+                out[STATES] += value;
+                out[STATES + 1] += value * t + rate;
+                out[STATES + 2] += 0.5 * value * t * t + rate * t + second;
+                let columns = c.errors.iter().flat_map(|e| e.columns).zip(&slopes[9..]);
+                columns.filter_map(|(column, s)| Some((column?, s))).for_each(|(column, s)| out[NODE + column] += s);
+            }
+        }
+        if let Some(column) = c.bias_columns[channel] {
+            out[NODE + column] += 1.0;
+        }
+    }
+
     /// Slopes of every output by the parameters when the trajectory and the tunnel speed follow as fits best: series by channel,
     /// then parameter.
     pub(crate) fn profiled_slopes(
@@ -390,13 +468,9 @@ impl<'a> Run<'a> {
             }
             for i in 0..self.span(k).1 {
                 let at = if i == 0 { &x } else { &work.states[i - 1] };
-                let turned = origin_slopes(at, self.craft.plant.vehicle.p_origin_cm.to_array());
+                let outputs = self.outputs(self.span(k).0 + i, at, self.speed(i, &s), c);
                 for (channel, series) in series.iter_mut().enumerate() {
-                    buffer.fill(0.0);
-                    self.output_slopes(i, channel, &turned, work, width, &mut buffer);
-                    if let Some(column) = c.bias_columns[channel] {
-                        buffer[NODE + column] += 1.0;
-                    }
+                    self.slopes(i, channel, &outputs, c, work, &mut buffer);
                     for (j, (series, step)) in series.iter_mut().zip(&steps).enumerate() {
                         let through = step.nodes[k].iter().zip(&buffer).map(|(z, b)| z * b).sum::<f64>();
                         series.push(through + buffer[NODE + j]);
@@ -411,6 +485,14 @@ impl<'a> Run<'a> {
     pub(crate) fn step(&self, linear: &Linearised, parameters: &DVector<f64>) -> Option<Step> {
         linear.step(parameters, true, self.jump_std)
     }
+}
+
+/// Slopes of the outputs at one sample.
+enum Outputs {
+    /// Of the origin's position by the Euler angles; the rest are ones.
+    Plain([[f64; 3]; 3]),
+    /// Of every channel by its variables; NaN where the record has no sample of it.
+    WithErrors(Box<[[f64; VARIABLES]; CHANNELS]>),
 }
 
 /// What a trajectory leaves.

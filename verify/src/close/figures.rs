@@ -33,6 +33,9 @@ pub struct Series {
     pub x: Vec<f64>,
     /// Ordinates.
     pub y: Vec<f64>,
+    /// Lower and upper ends of a band about it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub band: Option<[Vec<f64>; 2]>,
 }
 
 /// What a figure is about.
@@ -139,7 +142,7 @@ fn thinned(role: Role, x: &[f64], y: &[f64]) -> Series {
     let n = x.len().min(y.len());
     let stride = n.div_ceil(POINTS).max(1);
     let some = |s: &[f64]| s[..n].iter().step_by(stride).map(|v| short(*v)).collect();
-    Series { role, x: some(x), y: some(y) }
+    Series { role, x: some(x), y: some(y), band: None }
 }
 
 /// Six digits: more cannot be seen.

@@ -48,7 +48,7 @@ const FEWEST: usize = 8;
 /// Misfit up to which residuals look like sensor noise: 1, and as much again for noise of V_W and errors of estimation.
 const LIKE_NOISE: f64 = 2.0;
 /// Number of state numbers.
-const N: usize = 12;
+pub(crate) const N: usize = 12;
 /// Steps at most.
 const ITERATIONS: usize = 20;
 /// A step is not worth taking when it lowers the sum of squares by less than this part of it.
@@ -92,6 +92,20 @@ pub(crate) fn estimate(replay: &Replay, record: &Record, sensors: &Sensors) -> R
     Ok(best)
 }
 
+/// An initial state as this record leaves it open for a plant near another one: estimated again over the same span, from that one's
+/// answer, and moved by the estimate's error with standard normal numbers `z`; `None` where the flight fails.
+pub(crate) fn again(replay: &Replay, record: &Record, sensors: &Sensors, near: &Initial, z: [f64; N]) -> Option<Release> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of samples")]
+    let samples = ((near.span_s / record.interval_s()).round() as usize + 1).min(record.len());
+    if samples < FEWEST {
+        return None;
+    }
+    let (found, square) = Problem { replay, record, weights: weights(sensors), samples }.solve_squared(near.release)?;
+    // Residuals are in standard deviations: the triangle is the root of the information.
+    let error = square.r.solve_upper_triangular(&SVector::from(z))?.component_mul(&square.scale);
+    Some(moved(found.release, &error.into()))
+}
+
 fn failed(release: Release) -> Initial {
     let stop = InitialStop::FlightFails;
     Initial { release, std_error: [f64::INFINITY; N], misfit: f64::INFINITY, span_s: 0.0, iterations: 0, stop }
@@ -122,6 +136,11 @@ enum Stepped {
 impl Problem<'_> {
     /// Least squares over the samples used; `None` when the flight from the start fails in them.
     fn solve(&self, start: Release) -> Option<Initial> {
+        self.solve_squared(start).map(|found| found.0)
+    }
+
+    /// [`Problem::solve`], with the linearised problem at the answer.
+    fn solve_squared(&self, start: Release) -> Option<(Initial, Square)> {
         let mut release = start;
         let mut residual = self.residual(start)?;
         let mut square = self.square(release, &residual);
@@ -143,7 +162,7 @@ impl Problem<'_> {
         }
         let misfit = residual.norm_squared() / residual.len() as f64;
         let span_s = (self.samples - 1) as f64 * self.record.interval_s();
-        Some(Initial { release, std_error: square.std_error(), misfit, span_s, iterations, stop })
+        Some((Initial { release, std_error: square.std_error(), misfit, span_s, iterations, stop }, square))
     }
 
     /// Weighted residuals, six a sample; `None` when the flight fails before the end.

@@ -40,6 +40,17 @@ impl Replay {
         let smoother = Smoother::Spline { knot_s: 0.5 / smoothed.bandwidth_hz[0] };
         Ok(Self { plant, still, flight, first, smoother, states })
     }
+    /// The same run with another plant's aerodynamics.
+    pub(crate) fn with(&self, plant: &Plant) -> Self {
+        let mut other = self.clone();
+        other.plant.aero.clone_from(&plant.aero);
+        other.still.aero.clone_from(&plant.aero);
+        other
+    }
+    /// The plant's instruments, as noisy as the record.
+    pub(crate) fn sensors(&self) -> Sensors {
+        self.plant.sensors
+    }
     /// The flight from a release, with noisy instruments, as a study flies it.
     pub(crate) fn order(&self, release: Release) -> Flight {
         Flight { release, sensor_noise: true, ..self.flight.clone() }

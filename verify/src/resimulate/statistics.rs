@@ -29,6 +29,9 @@ pub struct Statistic {
     /// Standard deviation over seeds; absent with one seed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulation_std: Option<f64>,
+    /// 95 % interval over draws of parameters, gusts and sensor noise; absent without draws.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub draws_ci95: Option<[f64; 2]>,
 }
 
 /// Θ and ω_q,r at the samples, in degrees.
@@ -46,15 +49,17 @@ impl Swing {
         self.theta_deg.extend_from_slice(&other.theta_deg);
         self.omega_qr_deg_s.extend_from_slice(&other.omega_qr_deg_s);
     }
-    fn table(&self) -> [f64; 6] {
-        let [a, b, c] = mean_median_std(&self.theta_deg);
-        let [d, e, f] = mean_median_std(&self.omega_qr_deg_s);
-        [a, b, c, d, e, f]
-    }
+}
+
+/// The six numbers of Table 5.6.
+pub(crate) fn table(s: &Swing) -> [f64; 6] {
+    let [a, b, c] = mean_median_std(&s.theta_deg);
+    let [d, e, f] = mean_median_std(&s.omega_qr_deg_s);
+    [a, b, c, d, e, f]
 }
 
 /// Layout of Table 5.6.
-const LINES: [(&str, &str); 6] = [
+pub(crate) const LINES: [(&str, &str); 6] = [
     ("theta_deg", "mean"),
     ("theta_deg", "median"),
     ("theta_deg", "std"),
@@ -65,7 +70,7 @@ const LINES: [(&str, &str); 6] = [
 
 /// Table 5.6 of a test and of one simulation per seed.
 pub(crate) fn table_5_6(test: &Swing, simulations: &[Swing]) -> Vec<Statistic> {
-    let (test, seeds): ([f64; 6], Vec<[f64; 6]>) = (test.table(), simulations.iter().map(Swing::table).collect());
+    let (test, seeds): ([f64; 6], Vec<[f64; 6]>) = (table(test), simulations.iter().map(table).collect());
     LINES
         .iter()
         .enumerate()
@@ -78,6 +83,7 @@ pub(crate) fn table_5_6(test: &Swing, simulations: &[Swing]) -> Vec<Statistic> {
                 test: test[k],
                 simulation,
                 simulation_std: (over_seeds.len() > 1).then_some(std),
+                draws_ci95: None,
             }
         })
         .collect()

@@ -1,0 +1,76 @@
+//! cli: whether instruments agree, in words. In: the identifier's examination. Out: a few lines.
+
+use windfall_pid::compatibility::{Compatibility, InstrumentError, Instruments, Pressure};
+use windfall_report::{p_value, with_interval};
+
+/// Lines for people: pressure against speed, then what trajectories tell.
+pub(crate) fn lines(c: &Compatibility) -> Vec<String> {
+    let mut all: Vec<String> = c.pressure.iter().map(|p| pressure(p, 0.5 * c.false_alarm_rate)).collect();
+    match &c.instruments {
+        Some(i) => instruments(i, 0.5 * c.false_alarm_rate, &mut all),
+        None => all.push("instruments by trajectories: not examined (output error gave no answer)".to_owned()),
+    }
+    all
+}
+
+/// Tunnel speed against dynamic pressure.
+pub(crate) fn pressure(p: &Pressure, limit: f64) -> String {
+    let scale = of(p.pressure_scale, p.pressure_scale_ci95);
+    if p.computed_from_speed {
+        let word = if p.p_value < limit { ": more than moisture makes; check units, p_s, T_s and the gas constant" } else { "" };
+        return format!("q_W was computed from V_W and says nothing of it; it is {scale} of ½ρV_W² of dry air{word}");
+    }
+    let delay = p
+        .delay_s
+        .zip(p.delay_ci95_s)
+        .map_or_else(|| "V_W hardly changes, so no delay is told".to_owned(), |(d, ci)| format!("{} s after V_W", of(d, ci)));
+    let (verdict, moist) = if p.p_value < limit { ("disagree", "; moist air makes it up to 0.9 % less") } else { ("agree", "") };
+    format!("q_W and V_W {verdict} (p = {}): q_W is {scale} of ½ρV_W² of dry air{moist}, {delay}", p_value(p.p_value))
+}
+
+fn of(x: f64, ci: [f64; 2]) -> String {
+    let half = 0.5 * (ci[1] - ci[0]);
+    if half < 1e-6 * x.abs() {
+        return format!("{x:.6}");
+    }
+    let (x, half) = with_interval(x, Some(half));
+    half.map_or_else(|| x.clone(), |h| format!("{x} ± {h}"))
+}
+
+fn error(e: &InstrumentError) -> String {
+    format!("{} = {}", e.name, of(e.estimate, e.ci95))
+}
+
+fn instruments(i: &Instruments, limit: f64, all: &mut Vec<String>) {
+    let list = |errors: &[InstrumentError], and: &str| errors.iter().map(error).collect::<Vec<_>>().join(and);
+    if !i.residual.is_empty() {
+        all.push(format!(
+            "pose and V_W: not decided: the residual is not noise, whatever errors of the instruments are allowed for ({}): the declared \
+             model lacks something; windfall close tells what",
+            i.residual.join(", ")
+        ));
+    } else if i.p_value >= limit {
+        all.push(format!("pose and V_W agree (p = {}): {}", p_value(i.p_value), list(&i.errors, ", ")));
+    } else {
+        let rivals = if i.rivals.is_empty() {
+            String::new()
+        } else {
+            format!(", or {}, which these runs cannot tell from it", list(&i.rivals, " or "))
+        };
+        all.push(format!(
+            "pose and V_W disagree (p = {}) under the declared structure: {} accounts for it (p = {} of what is left){rivals}",
+            p_value(i.p_value),
+            list(&i.account, " and "),
+            p_value(i.account_p_value)
+        ));
+    }
+    let told: Vec<String> = i
+        .correlations
+        .iter()
+        .map(|c| format!("{} with {} ({:+.2})", c.second, c.first, c.correlation))
+        .chain(i.not_told.iter().map(|n| format!("{n} (not at all)")))
+        .collect();
+    if !told.is_empty() {
+        all.push(format!("  hardly told apart by these runs: {}", told.join(", ")));
+    }
+}

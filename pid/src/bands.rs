@@ -1,0 +1,202 @@
+//! pid: the identified coefficients as curves with confidence bands (thesis figures 5.4 and 5.5). In: estimates with covariance, the
+//! angles that the runs reached. Out: curves over total angle of attack.
+//!
+//! A coefficient is linear in its parameters, so the variance at an angle is `aᵀ C a` with the terms' values `a`: exact, nothing is
+//! linearised. Bands are pointwise: at any one angle they hold the truth in 95 % of campaigns, over the whole curve in fewer.
+
+use crate::PidError;
+use crate::identification::{DataSet, Identification, NORMAL_95};
+use crate::smooth::{Smoother, smooth};
+use crate::states::states;
+use serde::{Deserialize, Serialize};
+use windfall_model::{Campaign, Coefficient, Data, FlowState, Structure, VARIABLES, Variable};
+
+/// Points of a curve.
+const POINTS: usize = 61;
+
+/// One coefficient, or its damping, over an angle.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Curve {
+    /// `C_A`, `C_N,T`, `C_m`, and the damping of C_m and C_n by (q + α̇)/2·d/2V and (r − β̇)/2·d/2V.
+    pub quantity: String,
+    /// The angle: `alpha_T` or, for the damping, `alpha` or `beta`; the other is zero.
+    pub over: String,
+    /// Angle, degrees, from 0 to the largest that the runs reached.
+    pub angle_deg: Vec<f64>,
+    /// Value, dimensionless.
+    pub value: Vec<f64>,
+    /// Ends of the 95 % interval.
+    pub low: Vec<f64>,
+    /// Upper ends.
+    pub high: Vec<f64>,
+}
+
+/// A curve's recipe.
+struct Sort {
+    quantity: &'static str,
+    over: &'static str,
+    coefficient: Coefficient,
+    /// Damping by this variable instead of the value without rates.
+    damping: Option<Variable>,
+    /// The flow comes from the side (β) instead of from below (α).
+    sideways: bool,
+}
+
+const SORTS: [Sort; 5] = [
+    Sort { quantity: "C_A", over: "alpha_T", coefficient: Coefficient::CA, damping: None, sideways: false },
+    Sort { quantity: "C_N,T", over: "alpha_T", coefficient: Coefficient::CN, damping: None, sideways: false },
+    Sort { quantity: "C_m", over: "alpha_T", coefficient: Coefficient::Cm, damping: None, sideways: false },
+    Sort {
+        quantity: "C_m damping",
+        over: "alpha",
+        coefficient: Coefficient::Cm,
+        damping: Some(Variable::PitchDamping),
+        sideways: false,
+    },
+    Sort {
+        quantity: "C_n damping",
+        over: "beta",
+        coefficient: Coefficient::Cn,
+        damping: Some(Variable::YawDamping),
+        sideways: true,
+    },
+];
+
+/// Gives every data set its curves.
+///
+/// # Errors
+/// A record that cannot be smoothed.
+pub fn add_curves(campaign: &Campaign, found: &mut Identification) -> Result<(), PidError> {
+    let mut reached = Vec::new();
+    for (i, run) in campaign.runs.iter().enumerate() {
+        let Data::Tunnel(record) = &run.data else { continue };
+        if found.data_sets.iter().any(|d| d.runs.contains(&run.name)) {
+            let smoothed = smooth(record, &Smoother::Auto)?;
+            let all = states(&smoothed, &campaign.plant_for(&campaign.plant, i))?;
+            reached.push((run.name.clone(), all.iter().map(|s| s.alpha_t).fold(0.0, f64::max)));
+        }
+    }
+    for set in &mut found.data_sets {
+        let own = reached.iter().filter(|(name, _)| set.runs.contains(name));
+        set.curves = curves(&campaign.plant.aero.structure, set, own.map(|r| r.1).fold(0.0, f64::max));
+    }
+    Ok(())
+}
+
+/// Curves of a data set up to an angle, rad; those on which no estimate acts are left out. Parameters without estimate count as zero.
+#[must_use]
+pub fn curves(structure: &Structure, set: &DataSet, largest_rad: f64) -> Vec<Curve> {
+    if set.covariance.len() != set.parameters.len() {
+        return Vec::new();
+    }
+    SORTS.iter().filter_map(|sort| curve(sort, structure, set, largest_rad)).collect()
+}
+
+fn curve(sort: &Sort, structure: &Structure, set: &DataSet, largest_rad: f64) -> Option<Curve> {
+    let label = sort.coefficient.name();
+    // Estimates of this coefficient's own data where there are such: C_m and C_n give the static moment apart.
+    let member: Vec<usize> = (0..set.parameters.len()).filter(|i| set.parameters[*i].coefficient == label).collect();
+    let mut c = Curve {
+        quantity: sort.quantity.to_owned(),
+        over: sort.over.to_owned(),
+        angle_deg: Vec::new(),
+        value: Vec::new(),
+        low: Vec::new(),
+        high: Vec::new(),
+    };
+    let mut acts = false;
+    for k in 0..POINTS {
+        let angle = largest_rad * k as f64 / (POINTS - 1) as f64;
+        let terms = slopes(sort, structure, angle);
+        let a: Vec<f64> = member.iter().map(|i| structure.index(&set.parameters[*i].name).map_or(0.0, |p| terms[p])).collect();
+        acts |= a.iter().any(|a| *a != 0.0);
+        let value: f64 = a.iter().zip(&member).map(|(a, i)| a * set.parameters[*i].estimate).sum();
+        let row = |i: usize| a.iter().zip(&member).map(|(b, j)| b * set.covariance[i][*j]).sum::<f64>();
+        let variance: f64 = a.iter().zip(&member).map(|(a, i)| a * row(*i)).sum();
+        let half = NORMAL_95 * variance.max(0.0).sqrt();
+        c.angle_deg.push(angle.to_degrees());
+        c.value.push(value);
+        c.low.push(value - half);
+        c.high.push(value + half);
+    }
+    acts.then_some(c)
+}
+
+/// How the curve depends on each of the structure's parameters at an angle.
+fn slopes(sort: &Sort, structure: &Structure, angle: f64) -> Vec<f64> {
+    let still = flow(angle, sort.sideways);
+    let mut slopes = vec![0.0; structure.parameters.len()];
+    for k in structure.contributions.iter().filter(|k| k.coefficient == sort.coefficient) {
+        let value = match sort.damping {
+            None => k.term.value(&still),
+            Some(variable) => {
+                let mut moving = still;
+                moving.values[variable as usize] = 1.0;
+                k.term.value(&moving) - k.term.value(&still)
+            }
+        };
+        slopes[k.parameter] += value;
+    }
+    slopes
+}
+
+/// Flow at an angle from below or from the side, without rates.
+fn flow(angle: f64, sideways: bool) -> FlowState {
+    let mut values = [0.0; VARIABLES];
+    let mut set = |v: Variable, x: f64| values[v as usize] = x;
+    set(Variable::SinAlphaT, angle.sin());
+    set(Variable::CosAlphaT, angle.cos());
+    set(if sideways { Variable::SinPhi } else { Variable::CosPhi }, 1.0);
+    set(if sideways { Variable::Beta } else { Variable::Alpha }, angle);
+    set(Variable::AlphaT, angle);
+    set(Variable::Speed, 1.0);
+    FlowState { values }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::Estimate;
+
+    /// C_m = a s + b s³ with correlated errors: value and variance by hand, and the damping's a + b α².
+    #[test]
+    fn exact_bands_of_the_moment() {
+        let estimate = |coefficient: &str, name: &str, estimate: f64| Estimate {
+            coefficient: coefficient.into(),
+            name: name.into(),
+            estimate,
+            std_error: 1.0,
+            rse_percent: 1.0,
+            ci95: [0.0; 2],
+            std_error_white: 1.0,
+        };
+        let set = DataSet {
+            name: "combined".into(),
+            runs: Vec::new(),
+            parameters: vec![
+                estimate("Cm", "Cm_sin", -2.0),
+                estimate("Cm", "Cm_sin3", 2.5),
+                estimate("Cm", "Cm_1", -3.0),
+                estimate("Cm", "Cm_2", -200.0),
+            ],
+            fits: Vec::new(),
+            condition_number: 1.0,
+            n_samples: 1,
+            covariance: vec![
+                vec![0.04, -0.1, 0.0, 0.0],
+                vec![-0.1, 0.5, 0.0, 0.0],
+                vec![0.0, 0.0, 0.01, -0.2],
+                vec![0.0, 0.0, -0.2, 9.0],
+            ],
+            curves: Vec::new(),
+        };
+        let all = curves(&Structure::axisymmetric(), &set, 0.4);
+        assert_eq!(all.iter().map(|c| c.quantity.as_str()).collect::<Vec<_>>(), ["C_m", "C_m damping"]);
+        let (s, last) = (0.4_f64.sin(), POINTS - 1);
+        let (value, std) = (-2.0 * s + 2.5 * s.powi(3), (0.04 * s * s - 0.2 * s.powi(4) + 0.5 * s.powi(6)).sqrt());
+        assert!((all[0].value[last] - value).abs() < 1e-14 && (all[0].high[last] - value - 1.959_963_985 * std).abs() < 1e-14);
+        let (value, std) = (-3.0 - 200.0 * 0.16, (0.01 - 0.4 * 0.16 + 9.0 * 0.16_f64.powi(2)).sqrt());
+        assert!((all[1].value[last] - value).abs() < 1e-12 && (all[1].low[last] - value + 1.959_963_985 * std).abs() < 1e-12);
+        assert!(all[0].low[0] == 0.0 && all[0].high[0] == 0.0, "no moment at no angle");
+    }
+}
