@@ -306,6 +306,9 @@ pub(crate) fn solve(runs: &[Run<'_>], unknowns: Unknowns, nominals: Vec<Nominal>
     solve_from(runs, unknowns, nominals, first_noise(runs), iterations)
 }
 
+/// A step and its covariance.
+pub(crate) type OneStep = (DVector<f64>, DMatrix<f64>);
+
 /// One step of all unknowns from here, with its covariance, each channel's noise as given; the column that the data do not determine
 /// where there is one. `None` where the flight cannot go on.
 pub(crate) fn one_step(
@@ -313,7 +316,7 @@ pub(crate) fn one_step(
     unknowns: &Unknowns,
     nominals: &[Nominal],
     std: &[f64; CHANNELS],
-) -> Option<Result<(DVector<f64>, DMatrix<f64>), usize>> {
+) -> Option<Result<OneStep, usize>> {
     let (c, mut work) = (unknowns.columns(), Transition::default());
     let linear: Option<Vec<Linearised>> =
         runs.iter().zip(nominals).map(|(run, nominal)| run.linearise(nominal, &c, std, &mut work)).collect();
