@@ -40,6 +40,8 @@ const NARROW: Window = Window { half_width_s: 0.1, degree: 6 };
 const WIDE: Window = Window { half_width_s: 0.2, degree: 6 };
 /// Copies with which fits are corrected for noise in the regressors; all of them measure noise.
 const CORRECTING: usize = 8;
+/// Keeps the streams of copies apart from those of a simulator with the same seed: noise that a record has already is no copy.
+const COPIES: u64 = 0x636f_7069_6573_0000;
 /// Lowest rate of predictions, Hz: five times the band.
 const PREDICTION_HZ: f64 = 25.0;
 
@@ -184,6 +186,8 @@ impl TunnelEvidence {
         self.noise.clear();
         let mut start = 0;
         for run in &self.runs {
+            // Zero frequency has a real part alone, scaled to the variance of one.
+            raw[start] *= 2.0;
             self.noise.extend(averaged(&raw[start..start + run.bins]));
             start += run.bins;
         }
@@ -669,7 +673,7 @@ fn noisy(channels: &[Vec<f64>; 7], sensors: &Sensors, seed: u64, run: usize, cop
     let (p, r, a, w) = (sensors.position_std_m, sensors.roll_std_rad, sensors.pitch_yaw_std_rad, sensors.wind_std_m_s);
     let std = [p, p, p, r, a, a, w];
     std::array::from_fn(|c| {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed ^ COPIES);
         rng.set_stream((run as u64) << 32 | (copy as u64) << 8 | c as u64);
         channels[c].iter().map(|x| x + std[c] * Distribution::<f64>::sample(&StandardNormal, &mut rng)).collect()
     })
@@ -703,9 +707,9 @@ fn averaged(raw: &[Cov]) -> Vec<Cov> {
     let within = |k: usize, w: usize| k.saturating_sub(w)..(k + w + 1).min(n);
     (0..n)
         .map(|k| {
-            let w = (k / 6).max(3).min(k);
+            let w = (k / 6).max(3).min(k.max(1));
             let exponents: [f64; BIN] = std::array::from_fn(|c| {
-                let wide = within(k, 2 * w.max(1));
+                let wide = within(k, 2 * w);
                 slope(&x[wide.clone()], &raw[wide].iter().map(|m| m[(c, c)].max(f64::MIN_POSITIVE).ln()).collect::<Vec<_>>())
             });
             let mut sum = Cov::zeros();
@@ -720,7 +724,7 @@ fn averaged(raw: &[Cov]) -> Vec<Cov> {
 }
 
 /// Part of itself added to the diagonal of a measured covariance, so that it can be factored.
-const RIDGE: f64 = 1e-3;
+const RIDGE: f64 = 1e-2;
 
 /// Slope of the straight line through points.
 fn slope(x: &[f64], y: &[f64]) -> f64 {
