@@ -50,7 +50,9 @@ fn instruments(i: &Instruments, limit: f64, all: &mut Vec<String>) {
             i.residual.join(", ")
         ));
     } else if i.p_value >= limit {
-        all.push(format!("pose and V_W agree (p = {}): {}", p_value(i.p_value), list(&i.errors, ", ")));
+        let within = |e: &InstrumentError| format!("{} {:.1e}", e.name, e.ci95[1].max(-e.ci95[0]));
+        let all_within = i.errors.iter().map(within).collect::<Vec<_>>().join(", ");
+        all.push(format!("pose and V_W agree (p = {}); errors at most (95 %): {all_within}", p_value(i.p_value)));
     } else {
         let rivals = if i.rivals.is_empty() {
             String::new()
@@ -58,7 +60,8 @@ fn instruments(i: &Instruments, limit: f64, all: &mut Vec<String>) {
             format!(", or {}, which these runs cannot tell from it", list(&i.rivals, " or "))
         };
         all.push(format!(
-            "pose and V_W disagree (p = {}) under the declared structure: {} accounts for it (p = {} of what is left){rivals}",
+            "pose and V_W disagree (p = {}) under the declared structure: {} accounts for it (p = {} of what is left){rivals}; correct the \
+             record before the parameters are believed",
             p_value(i.p_value),
             list(&i.account, " and "),
             p_value(i.account_p_value)

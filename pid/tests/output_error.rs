@@ -4,6 +4,7 @@ mod common;
 
 use common::{campaign, truth};
 use windfall_model::{Campaign, Data};
+use windfall_pid::compatibility::Agreement;
 use windfall_pid::output_error::{Handling, Options, Prior, identify};
 use windfall_pid::{DataSet, Method, PidError};
 
@@ -102,4 +103,20 @@ fn law_hopeless_record_ends_with_a_reason() {
     let found = identify(&c, &COMBINED);
     eprintln!("{found:?}");
     assert!(matches!(&found, Err(PidError::NoAnswer { reason, .. }) if !reason.is_empty()), "{found:?}");
+}
+
+/// Instruments without error: nothing is found at a chance of 1 %, q_W is recognised as computed, every error lies within 3.5 standard
+/// errors of zero (nine of them: one such campaign in 200 fails).
+#[test]
+fn recover_open_00_instruments_agree() {
+    let Some(c) = campaign("recover_open_00_instruments_agree", "open-00") else { return };
+    let found = identify(&c, &Options { compatibility: true, ..COMBINED }).expect("identifies");
+    let told = found.compatibility.expect("asked for");
+    assert_eq!(told.verdict, Agreement::Consistent, "{told:?}");
+    assert!(told.pressure.is_some_and(|p| p.computed_from_speed));
+    let instruments = told.instruments.expect("output error ends");
+    assert!(
+        instruments.errors.len() == 9 && instruments.errors.iter().all(|e| e.estimate.abs() < 3.5 * e.std_error),
+        "{instruments:?}"
+    );
 }

@@ -14,7 +14,7 @@ use crate::PidError;
 use crate::identifiability::Correlation;
 use crate::identification::NORMAL_95;
 use crate::output_error::{
-    KINDS, Outcome, Run, Solved, Unknowns, channel_fits, coloured, not_noise, one_step, ready, run_plants, solve_from,
+    Glance, KINDS, Outcome, Run, Solved, Unknowns, channel_fits, coloured, not_noise, one_step, ready, run_plants, solve_from,
 };
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -162,7 +162,7 @@ pub(crate) fn instruments(runs: &[Run<'_>], solved: &Solved) -> Option<Instrumen
                 not_told.push(unknowns.names[column].clone());
                 unknowns.hold(column);
             }
-            Ok((step, covariance)) => {
+            Ok(Glance { step, covariance }) => {
                 let beyond = |(_, column): &(usize, usize)| NORMAL_95 * covariance[(*column, *column)].sqrt();
                 let told = kinds(&unknowns);
                 let worst = told.into_iter().map(|k| (beyond(&k) / KINDS[k.0].2, k)).max_by(|a, b| a.0.total_cmp(&b.0));

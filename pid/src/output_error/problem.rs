@@ -306,8 +306,11 @@ pub(crate) fn solve(runs: &[Run<'_>], unknowns: Unknowns, nominals: Vec<Nominal>
     solve_from(runs, unknowns, nominals, first_noise(runs), iterations)
 }
 
-/// A step and its covariance.
-pub(crate) type OneStep = (DVector<f64>, DMatrix<f64>);
+/// One step of all unknowns, and their covariance.
+pub(crate) struct Glance {
+    pub(crate) step: DVector<f64>,
+    pub(crate) covariance: DMatrix<f64>,
+}
 
 /// One step of all unknowns from here, with its covariance, each channel's noise as given; the column that the data do not determine
 /// where there is one. `None` where the flight cannot go on.
@@ -316,11 +319,11 @@ pub(crate) fn one_step(
     unknowns: &Unknowns,
     nominals: &[Nominal],
     std: &[f64; CHANNELS],
-) -> Option<Result<OneStep, usize>> {
+) -> Option<Result<Glance, usize>> {
     let (c, mut work) = (unknowns.columns(), Transition::default());
     let linear: Option<Vec<Linearised>> =
         runs.iter().zip(nominals).map(|(run, nominal)| run.linearise(nominal, &c, std, &mut work)).collect();
-    Some(Normal::new(&linear?, unknowns).map(|n| (n.step, n.covariance)).map_err(|(column, _)| column))
+    Some(Normal::new(&linear?, unknowns).map(|n| Glance { step: n.step, covariance: n.covariance }).map_err(|(column, _)| column))
 }
 
 /// [`solve`], from known noise.

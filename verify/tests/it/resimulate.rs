@@ -207,6 +207,7 @@ fn law_nothing_to_fly_is_an_error() {
         warnings: vec![],
         reason: None,
         identifiability: None,
+        compatibility: None,
     };
     assert!(matches!(resimulate(&campaign, &empty, 1), Err(VerifyError::NoDataSet)));
     empty.data_sets.push(set(vec![estimate("CA", "CA_T0", 6.6, 0.1)]));
