@@ -1,7 +1,7 @@
 //! cli: words, paths and exit codes. In: arguments. Out: results on standard output and in files, talk on standard error.
 //!
 //! Nothing is decided here: commands check their input, open their outputs, call the rooms and print what they return.
-//! Exit codes: 0 done; 1 done, and the verdict is no; 2 bad input or usage; 3 numerical failure.
+//! Exit codes: 0 done; 1 done, and the verdict is no; 2 bad input or usage; 3 numerical failure; 130 interrupted.
 
 mod agreement;
 mod args;
@@ -10,6 +10,7 @@ mod close;
 mod close_statistics;
 mod flights;
 mod identify;
+mod interrupt;
 mod plan;
 mod report;
 mod resimulate;

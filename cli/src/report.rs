@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use windfall_report::{FolderResults, folder_page};
 use windfall_scenarios::{read_json, text_atomically};
 use windfall_verify::close::{Closing, Figure};
+use windfall_verify::study::Summary;
 
 /// Name of the page.
 const FILE: &str = "report.html";
@@ -37,14 +38,16 @@ pub(crate) fn run(args: &ReportArgs, session: &mut Session<'_>) -> Result<bool, 
             others.push((title.to_owned(), read_json(&path)?));
         }
     }
-    if closing.is_none() && others.is_empty() {
-        let known: Vec<&str> = std::iter::once("close.json").chain(OTHERS.map(|(f, _)| f)).collect();
+    let study: Option<Summary> = there(folder, "summary.json").map(|p| read_json(&p)).transpose()?;
+    if closing.is_none() && study.is_none() && others.is_empty() {
+        let known: Vec<&str> = ["close.json", "summary.json"].into_iter().chain(OTHERS.map(|(f, _)| f)).collect();
         let what = format!("{}: holds no result; looked for {}", folder.display(), known.join(", "));
         return Err(anyhow!("{what}; try: the --out folder of another command").into());
     }
     let title = folder.canonicalize().ok().and_then(|p| Some(p.file_name()?.to_string_lossy().into_owned()));
     let title = title.unwrap_or_else(|| folder.display().to_string());
-    let page = folder_page(&title, &FolderResults { closing: closing.as_ref(), figures: &figures, others: &others });
+    let results = FolderResults { closing: closing.as_ref(), figures: &figures, study: study.as_ref(), others: &others };
+    let page = folder_page(&title, &results);
     // A page is made of what lies beside it and can be made again: it is replaced.
     let to = args.common.out.clone().unwrap_or_else(|| folder.clone());
     if args.common.out.is_some() {

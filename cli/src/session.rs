@@ -18,6 +18,8 @@ pub(crate) enum Failure {
     Input(anyhow::Error),
     /// The numbers failed.
     Numerical(anyhow::Error),
+    /// Somebody pressed Ctrl-C.
+    Interrupted(anyhow::Error),
 }
 
 impl Failure {
@@ -25,6 +27,7 @@ impl Failure {
         match self {
             Self::Input(_) => 2,
             Self::Numerical(_) => 3,
+            Self::Interrupted(_) => crate::interrupt::EXIT_CODE,
         }
     }
     /// A simulator's error: a number that cannot be flown is bad input, the rest is numerical.
@@ -75,7 +78,7 @@ impl Session<'_> {
         let _ = writeln!(self.err, "warning: {line}");
     }
     pub(crate) fn complain(&mut self, failure: &Failure) {
-        let (Failure::Input(error) | Failure::Numerical(error)) = failure;
+        let (Failure::Input(error) | Failure::Numerical(error) | Failure::Interrupted(error)) = failure;
         let _ = writeln!(self.err, "error: {error:#}");
     }
     /// Text on standard output.

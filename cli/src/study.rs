@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-use windfall_model::study::{Column, Kind, Row};
+use windfall_model::study::{Cell, Column, Kind, Row};
 use windfall_pid::Identification;
 use windfall_scenarios::{
     Identity, Opening, Part, ReadError, Shard, Store, StoreError, part_bytes, read_json, read_study, write_json_atomically,
@@ -41,6 +41,9 @@ pub enum StudyError {
         /// What there is.
         columns: String,
     },
+    /// Somebody asked for an end.
+    #[error("interrupted; draws that were finished are kept; try: --resume to go on")]
+    Interrupted,
     /// Part of a number that the study does not have.
     #[error("part {part} is not one of the study's {parts}")]
     NoPart {
@@ -173,8 +176,8 @@ impl Drawing {
         Ok(summary)
     }
     fn summary(&self, store: &Store) -> Result<Summary, StoreError> {
-        let draws = store.merged_draws()?;
-        summarise(&self.prepared, draws, |c: &Column| store.column(c))
+        let merged = store.merged()?;
+        summarise(&self.prepared, merged.draws(), |c: &Column, see: &mut dyn FnMut(Cell)| merged.each(c, see))
     }
     /// The stopping rule after the parts that a folder has.
     ///
@@ -190,11 +193,11 @@ impl Drawing {
         }
         Ok(rule)
     }
-    /// Draws what a folder lacks of its share. `see` is told of each draw.
+    /// Draws what a folder lacks of its share. `see` is told of each draw and says whether to go on; draws that were begun are kept.
     ///
     /// # Errors
-    /// A full disk and the like.
-    pub fn draw(&self, store: &Store, see: impl Fn(&Row) + Sync) -> Result<(), StudyError> {
+    /// A full disk and the like; [`StudyError::Interrupted`] when `see` wants no more.
+    pub fn draw(&self, store: &Store, see: impl Fn(&Row) -> bool + Sync) -> Result<(), StudyError> {
         store.settle()?;
         let rule = Mutex::new(self.rule(store)?);
         let over = |part: Option<Part>| {
@@ -209,8 +212,9 @@ impl Drawing {
         }
         let wanted = store.wanted()?.into_iter().flatten();
         draw_all(&self.prepared, wanted, |row| {
-            see(&row);
-            Ok(!over(store.push(row)?))
+            let go_on = see(&row);
+            let enough = over(store.push(row)?);
+            if go_on || enough { Ok(!enough) } else { Err(StudyError::Interrupted) }
         })
     }
 }
@@ -260,8 +264,14 @@ pub(crate) fn run(args: &StudyArgs, session: &mut Session<'_>) -> Result<bool, F
         _ => Opening::New,
     };
     let store = drawing.open(&folder, shard, opening).map_err(of_study)?;
+    crate::interrupt::listen();
     let live = Live::new(&drawing, &store, session)?;
-    let drawn = session.pool()?.install(|| drawing.draw(&store, |row| live.see(row)));
+    let drawn = session.pool()?.install(|| {
+        drawing.draw(&store, |row| {
+            live.see(row);
+            !crate::interrupt::asked()
+        })
+    });
     live.bar.finish_and_clear();
     drawn.map_err(of_study)?;
     if shard != Shard::ALL {
@@ -297,6 +307,7 @@ pub(crate) fn run(args: &StudyArgs, session: &mut Session<'_>) -> Result<bool, F
 fn of_study(error: StudyError) -> Failure {
     match error {
         StudyError::Verify(e) => Failure::of_verification(e),
+        StudyError::Interrupted => Failure::Interrupted(error.into()),
         other => Failure::Input(other.into()),
     }
 }

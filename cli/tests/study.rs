@@ -165,6 +165,32 @@ fn law_kill_and_resume_give_the_same_bytes() {
     assert!(b.bytes("killed-1") == whole);
 }
 
+/// Ctrl-C: the draws in flight are finished and kept, the exit code says so, and `--resume` ends with the same bytes.
+#[test]
+#[cfg(unix)]
+fn law_an_interrupted_study_ends_soon_and_resumes() {
+    let b = Bench::new();
+    b.study(2000, 16, IDENTIFY);
+    b.done("whole", &["--threads", "2", "--quiet"]);
+    let mut command = b.command("stopped", &["--threads", "2", "--quiet"]);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts");
+    while draws_on_disk(&b.path("stopped"), 16) < 20 {
+        assert_eq!(child.try_wait().expect("a child"), None, "still drawing");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let signalled = std::time::Instant::now();
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill starts");
+    assert!(sent.success());
+    let ended = child.wait_with_output().expect("a child");
+    // A draw takes a few milliseconds; the rest is for a busy machine.
+    assert!(signalled.elapsed() < Duration::from_secs(2), "{:?}", signalled.elapsed());
+    assert_eq!(ended.status.code(), Some(130), "{}", errors(&ended));
+    assert!(errors(&ended).contains("--resume"), "{}", errors(&ended));
+    assert!(!b.path("stopped/runs.parquet").exists());
+    b.done("stopped", &["--resume"]);
+    assert!(b.bytes("stopped") == b.bytes("whole"));
+}
+
 /// Leaves a folder with a journal and a finished part, as a kill does.
 fn interrupted(b: &Bench) {
     b.study(40, 8, IDENTIFY);

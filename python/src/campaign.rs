@@ -1,11 +1,13 @@
 //! python: simulate, identify, re-simulate, close. In: scenarios, campaigns, arrays. Out: arrays and results.
 
 use crate::errors::Error;
+use crate::threads::on_threads;
 use numpy::{IntoPyArray as _, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use rayon::prelude::*;
 use std::path::PathBuf;
+use std::sync::Arc;
 use windfall_model::{Data, Flight, Record, Run, Use};
 use windfall_pid::Identification;
 use windfall_scenarios::{FileKind, ScenarioFile, kind_of, read_bundled, read_campaign_with_warnings, read_scenario_file};
@@ -13,12 +15,6 @@ use windfall_sim::{End, Flown, Seed, Truth, fly};
 use windfall_verify::campaign_of;
 use windfall_verify::close::Options;
 use windfall_verify::study::method;
-
-/// Work on so many threads; 0: one per processor.
-pub(crate) fn on_threads<T: Send>(py: Python<'_>, threads: usize, work: impl FnOnce() -> Result<T, Error> + Send) -> PyResult<T> {
-    let done = py.detach(|| rayon::ThreadPoolBuilder::new().num_threads(threads).build()?.install(work));
-    done.map_err(PyErr::from)
-}
 
 fn is_bundled(word: &str) -> bool {
     !word.contains(['/', '\\', '.'])
@@ -40,8 +36,9 @@ fn fly_all(s: &ScenarioFile) -> Result<Vec<Flown>, Error> {
 #[pyfunction]
 #[pyo3(signature = (word, seed=None, threads=0))]
 pub(crate) fn simulate<'py>(py: Python<'py>, word: &str, seed: Option<u64>, threads: usize) -> PyResult<Bound<'py, PyList>> {
-    let (file, flown) = on_threads(py, threads, || {
-        let mut file = scenario(word)?;
+    let word = word.to_owned();
+    let (file, flown) = on_threads(py, threads, move || {
+        let mut file = scenario(&word)?;
         file.scenario.seed = seed.unwrap_or(file.scenario.seed);
         let flown = fly_all(&file)?;
         Ok((file, flown))
@@ -118,7 +115,7 @@ fn matrix<const N: usize>(rows: Vec<[f64; N]>) -> numpy::ndarray::Array2<f64> {
 /// A campaign: declared model and runs.
 #[pyclass(frozen, module = "windfall._windfall")]
 pub(crate) struct Campaign {
-    inner: windfall_model::Campaign,
+    inner: Arc<windfall_model::Campaign>,
     #[pyo3(get)]
     warnings: Vec<String>,
 }
@@ -129,10 +126,11 @@ impl Campaign {
     #[new]
     #[pyo3(signature = (word, seed=None))]
     fn new(py: Python<'_>, word: &str, seed: Option<u64>) -> PyResult<Self> {
-        let (inner, warnings) = on_threads(py, 0, || {
-            let path = PathBuf::from(word);
-            if is_bundled(word) || kind_of(&path)? == FileKind::Scenario {
-                let mut file = scenario(word)?;
+        let word = word.to_owned();
+        let (inner, warnings) = on_threads(py, 0, move || {
+            let path = PathBuf::from(&word);
+            if is_bundled(&word) || kind_of(&path)? == FileKind::Scenario {
+                let mut file = scenario(&word)?;
                 file.scenario.seed = seed.unwrap_or(file.scenario.seed);
                 return Ok((flown_campaign(&file)?, Vec::new()));
             }
@@ -141,13 +139,13 @@ impl Campaign {
             }
             Ok(read_campaign_with_warnings(&path)?)
         })?;
-        Ok(Self { inner, warnings })
+        Ok(Self { inner: Arc::new(inner), warnings })
     }
     /// The same declared model with these runs: (name, kind, use, columns of the run file).
     fn with_runs(&self, runs: Vec<(String, String, String, Bound<'_, PyDict>)>) -> PyResult<Self> {
-        let mut inner = self.inner.clone();
+        let mut inner = windfall_model::Campaign::clone(&self.inner);
         inner.runs = runs.into_iter().map(run_of).collect::<PyResult<_>>()?;
-        Ok(Self { inner, warnings: Vec::new() })
+        Ok(Self { inner: Arc::new(inner), warnings: Vec::new() })
     }
     #[getter]
     fn name(&self) -> &str {
@@ -220,10 +218,12 @@ fn json(value: &impl serde::Serialize) -> Result<String, Error> {
 #[pyfunction]
 #[pyo3(signature = (campaign, method_name, threads=0))]
 pub(crate) fn identify(py: Python<'_>, campaign: &Campaign, method_name: &str, threads: usize) -> PyResult<String> {
-    on_threads(py, threads, || {
+    let (campaign, method_name) = (Arc::clone(&campaign.inner), method_name.to_owned());
+    on_threads(py, threads, move || {
         let names = || windfall_pid::Method::ALL.map(windfall_pid::Method::name).join(", ");
-        let m = method(method_name).ok_or_else(|| Error::Argument(format!("no method {method_name:?}; methods: {}", names())))?;
-        json(&windfall_pid::identify(&campaign.inner, m)?)
+        let m =
+            method(&method_name).ok_or_else(|| Error::Argument(format!("no method {method_name:?}; methods: {}", names())))?;
+        json(&windfall_pid::identify(&campaign, m)?)
     })
 }
 
@@ -237,9 +237,10 @@ pub(crate) fn resimulate(
     seeds: usize,
     threads: usize,
 ) -> PyResult<String> {
-    on_threads(py, threads, || {
-        let found: Identification = serde_json::from_str(identification)?;
-        json(&windfall_verify::resimulate(&campaign.inner, &found, seeds)?)
+    let (campaign, identification) = (Arc::clone(&campaign.inner), identification.to_owned());
+    on_threads(py, threads, move || {
+        let found: Identification = serde_json::from_str(&identification)?;
+        json(&windfall_verify::resimulate(&campaign, &found, seeds)?)
     })
 }
 
@@ -247,5 +248,6 @@ pub(crate) fn resimulate(
 #[pyfunction]
 #[pyo3(signature = (campaign, threads=0))]
 pub(crate) fn close(py: Python<'_>, campaign: &Campaign, threads: usize) -> PyResult<String> {
-    on_threads(py, threads, || json(&windfall_verify::close::close(&campaign.inner, &Options::default())?))
+    let campaign = Arc::clone(&campaign.inner);
+    on_threads(py, threads, move || json(&windfall_verify::close::close(&campaign, &Options::default())?))
 }

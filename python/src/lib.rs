@@ -1,10 +1,12 @@
 //! python: the rooms for Python. In: paths, numbers, NumPy arrays. Out: NumPy arrays and JSON; every error as an exception of its own.
 //!
-//! Private: `python/py/windfall/__init__.py` is what users see. The interpreter's lock is released while the rooms work.
+//! Private: `python/py/windfall/__init__.py` is what users see. The interpreter's lock is released while the rooms work, and
+//! Ctrl-C is listened for.
 
 mod campaign;
 mod errors;
 mod study;
+mod threads;
 
 use pyo3::prelude::*;
 

@@ -1,26 +1,31 @@
 //! python: studies in whole and in parts. In: a study file. Out: bytes of parts, the folder's results, the summary as JSON.
 
-use crate::campaign::on_threads;
 use crate::errors::Error;
+use crate::threads::{on_threads, on_threads_until};
 use numpy::IntoPyArray as _;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use windfall::{Drawing, PartRule};
-use windfall_model::study::{Cell, Kind};
+use windfall_model::study::{Cell, Kind, Row};
 use windfall_scenarios::{Opening, Shard, Store, read_runs as read};
 
 /// A study made ready; with a folder once `open` was called.
 #[pyclass(frozen, module = "windfall._windfall")]
 pub(crate) struct Study {
-    drawing: Drawing,
+    inner: Arc<Inner>,
     #[pyo3(get)]
     warnings: Vec<String>,
+}
+
+struct Inner {
+    drawing: Drawing,
     open: Mutex<Option<(Store, PartRule, PathBuf)>>,
 }
 
-impl Study {
+impl Inner {
     fn with_open<T>(&self, work: impl FnOnce(&Drawing, &Store, &mut PartRule, &PathBuf) -> Result<T, Error>) -> Result<T, Error> {
         let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
         let (store, rule, folder) = open.as_mut().ok_or_else(|| Error::Argument("open a folder first".to_owned()))?;
@@ -34,22 +39,23 @@ impl Study {
     #[new]
     fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let (drawing, warnings) = py.detach(|| Drawing::read(&path)).map_err(Error::from)?;
-        Ok(Self { drawing, warnings, open: Mutex::new(None) })
+        Ok(Self { inner: Arc::new(Inner { drawing, open: Mutex::new(None) }), warnings })
     }
     /// Number of parts.
     #[getter]
     fn parts(&self) -> u64 {
-        self.drawing.parts()
+        self.inner.drawing.parts()
     }
     /// Names of the columns after `draw`.
     #[getter]
     fn columns(&self) -> Vec<String> {
-        self.drawing.prepared().columns().iter().map(|c| c.name.clone()).collect()
+        self.inner.drawing.prepared().columns().iter().map(|c| c.name.clone()).collect()
     }
     /// Draws a part; its bytes are a function of the study and the part alone.
     #[pyo3(signature = (part, threads=1))]
     fn part<'py>(&self, py: Python<'py>, part: u64, threads: usize) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = on_threads(py, threads, || Ok(self.drawing.part(part)?))?;
+        let inner = Arc::clone(&self.inner);
+        let bytes = on_threads(py, threads, move || Ok(inner.drawing.part(part)?))?;
         Ok(PyBytes::new(py, &bytes))
     }
     /// Opens a folder for results.
@@ -66,11 +72,11 @@ impl Study {
             (true, true) => return Err(Error::Argument("resume or force, not both".to_owned()).into()),
         };
         let opened = py.detach(|| -> Result<_, Error> {
-            let store = self.drawing.open(&folder, shard, opening)?;
-            let rule = self.drawing.rule(&store)?;
+            let store = self.inner.drawing.open(&folder, shard, opening)?;
+            let rule = self.inner.drawing.rule(&store)?;
             Ok((store, rule, folder))
         })?;
-        *self.open.lock().unwrap_or_else(PoisonError::into_inner) = Some(opened);
+        *self.inner.open.lock().unwrap_or_else(PoisonError::into_inner) = Some(opened);
         Ok(())
     }
     /// Parts that the folder lacks; none when the stopping rule is content.
@@ -78,26 +84,32 @@ impl Study {
         let all = |_: &Drawing, store: &Store, rule: &mut PartRule, _: &PathBuf| {
             if rule.enough() { Ok(Vec::new()) } else { Ok(store.missing()?) }
         };
-        Ok(py.detach(|| self.with_open(all))?)
+        Ok(py.detach(|| self.inner.with_open(all))?)
     }
     /// Adds a part drawn elsewhere; true when the stopping rule is content.
     fn put(&self, py: Python<'_>, part: u64, bytes: Vec<u8>) -> PyResult<bool> {
         Ok(py.detach(|| {
-            self.with_open(|_, store, rule, _| {
+            self.inner.with_open(|_, store, rule, _| {
                 rule.add(&store.put(part, bytes)?);
                 Ok(rule.enough())
             })
         })?)
     }
-    /// Draws here what the folder lacks of its share.
+    /// Draws here what the folder lacks of its share. Ctrl-C ends it after the draws in flight, all of which are kept.
     #[pyo3(signature = (threads=0))]
     fn draw(&self, py: Python<'_>, threads: usize) -> PyResult<()> {
-        on_threads(py, threads, || self.with_open(|drawing, store, _, _| Ok(drawing.draw(store, |_| ())?)))
+        let (inner, stop) = (Arc::clone(&self.inner), Arc::new(AtomicBool::new(false)));
+        let asked = Arc::clone(&stop);
+        let go_on = move |_: &Row| !asked.load(Ordering::Relaxed);
+        on_threads_until(py, threads, Some(&stop), move || {
+            inner.with_open(|drawing, store, _, _| Ok(drawing.draw(store, &go_on)?))
+        })
     }
     /// Joins the parts; the summary as JSON.
     fn finish(&self, py: Python<'_>) -> PyResult<String> {
-        Ok(py
-            .detach(|| self.with_open(|drawing, store, _, folder| Ok(serde_json::to_string(&drawing.finish(store, folder)?)?)))?)
+        Ok(py.detach(|| {
+            self.inner.with_open(|drawing, store, _, folder| Ok(serde_json::to_string(&drawing.finish(store, folder)?)?))
+        })?)
     }
 }
 

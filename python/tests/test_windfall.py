@@ -1,6 +1,9 @@
 """Every public function once, against what is known of it; errors as exceptions with their faults."""
 
 import json
+import signal
+import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -131,3 +134,61 @@ def test_law_other_threads_run_meanwhile(tmp_path):
     over.set()
     thread.join()
     assert sum(begin < t < end for t in ticks) >= 5
+
+
+def interrupted(script: str, begun) -> float:
+    """Seconds from SIGINT to the end of a script that must end by KeyboardInterrupt; sent once `begun()` is true."""
+    child = subprocess.Popen([sys.executable, "-c", script], stderr=subprocess.PIPE, text=True)
+    while not begun(child):
+        assert child.poll() is None, child.stderr.read()
+        time.sleep(0.002)
+    sent = time.perf_counter()
+    child.send_signal(signal.SIGINT)
+    _, errors = child.communicate(timeout=60)
+    took = time.perf_counter() - sent
+    assert child.returncode != 0 and "KeyboardInterrupt" in errors, errors
+    return took
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="SIGINT cannot be sent to one process")
+def test_law_an_interrupted_study_raises_soon_and_resumes(tmp_path):
+    path = study_file(tmp_path, draws=4000, part=16)
+    parts = tmp_path / "stopped" / "parts"
+    script = f"import windfall; windfall.study({str(path)!r}, {str(tmp_path / 'stopped')!r}, threads=2)"
+    # Draws in flight take milliseconds; the rest is for a busy machine.
+    assert interrupted(script, lambda _: len(list(parts.glob("*.parquet"))) >= 2) < 2.0
+    assert not (tmp_path / "stopped" / "runs.parquet").exists()
+    assert windfall.study(path, tmp_path / "stopped", resume=True) == windfall.study(path, tmp_path / "whole")
+    assert files(tmp_path / "stopped") == files(tmp_path / "whole")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="SIGINT cannot be sent to one process")
+def test_law_an_interrupted_close_raises_at_once(tmp_path):
+    flag = tmp_path / "begun"
+    script = (
+        "import pathlib, windfall; c = windfall.campaign('sage-undeclared');"
+        f"pathlib.Path({str(flag)!r}).touch(); windfall.close(c)"
+    )
+    assert interrupted(script, lambda _: flag.exists()) < 2.0
+
+
+def test_law_an_interrupt_in_another_handler_reaches_it():
+    """Signals are looked at while the rooms work: an alarm's exception ends a call that takes longer."""
+    if not hasattr(signal, "setitimer"):
+        pytest.skip("no alarms here")
+
+    class Alarm(Exception):
+        pass
+
+    def ring(*_):
+        raise Alarm
+
+    flown = windfall.campaign("sage-undeclared")
+    before = signal.signal(signal.SIGALRM, ring)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.3)
+        with pytest.raises(Alarm):
+            windfall.close(flown)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)

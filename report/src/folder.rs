@@ -3,9 +3,11 @@
 
 use crate::closing::closing_body;
 use crate::html::{Cell, escape, page, section, table};
+use crate::study::study_body;
 use crate::svg::chart;
 use serde_json::{Map, Value};
 use windfall_verify::close::{Closing, Figure, Role, Series, Topic};
+use windfall_verify::study::Summary;
 
 /// What a folder holds.
 #[derive(Default)]
@@ -14,6 +16,8 @@ pub struct FolderResults<'a> {
     pub closing: Option<&'a Closing>,
     /// Its figures.
     pub figures: &'a [Figure],
+    /// A study.
+    pub study: Option<&'a Summary>,
     /// Any other results: title, then the JSON.
     pub others: &'a [(String, Value)],
 }
@@ -21,10 +25,12 @@ pub struct FolderResults<'a> {
 /// The page of a folder.
 #[must_use]
 pub fn folder_page(title: &str, results: &FolderResults<'_>) -> String {
-    let mut body = match results.closing {
-        Some(c) => closing_body(c, results.figures),
-        None => format!("<h1>{}</h1>\n", escape(title)),
-    };
+    let closing = results.closing.map(|c| closing_body(c, results.figures));
+    let studied = results.study.map(study_body);
+    let mut body: String = closing.into_iter().chain(studied).collect();
+    if body.is_empty() {
+        body = format!("<h1>{}</h1>\n", escape(title));
+    }
     for (name, value) in results.others {
         let mut value = value.clone();
         let drawn = bands(&mut value);

@@ -5,6 +5,7 @@
 mod closing;
 mod folder;
 mod html;
+mod study;
 mod svg;
 mod words;
 

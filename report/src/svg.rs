@@ -247,6 +247,75 @@ pub(crate) fn dots(before: f64, after: f64, highest: f64) -> String {
     )
 }
 
+/// One line of a chart of ranges: a bar from low to high, a thicker one inside it where there is such, a dot.
+pub(crate) struct Range {
+    pub(crate) name: String,
+    pub(crate) ends: [f64; 2],
+    pub(crate) inner: Option<[f64; 2]>,
+    pub(crate) dot: f64,
+    pub(crate) note: String,
+}
+
+/// Ranges below each other on one axis, with marks down through all; nothing when there is nothing to draw.
+pub(crate) fn ranges(title: &str, all: &[Range], marks: &[f64], x_label: &str) -> String {
+    let (w, row, left, right) = (760.0, 19.0, 200.0, 150.0);
+    let values = all.iter().flat_map(|r| r.ends.into_iter().chain([r.dot])).chain(marks.iter().copied());
+    let Some(x) = Scale::new(values, false, left, w - right).filter(|_| !all.is_empty()) else { return String::new() };
+    let bottom = row * all.len() as f64 + 4.0;
+    let title = escape(title);
+    let mut out = format!(
+        "<figure><figcaption>{title}</figcaption><svg viewBox=\"0 0 {w} {}\" style=\"max-width:{w}px\" role=\"img\" \
+         aria-label=\"{title}\">",
+        bottom + 34.0
+    );
+    for (v, text) in x.ticks() {
+        if let Some(p) = x.place(v) {
+            let y = bottom + 13.0;
+            let _ = write!(
+                out,
+                "<path class=\"axis\" d=\"M{p:.1} {bottom}v3\"/><text x=\"{p:.1}\" y=\"{y}\" text-anchor=\"middle\">{text}</text>"
+            );
+        }
+    }
+    for p in marks.iter().filter_map(|m| x.place(*m)) {
+        let _ = write!(out, "<path class=\"axis one\" d=\"M{p:.1} 0V{bottom}\"/>");
+    }
+    for (k, r) in all.iter().enumerate() {
+        let y = row * (k as f64 + 0.5) + 2.0;
+        let bar = |[a, b]: [f64; 2], h: f64, class: &str| {
+            let (Some(a), Some(b)) = (x.place(a), x.place(b)) else { return String::new() };
+            format!(
+                "<rect class=\"{class}\" x=\"{a:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{h}\" rx=\"1\"/>",
+                y - 0.5 * h,
+                (b - a).max(1.0)
+            )
+        };
+        out += &bar(r.ends, 3.0, "plain-mark");
+        out += &r.inner.map_or_else(String::new, |i| bar(i, 9.0, "plain-mark"));
+        if let Some(p) = x.place(r.dot) {
+            let _ = write!(out, "<circle class=\"after-mark\" cx=\"{p:.1}\" cy=\"{y:.1}\" r=\"3.6\"/>");
+        }
+        let _ = write!(
+            out,
+            "<text class=\"name\" x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{}</text><text x=\"{}\" y=\"{:.1}\">{}</text>",
+            left - 8.0,
+            y + 3.5,
+            escape(&r.name),
+            w - right + 8.0,
+            y + 3.5,
+            escape(&r.note)
+        );
+    }
+    let _ = writeln!(
+        out,
+        "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text></svg></figure>",
+        0.5 * (left + w - right),
+        bottom + 29.0,
+        escape(x_label)
+    );
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

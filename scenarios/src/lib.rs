@@ -38,7 +38,7 @@ pub use record::{
 pub use reference::key_reference;
 pub use scenario::{EffectValues, ScenarioFile, read_bundled, read_scenario, read_scenario_file};
 pub use statistics::{PublishedFigure, StatisticsFile, TABLE_5_6, bundled_statistics, read_statistics};
-pub use store::{Identity, Opening, Part, Runs, Shard, Store, StoreError, part_bytes, read_runs};
+pub use store::{Identity, Merged, Opening, Part, Runs, Shard, Store, StoreError, part_bytes, read_runs};
 pub use structure::read_structure;
 pub use study::{StudyFile, read_study};
 pub use toml_out::{RunLine, write_campaign_toml, write_resolved_scenario, write_structure};

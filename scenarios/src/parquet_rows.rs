@@ -149,6 +149,12 @@ pub(crate) fn same_columns<R: ChunkReader + 'static>(file: &SerializedFileReader
 
 pub(crate) fn draws<R: ChunkReader + 'static>(file: &SerializedFileReader<R>) -> Result<Vec<u64>> {
     let mut all = Vec::new();
+    each_draw(file, &mut |draw| all.push(draw))?;
+    Ok(all)
+}
+
+/// Shows the number of every draw, one group of rows in memory at a time.
+pub(crate) fn each_draw<R: ChunkReader + 'static>(file: &SerializedFileReader<R>, see: &mut dyn FnMut(u64)) -> Result<()> {
     for group in 0..file.num_row_groups() {
         let group = file.get_row_group(group)?;
         let rows = count(group.as_ref());
@@ -156,12 +162,12 @@ pub(crate) fn draws<R: ChunkReader + 'static>(file: &SerializedFileReader<R>) ->
             ColumnReader::Int64ColumnReader(mut r) => {
                 let mut values: Vec<i64> = Vec::new();
                 r.read_records(rows, None, None, &mut values)?;
-                all.extend(values.into_iter().map(i64::cast_unsigned));
+                values.into_iter().for_each(|d| see(d.cast_unsigned()));
             }
             _ => return Err(ParquetError::General("column draw is not of whole numbers".to_owned())),
         }
     }
-    Ok(all)
+    Ok(())
 }
 
 fn count(group: &dyn RowGroupReader) -> usize {
@@ -171,6 +177,17 @@ fn count(group: &dyn RowGroupReader) -> usize {
 /// Cells of the column at this place of the file.
 pub(crate) fn column<R: ChunkReader + 'static>(file: &SerializedFileReader<R>, place: usize, kind: Kind) -> Result<Vec<Cell>> {
     let mut all = Vec::new();
+    each_cell(file, place, kind, &mut |cell| all.push(cell))?;
+    Ok(all)
+}
+
+/// Shows every cell of the column at this place of the file, one group of rows in memory at a time.
+pub(crate) fn each_cell<R: ChunkReader + 'static>(
+    file: &SerializedFileReader<R>,
+    place: usize,
+    kind: Kind,
+    see: &mut dyn FnMut(Cell),
+) -> Result<()> {
     for group in 0..file.num_row_groups() {
         let group = file.get_row_group(group)?;
         let rows = count(group.as_ref());
@@ -179,29 +196,29 @@ pub(crate) fn column<R: ChunkReader + 'static>(file: &SerializedFileReader<R>, p
             (ColumnReader::DoubleColumnReader(mut r), Kind::Number) => {
                 let mut values: Vec<f64> = Vec::new();
                 r.read_records(rows, Some(&mut levels), None, &mut values)?;
-                all.extend(join(values, &levels).map(Cell::Number));
+                join(values, &levels).for_each(|x| see(Cell::Number(x)));
             }
             (ColumnReader::BoolColumnReader(mut r), Kind::Flag) => {
                 let mut values: Vec<bool> = Vec::new();
                 r.read_records(rows, Some(&mut levels), None, &mut values)?;
-                all.extend(join(values, &levels).map(Cell::Flag));
+                join(values, &levels).for_each(|x| see(Cell::Flag(x)));
             }
             (ColumnReader::ByteArrayColumnReader(mut r), Kind::Word) => {
                 let mut values: Vec<ByteArray> = Vec::new();
                 r.read_records(rows, None, None, &mut values)?;
                 for v in values {
-                    all.push(Cell::Word(v.as_utf8()?.to_owned()));
+                    see(Cell::Word(v.as_utf8()?.to_owned()));
                 }
             }
             _ => return Err(ParquetError::General(format!("column {place} is not of the kind that the study has"))),
         }
     }
-    Ok(all)
+    Ok(())
 }
 
 fn join<T>(values: Vec<T>, levels: &[i16]) -> impl Iterator<Item = Option<T>> {
     let mut values = values.into_iter();
-    levels.iter().map(move |l| if *l > 0 { values.next() } else { None }).collect::<Vec<_>>().into_iter()
+    levels.iter().map(move |l| if *l > 0 { values.next() } else { None })
 }
 
 #[cfg(test)]

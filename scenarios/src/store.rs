@@ -168,6 +168,30 @@ pub struct Part {
     pub rows: Vec<Row>,
 }
 
+/// Merged results, open for reading.
+pub struct Merged {
+    path: PathBuf,
+    file: SerializedFileReader<File>,
+    columns: Vec<Column>,
+    draws: u64,
+}
+
+impl Merged {
+    /// Number of draws.
+    #[must_use]
+    pub fn draws(&self) -> u64 {
+        self.draws
+    }
+    /// Shows every cell of a column in order of the draws; what is in memory does not grow with their number.
+    ///
+    /// # Errors
+    /// Results that are corrupt.
+    pub fn each(&self, column: &Column, see: &mut dyn FnMut(Cell)) -> Result<(), StoreError> {
+        let place = self.columns.iter().position(|c| c == column).map_or(0, |i| i + 1);
+        parquet_rows::each_cell(&self.file, place, column.kind, see).map_err(|e| StoreError::corrupt(&self.path, e))
+    }
+}
+
 /// A study's folder, open for one share.
 #[derive(Debug)]
 pub struct Store {
@@ -478,27 +502,24 @@ impl Store {
         if parts.is_dir() { fs::remove_dir_all(&parts).map_err(|e| StoreError::write(&parts, e)) } else { Ok(()) }
     }
 
-    /// Number of draws in the merged results, checked: each from 0 on, once.
+    /// The merged results, checked: each draw from 0 on, once.
     ///
     /// # Errors
     /// Results that are corrupt or of another study.
-    pub fn merged_draws(&self) -> Result<u64, StoreError> {
+    pub fn merged(&self) -> Result<Merged, StoreError> {
         let path = self.runs();
         let file = self.reader()?;
         parquet_rows::same_columns(&file, &self.columns).map_err(|e| StoreError::corrupt(&path, e))?;
-        let draws = parquet_rows::draws(&file).map_err(|e| StoreError::corrupt(&path, e))?;
-        if draws.iter().copied().eq(0..draws.len() as u64) {
-            return Ok(draws.len() as u64);
+        let (mut draws, mut in_order) = (0, true);
+        let mut see = |draw| {
+            in_order &= draw == draws;
+            draws += 1;
+        };
+        parquet_rows::each_draw(&file, &mut see).map_err(|e| StoreError::corrupt(&path, e))?;
+        if !in_order {
+            return Err(StoreError::corrupt(&path, "its draws are not 0, 1, 2, ..."));
         }
-        Err(StoreError::corrupt(&path, "its draws are not 0, 1, 2, ..."))
-    }
-    /// One column of the merged results.
-    ///
-    /// # Errors
-    /// Results that are corrupt.
-    pub fn column(&self, column: &Column) -> Result<Vec<Cell>, StoreError> {
-        let place = self.columns.iter().position(|c| c == column).map_or(0, |i| i + 1);
-        parquet_rows::column(&self.reader()?, place, column.kind).map_err(|e| StoreError::corrupt(&self.runs(), e))
+        Ok(Merged { path, file, columns: self.columns.clone(), draws })
     }
     fn reader(&self) -> Result<SerializedFileReader<File>, StoreError> {
         let path = self.runs();

@@ -7,6 +7,7 @@ mod closing;
 mod columns;
 mod draw;
 mod run;
+mod select;
 mod stop;
 mod summary;
 

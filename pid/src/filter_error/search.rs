@@ -117,6 +117,13 @@ enum End {
 impl End {
     const fn words(self) -> &'static str {
         match self {
+            Self::Stopped(StopReason::NoDescent) => {
+                "no step makes these runs more likely, gusts and random moments allowed for: the declared model lacks more than that; \
+                 try windfall close"
+            }
+            Self::Stopped(StopReason::Iterations) => {
+                "iterations used up while parameters still moved: declare fewer parameters, hold some, or try windfall close"
+            }
             Self::Stopped(stop) => stop.words(),
             Self::Unexcited => {
                 "a parameter is not excited by these runs: add a run with larger angles or rates, or do not declare it"
@@ -188,7 +195,11 @@ impl<'r, 'a> Search<'r, 'a> {
             point.sought.scales = false;
             (point.random[2], point.random[3]) = (START_SCALE_M.ln(), START_SCALE_M.ln());
         }
-        self.climb(point, MOST_ITERATIONS)
+        let unknowns = point.unknowns.clone();
+        match self.climb(point, MOST_ITERATIONS) {
+            Err(End::Stopped(_)) => self.turning(unknowns),
+            other => other,
+        }
     }
 
     /// Climbs to the likelihood's peak by scoring.

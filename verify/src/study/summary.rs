@@ -1,6 +1,7 @@
 //! verify: what all draws of a study say. In: columns of results. Out: bias, scatter, coverage, quantiles, rates, with intervals.
 
 use super::draw::Prepared;
+use super::select::quantiles;
 use super::stop::{Moments, clopper_pearson};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -154,25 +155,29 @@ pub struct Summary {
 /// Most failure messages that are listed.
 const LISTED: usize = 20;
 
-/// Summarises a study of so many draws; `read` gives a column of the results. One column is held at a time: eight bytes per draw.
+/// Shows every cell of a column, each time it is asked.
+pub(super) type Read<'r, E> = &'r dyn Fn(&mut dyn FnMut(Cell)) -> Result<(), E>;
+
+/// Summarises a study of so many draws; `each` shows every cell of a column of the results, as often as asked. Nothing is held that
+/// grows with the number of draws.
 ///
 /// # Errors
-/// Those of `read`.
+/// Those of `each`.
 pub fn summarise<E>(
     prepared: &Prepared,
     draws: u64,
-    mut read: impl FnMut(&Column) -> Result<Vec<Cell>, E>,
+    each: impl Fn(&Column, &mut dyn FnMut(Cell)) -> Result<(), E>,
 ) -> Result<Summary, E> {
     let study = prepared.study();
     let (mut rates, mut words, mut numbers) = (Vec::new(), Vec::new(), Vec::new());
     let mut failures = FailureKind { any: Rate::new("failure", 0, draws), messages: Vec::new() };
     for column in prepared.columns() {
-        let cells = read(column)?;
+        let read: Read<'_, E> = &|see| each(column, see);
         match column.kind {
-            Kind::Number => numbers.extend(number_line(&column.name, &cells)),
-            Kind::Flag => rates.push(rate(&column.name, &cells)),
-            Kind::Word if column.name == "failure" => failures = failed(&cells, draws),
-            Kind::Word => words.push(word_line(&column.name, &cells)),
+            Kind::Number => numbers.extend(number_line(&column.name, read)?),
+            Kind::Flag => rates.push(rate(&column.name, read)?),
+            Kind::Word if column.name == "failure" => failures = failed(&counted(read)?, draws),
+            Kind::Word => words.push(word_line(&column.name, &counted(read)?, draws)),
         }
     }
     let parameters = prepared.columns().iter().filter_map(|c| parameter(c, &numbers, &rates)).collect();
@@ -190,23 +195,29 @@ pub fn summarise<E>(
     })
 }
 
-fn number_line(name: &str, cells: &[Cell]) -> Option<NumberLine> {
-    let mut x: Vec<f64> = cells.iter().filter_map(Cell::number).collect();
+fn number_line<E>(name: &str, read: Read<'_, E>) -> Result<Option<NumberLine>, E> {
     let mut m = Moments::default();
-    x.iter().for_each(|v| m.push(*v));
-    x.sort_by(f64::total_cmp);
-    let (min, max) = (*x.first()?, *x.last()?);
-    Some(NumberLine {
+    read(&mut |cell| {
+        if let Some(x) = cell.number() {
+            m.push(x);
+        }
+    })?;
+    if m.n == 0 {
+        return Ok(None);
+    }
+    let ends = quantiles(&[0.0, 1.0], m.n, read)?;
+    let middle = QUANTILES.into_iter().zip(quantiles(&QUANTILES, m.n, read)?);
+    Ok(Some(NumberLine {
         name: name.to_owned(),
         n: m.n,
         mean: m.mean,
         mean_ci95: m.mean_ci95(),
         std: m.std(),
         std_ci95: std_ci95(&m),
-        min,
-        max,
-        quantiles: QUANTILES.iter().map(|&p| Quantile { p, value: quantile(&x, p) }).collect(),
-    })
+        min: ends[0],
+        max: ends[1],
+        quantiles: middle.map(|(p, value)| Quantile { p, value }).collect(),
+    }))
 }
 
 fn std_ci95(m: &Moments) -> Option<[f64; 2]> {
@@ -214,42 +225,38 @@ fn std_ci95(m: &Moments) -> Option<[f64; 2]> {
     Some([0.975, 0.025].map(|p| (m.m2 / chi.inverse_cdf(p)).sqrt())).filter(|[a, b]| a.is_finite() && b.is_finite())
 }
 
-/// Of sorted numbers, at least one.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place among the numbers")]
-fn quantile(sorted: &[f64], p: f64) -> f64 {
-    let at = p * (sorted.len() - 1) as f64;
-    let below = at.floor() as usize;
-    let above = (below + 1).min(sorted.len() - 1);
-    sorted[below] + (at - at.floor()) * (sorted[above] - sorted[below])
+fn rate<E>(name: &str, read: Read<'_, E>) -> Result<Rate, E> {
+    let (mut count, mut of) = (0, 0);
+    read(&mut |cell| {
+        if let Cell::Flag(Some(x)) = cell {
+            count += u64::from(x);
+            of += 1;
+        }
+    })?;
+    Ok(Rate::new(name, count, of))
 }
 
-fn rate(name: &str, cells: &[Cell]) -> Rate {
-    let seen = cells.iter().filter_map(|c| if let Cell::Flag(x) = c { *x } else { None });
-    let (count, of) = seen.fold((0, 0), |(count, of), x| (count + u64::from(x), of + 1));
-    Rate::new(name, count, of)
-}
-
-fn counted(cells: &[Cell]) -> Vec<(&str, u64)> {
-    let mut counts: BTreeMap<&str, u64> = BTreeMap::new();
-    for c in cells {
-        if let Cell::Word(w) = c {
+/// Words by how often, then by alphabet.
+fn counted<E>(read: Read<'_, E>) -> Result<Vec<(String, u64)>, E> {
+    let mut counts: BTreeMap<String, u64> = BTreeMap::new();
+    read(&mut |cell| {
+        if let Cell::Word(w) = cell {
             *counts.entry(w).or_default() += 1;
         }
-    }
+    })?;
     let mut all: Vec<_> = counts.into_iter().collect();
     all.sort_by_key(|(_, n)| std::cmp::Reverse(*n));
-    all
+    Ok(all)
 }
 
-fn word_line(name: &str, cells: &[Cell]) -> WordLine {
-    let of = cells.len() as u64;
-    WordLine { name: name.to_owned(), counts: counted(cells).into_iter().map(|(w, n)| Rate::new(w, n, of)).collect() }
+fn word_line(name: &str, counts: &[(String, u64)], of: u64) -> WordLine {
+    WordLine { name: name.to_owned(), counts: counts.iter().map(|(w, n)| Rate::new(w, *n, of)).collect() }
 }
 
-fn failed(cells: &[Cell], draws: u64) -> FailureKind {
-    let all: Vec<(&str, u64)> = counted(cells).into_iter().filter(|(w, _)| !w.is_empty()).collect();
-    let any = Rate::new("failure", all.iter().map(|a| a.1).sum(), draws);
-    let messages = all.iter().take(LISTED).map(|(m, n)| Count { message: (*m).to_owned(), count: *n }).collect();
+fn failed(counts: &[(String, u64)], draws: u64) -> FailureKind {
+    let all = || counts.iter().filter(|(w, _)| !w.is_empty());
+    let any = Rate::new("failure", all().map(|a| a.1).sum(), draws);
+    let messages = all().take(LISTED).map(|(m, n)| Count { message: m.clone(), count: *n }).collect();
     FailureKind { any, messages }
 }
 
@@ -285,21 +292,19 @@ fn parameter(column: &Column, numbers: &[NumberLine], rates: &[Rate]) -> Option<
 mod tests {
     use super::*;
 
-    #[test]
-    fn exact_quantiles_between_order_statistics() {
-        let x = [1.0, 2.0, 4.0, 8.0, 16.0];
-        for (p, q) in [(0.0, 1.0), (0.25, 2.0), (0.5, 4.0), (0.625, 6.0), (1.0, 16.0)] {
-            assert!((quantile(&x, p) - q).abs() < 1e-15);
-        }
-    }
-
     /// Errors −1, 0, 1, 2: bias ½, scatter √(5/3), rms √1.5; χ²(3) quantiles 9.348404 and 0.215795.
     #[test]
     fn exact_summary_of_four_errors() {
         let cells: Vec<Cell> = [-1.0, 0.0, 1.0, 2.0].iter().map(|x| Cell::Number(Some(*x))).collect();
-        let numbers = vec![number_line("m.C.p.error", &cells).expect("four numbers")];
+        let of = |cells: Vec<Cell>| {
+            move |see: &mut dyn FnMut(Cell)| {
+                cells.iter().cloned().for_each(see);
+                Ok::<(), ()>(())
+            }
+        };
+        let numbers = vec![number_line("m.C.p.error", &of(cells)).expect("reads").expect("four numbers")];
         let flags = [Cell::Flag(Some(true)), Cell::Flag(Some(false)), Cell::Flag(None), Cell::Flag(Some(true))];
-        let rates = vec![rate("m.C.p.covered", &flags)];
+        let rates = vec![rate("m.C.p.covered", &of(flags.to_vec())).expect("reads")];
         let column = Column { name: "m.C.p.error".to_owned(), kind: Kind::Number };
         let p = parameter(&column, &numbers, &rates).expect("a parameter");
         assert!((p.bias - 0.5).abs() < 1e-15 && (p.rms_error - 1.5_f64.sqrt()).abs() < 1e-15);
