@@ -123,6 +123,17 @@ pub(crate) struct IdentifyArgs {
     /// Only all runs together, without each kind of run alone (methods that integrate)
     #[arg(long)]
     pub(crate) combined: bool,
+    /// Hold a parameter: it is not estimated but kept at this value (Cl_0=0.0125); may be repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::knowledge::hold)]
+    pub(crate) hold: Vec<windfall_pid::Held>,
+    /// Tie a parameter to another: both are one unknown (Cn_1=Cm_1: pitch and yaw damping shared); methods that integrate; may be
+    /// repeated
+    #[arg(long, value_name = "NAME=NAME", value_parser = crate::knowledge::tie)]
+    pub(crate) tie: Vec<crate::knowledge::Tie>,
+    /// What is known of a parameter beforehand: mean and standard deviation (Cl_p=-5.7±0.3 or Cl_p=-5.7:0.3); methods that integrate;
+    /// may be repeated
+    #[arg(long, value_name = "NAME=MEAN±STD", value_parser = crate::knowledge::prior)]
+    pub(crate) prior: Vec<windfall_pid::output_error::Prior>,
     #[command(flatten)]
     pub(crate) common: Common,
 }

@@ -9,6 +9,7 @@ mod close;
 mod close_statistics;
 mod flights;
 mod identify;
+mod knowledge;
 mod plan;
 mod report;
 mod resimulate;

@@ -3,6 +3,7 @@
 mod arrows;
 mod capsule;
 mod commands;
+mod knowledge;
 mod loop_closes;
 mod plan;
 mod program;

@@ -12,5 +12,5 @@ mod filter;
 mod search;
 
 pub(crate) use filter::Filter;
-pub(crate) use search::NONE_M_S;
 pub use search::identify;
+pub(crate) use search::{NONE_M_S, linearised};

@@ -51,20 +51,10 @@ const SETTLED: f64 = 0.02;
 pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification, PidError> {
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;
-    let mut unknowns = Unknowns::new(campaign, options)?;
-    // Regression gives where to start; where it cannot, the declared values do.
-    if let Ok(first) = crate::identify::identify_with(campaign, crate::Method::EquationError, &crate::smooth::Smoother::Auto)
-        && let Some(set) = first.data_set("combined")
-    {
-        unknowns.start(&set.values(&campaign.plant.aero.structure, &unknowns.parameters));
-    }
-    let identifiability = if unknowns.free() > 0 { of_runs(&runs, &unknowns) } else { None };
     let mut warnings = Vec::new();
+    let (combined, point) = likeliest(campaign, options, &runs, &mut warnings)?;
+    let identifiability = if point.unknowns.free() > 0 { of_runs(&runs, &point.unknowns) } else { None };
     let mut data_sets = Vec::new();
-    let all: Vec<usize> = (0..runs.len()).collect();
-    let gusts = [START_SIZE_M_S, START_SIZE_M_S, START_SCALE_M, START_SCALE_M].map(f64::ln);
-    let start = Point { unknowns, gusts, untold: [None; 2] };
-    let (combined, point) = solve(campaign, "combined", &runs, &all, start, options, &mut warnings)?;
     let alone = if options.combined_only { Vec::new() } else { kinds(&plants) };
     for (kind, members) in alone {
         match solve(campaign, &kind, &runs, &members, point.clone(), options, &mut warnings) {
@@ -74,6 +64,71 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
     }
     data_sets.push(combined);
     Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability })
+}
+
+/// Innovations of every run about the likeliest point, as a regression on the parameters of a wider structure: over their standard
+/// deviation, rows of unit variance, white at the truth. Response and columns such that a parameter's least-squares estimate is its value
+/// itself; the second number is that of the point.
+pub(crate) fn linearised(
+    campaign: &Campaign,
+    wide: &windfall_model::Aero,
+) -> Result<Vec<(DMatrix<f64>, DVector<f64>)>, PidError> {
+    let options = Options { combined_only: true, ..Options::default() };
+    let plants = run_plants(campaign)?;
+    let runs = ready(campaign, &plants)?;
+    let (_, point) = likeliest(campaign, &options, &runs, &mut Vec::new())?;
+    let mut wider = campaign.clone();
+    wider.plant.aero = wide.clone();
+    wider.declared = vec![true; wide.values.len()];
+    for (i, name) in campaign.plant.aero.structure.parameters.iter().enumerate() {
+        if let Some(k) = wide.structure.index(name) {
+            wider.plant.aero.values[k] = point.unknowns.parameters[i];
+        }
+    }
+    let plants = run_plants(&wider)?;
+    let wide_runs = ready(&wider, &plants)?;
+    let unknowns = Unknowns::new(&wider, &options)?;
+    let (c, mut work) = (unknowns.columns(), Transition::default());
+    let noise = noise_of(&runs.iter().collect::<Vec<_>>());
+    let flown = |run: &Run<'_>| {
+        let seen = Filter::new(run, noise).run(&point.turbulence(), &c, &mut work)?;
+        let weight: Vec<f64> = seen.pass.variance.iter().map(|v| v.sqrt().recip()).collect();
+        let x = DMatrix::from_fn(weight.len(), c.free, |row, j| seen.by_parameter[row * c.free + j] * weight[row]);
+        let innovation = DVector::from_fn(weight.len(), |row, _| seen.pass.innovation[row] * weight[row]);
+        let y = &x * DVector::from_column_slice(c.parameters) - innovation;
+        Some((x, y))
+    };
+    wide_runs.iter().map(flown).collect::<Option<_>>().ok_or_else(|| PidError::NoAnswer {
+        campaign: campaign.name.clone(),
+        set: "combined".to_owned(),
+        method: METHOD,
+        reason: StopReason::FlightFails.words(),
+    })
+}
+
+/// Noise of each channel, root mean square over runs.
+fn noise_of(runs: &[&Run<'_>]) -> [f64; CHANNELS] {
+    std::array::from_fn(|c| (runs.iter().map(|r| r.noise_std[c].powi(2)).sum::<f64>() / runs.len() as f64).sqrt().max(1e-9))
+}
+
+/// All runs together, from where regression says.
+fn likeliest(
+    campaign: &Campaign,
+    options: &Options,
+    runs: &[Run<'_>],
+    warnings: &mut Vec<String>,
+) -> Result<(DataSet, Point), PidError> {
+    let mut unknowns = Unknowns::new(campaign, options)?;
+    // Regression gives where to start; where it cannot, the declared values do.
+    if let Ok(first) = crate::identify::identify_with(campaign, crate::Method::EquationError, &crate::smooth::Smoother::Auto)
+        && let Some(set) = first.data_set("combined")
+    {
+        unknowns.start(&set.values(&campaign.plant.aero.structure, &unknowns.parameters));
+    }
+    let gusts = [START_SIZE_M_S, START_SIZE_M_S, START_SCALE_M, START_SCALE_M].map(f64::ln);
+    let start = Point { unknowns, gusts, untold: [None; 2] };
+    let all: Vec<usize> = (0..runs.len()).collect();
+    solve(campaign, "combined", runs, &all, start, options, warnings)
 }
 
 /// Where the search is.
@@ -146,9 +201,7 @@ fn solve(
     options: &Options,
     warnings: &mut Vec<String>,
 ) -> Result<(DataSet, Point), PidError> {
-    let noise: [f64; CHANNELS] = std::array::from_fn(|c| {
-        (members.iter().map(|&i| runs[i].noise_std[c].powi(2)).sum::<f64>() / members.len() as f64).sqrt().max(1e-9)
-    });
+    let noise = noise_of(&members.iter().map(|&i| &runs[i]).collect::<Vec<_>>());
     let filters: Vec<Filter<'_, '_>> = members.iter().map(|&i| Filter::new(&runs[i], noise)).collect();
     let stopped = |stop: StopReason| PidError::NoAnswer {
         campaign: campaign.name.clone(),
@@ -281,6 +334,11 @@ fn local(filters: &[Filter<'_, '_>], point: &Point, work: &mut Transition) -> Op
         ];
         out.add(&seen, &varied, free);
     }
+    for (column, off, std) in point.unknowns.priors() {
+        out.log_likelihood2 -= (off / std).powi(2);
+        out.score[column] += off / (std * std);
+        out.information[(column, column)] += std.powi(-2);
+    }
     for k in 2..4 {
         let off = point.gusts[k] - START_SCALE_M.ln();
         out.log_likelihood2 -= (off / SCALE_PRIOR).powi(2);
@@ -393,6 +451,7 @@ fn data_set(
         fits,
         condition_number: (eigen.max() / eigen.min().max(f64::MIN_POSITIVE)).sqrt(),
         n_samples: filters.iter().map(|f| f.run.record.len()).sum(),
+        held: Vec::new(),
     }
 }
 

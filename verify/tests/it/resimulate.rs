@@ -172,7 +172,7 @@ fn estimate(coefficient: &str, name: &str, estimate: f64, std_error: f64) -> Est
 }
 
 fn set(parameters: Vec<Estimate>) -> DataSet {
-    DataSet { name: "combined".into(), runs: vec![], parameters, fits: vec![], condition_number: 1.0, n_samples: 0 }
+    DataSet { name: "combined".into(), runs: vec![], parameters, fits: vec![], condition_number: 1.0, n_samples: 0, held: vec![] }
 }
 
 /// The static pair of C_m and C_n is one pair in the plant: weights 1/0.1² and 1/0.2² are 4 to 1, so (4·(−2) − 3)/5 = −2.2.
