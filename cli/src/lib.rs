@@ -15,6 +15,7 @@ mod report;
 mod resimulate;
 mod session;
 mod simulate;
+mod structure;
 mod study;
 mod verify;
 
@@ -65,6 +66,7 @@ fn dispatch(command: &Command, session: &mut Session<'_>) -> Result<bool, Failur
     match command {
         Command::Simulate(a) => simulate::run(a, session),
         Command::Identify(a) => identify::run(a, session),
+        Command::Structure(a) => structure::run(a, session),
         Command::Plan(a) => plan::run(a, session),
         Command::Resimulate(a) => resimulate::run(a, session),
         Command::Close(a) => close::run(a, session),
