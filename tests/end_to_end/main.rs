@@ -7,3 +7,4 @@ mod knowledge;
 mod loop_closes;
 mod plan;
 mod program;
+mod structure;

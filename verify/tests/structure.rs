@@ -111,12 +111,13 @@ fn draws(study: Study, taken: Criterion, alone: bool, seeds: std::ops::Range<u64
     let scenario = study.scenario();
     let one = |seed| {
         let c = campaign(&scenario, seed);
-        let of = |c: &Campaign| {
-            let found = choose(c, taken).expect("chooses");
+        let of = |c: &Campaign, by: Criterion| {
+            let found = choose(c, by).expect("chooses");
             found.warnings.iter().for_each(|w| eprintln!("{}, {} runs: {w}", c.name, c.runs.len()));
             found
         };
-        Draw { all: of(&c), alone: alone.then(|| [of(&only(&c, &[0])), of(&only(&c, &[1]))]) }
+        let one = |run: usize| of(&only(&c, &[run]), Criterion::Subset);
+        Draw { all: of(&c, taken), alone: alone.then(|| [one(0), one(1)]) }
     };
     seeds.into_par_iter().map(one).collect()
 }
@@ -200,27 +201,36 @@ fn exact(study: Study, draws: &[Draw], criterion: Criterion) -> usize {
     draws.iter().filter(right).count()
 }
 
-/// Every true term is tens of standard errors large; a spurious one enters a pool with probability 1 % at most (each candidate's
-/// own threshold is 1 % over the pool's size), so a campaign is wrong with 4 %: of 20 campaigns four or more in 1 % of such studies.
+/// Regression on whitened rows: a term too many enters a pool with a chance of 1 % (each candidate's own threshold is 1 % over the
+/// pool's size): of 80 pools four or more in 1 % of such studies. A true term can be mistaken for a rival that these runs hardly tell
+/// from it (roll damping linear or quadratic in a roll rate that hardly changes), never be missing without one.
 #[test]
 fn recover_structure_in_sensor_noise() {
     let study = Study::default();
     let found = draws(study, Criterion::Subset, false, 12_000..12_020);
-    let right = exact(study, &found, Criterion::Subset);
     eprintln!("{}", table(study, &found));
-    assert!(right >= 17, "{right} of 20");
-    // What it is for: on rows taken as white nearly every campaign has terms that are not there.
-    assert!(exact(study, &found, Criterion::WhitePse) <= 2);
+    let mut surplus = 0;
+    for d in &found {
+        for (coefficient, truth) in study.truth() {
+            let chosen = terms(&d.all, coefficient, Criterion::Subset).expect("chosen");
+            assert!(chosen.len() >= truth.len(), "{coefficient}: {chosen:?}");
+            surplus += usize::from(chosen.len() > truth.len());
+        }
+    }
+    assert!(surplus < 4, "{surplus} of 80");
+    // What it is for: on rows taken as white every campaign has terms that are not there.
+    assert_eq!(exact(study, &found, Criterion::WhitePse), 0);
 }
 
-/// In gusts: of three campaigns two or more are wrong in 0.5 % of such studies.
+/// The likelihood of trajectories, without gusts and in them: a campaign is wrong with 4 %, two or more of three in 0.5 % of such studies.
 #[test]
-fn recover_structure_in_gusts() {
-    let study = Study { rms_m_s: 0.1, ..Study::default() };
-    let found = draws(study, Criterion::Likelihood, false, 12_000..12_003);
-    eprintln!("{}", table(study, &found));
-    let right = exact(study, &found, Criterion::Likelihood);
-    assert!(right >= 2, "{right} of 3");
+fn recover_structure_by_likelihood() {
+    for rms_m_s in [0.0, 0.1] {
+        let study = Study { rms_m_s, ..Study::default() };
+        let found = draws(study, Criterion::Likelihood, false, 12_000..12_003);
+        let right = exact(study, &found, Criterion::Likelihood);
+        assert!(right >= 2, "{study:?}: {right} of 3\n{}", table(study, &found));
+    }
 }
 
 /// A bump that takes most of the damping away within 6 deg: found, and its width and strength inside 3.3 standard errors (six numbers:
@@ -251,8 +261,11 @@ fn study_of_structure() {
     let planted = number("WINDFALL_PLANTED").is_some_and(|l| l != 0.0);
     for rms_m_s in number("WINDFALL_RMS").map_or(vec![0.0, 0.1], |r| vec![r]) {
         let study = Study { rms_m_s, planted, bump: None };
-        let found = draws(study, Criterion::Likelihood, !planted, 11_000..11_000 + count);
-        eprintln!("{study:?}, {count} campaigns\n\n{}", table(study, &found));
+        let mut found = Vec::new();
+        for from in (0..count).step_by(8) {
+            found.extend(draws(study, Criterion::Likelihood, !planted, 11_000 + from..11_000 + count.min(from + 8)));
+            eprintln!("{study:?}, {} campaigns\n\n{}", found.len(), table(study, &found));
+        }
         for criterion in Criterion::ALL {
             eprintln!("{}: all coefficients exact in {}", criterion.name(), exact(study, &found, criterion));
         }

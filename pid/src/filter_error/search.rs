@@ -66,13 +66,13 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
     Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability })
 }
 
+/// Columns and response of one run.
+pub(crate) type Linear = (DMatrix<f64>, DVector<f64>);
+
 /// Innovations of every run about the likeliest point, as a regression on the parameters of a wider structure: over their standard
 /// deviation, rows of unit variance, white at the truth. Response and columns such that a parameter's least-squares estimate is its value
 /// itself; the second number is that of the point.
-pub(crate) fn linearised(
-    campaign: &Campaign,
-    wide: &windfall_model::Aero,
-) -> Result<Vec<(DMatrix<f64>, DVector<f64>)>, PidError> {
+pub(crate) fn linearised(campaign: &Campaign, wide: &windfall_model::Aero) -> Result<Vec<Linear>, PidError> {
     let options = Options { combined_only: true, ..Options::default() };
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;

@@ -6,14 +6,18 @@
 //! from all candidates together, so that a missing term is not taken for noise. A spurious column then gains a χ² of one degree
 //! of freedom, whatever the colour, and criteria err as often as their theory says.
 
+mod criterion;
 mod data;
 mod likely;
 mod pool;
 mod select;
 mod shape;
+#[cfg(test)]
+mod tests;
 
+pub use criterion::Criterion;
 pub use pool::{Candidate, Pool, Symmetry, pools};
-pub use select::{Criterion, FAMILY_ERROR};
+pub use select::FAMILY_ERROR;
 pub use shape::{ShapeFit, ShapeSearch, Shaped};
 
 use crate::PidError;
