@@ -21,6 +21,11 @@ pub(crate) enum Command {
     Simulate(SimulateArgs),
     /// Estimate parameters with intervals; each kind of run alone and combined
     Identify(IdentifyArgs),
+    /// Which aerodynamic terms the runs carry, whatever is declared; a structure file to declare them
+    ///
+    /// Candidates are what the body's symmetry admits. Of all their subsets that is taken which the likelihood of the runs pays for, each
+    /// spurious candidate entering by a stated chance.
+    Structure(StructureArgs),
     /// How much more tunnel time, from which release angle, brings a parameter's error where it is wanted
     Plan(PlanArgs),
     /// Fly the identified model against each run
@@ -53,6 +58,7 @@ impl Command {
         match self {
             Self::Simulate(a) => Some(&a.common),
             Self::Identify(a) => Some(&a.common),
+            Self::Structure(a) => Some(&a.common),
             Self::Plan(a) => Some(&a.common),
             Self::Resimulate(a) => Some(&a.common),
             Self::Close(a) => Some(&a.common),
@@ -127,6 +133,30 @@ pub(crate) struct IdentifyArgs {
     /// again; scatter over stated error is known to 1/√(2N)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
     pub(crate) bootstrap: Option<u16>,
+    /// Hold a parameter: it is not estimated but kept at this value (Cl_0=0.0125); may be repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::knowledge::hold)]
+    pub(crate) hold: Vec<windfall_pid::Held>,
+    /// Tie a parameter to another: both are one unknown (Cn_1=Cm_1: pitch and yaw damping shared); methods that integrate; may be
+    /// repeated
+    #[arg(long, value_name = "NAME=NAME", value_parser = crate::knowledge::tie)]
+    pub(crate) tie: Vec<crate::knowledge::Tie>,
+    /// What is known of a parameter beforehand: mean and standard deviation (Cl_p=-5.7±0.3 or Cl_p=-5.7:0.3); methods that integrate;
+    /// may be repeated
+    #[arg(long, value_name = "NAME=MEAN±STD", value_parser = crate::knowledge::prior)]
+    pub(crate) prior: Vec<windfall_pid::output_error::Prior>,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+/// `structure`.
+#[derive(Args, Debug)]
+pub(crate) struct StructureArgs {
+    /// Campaign file (.toml)
+    pub(crate) campaign: PathBuf,
+    /// By which terms are chosen: likelihood (trajectories and gusts), subset or f or agreed (regression, residuals of any colour), bic,
+    /// pse, press, cross-validation; white-f and white-pse take residuals as white
+    #[arg(long, value_name = "NAME", default_value = "likelihood", value_parser = crate::structure::criterion)]
+    pub(crate) criterion: windfall_pid::structure::Criterion,
     #[command(flatten)]
     pub(crate) common: Common,
 }

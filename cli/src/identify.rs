@@ -1,12 +1,12 @@
 //! cli: `windfall identify`. In: a campaign. Out: a table of parameters, and `identification.json`.
 
 use crate::args::{IdentifyArgs, MethodWord};
+use crate::knowledge;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
 use windfall_model::Campaign;
 use windfall_pid::bands::add_curves;
 use windfall_pid::compatibility::{Compatibility, pressure};
-use windfall_pid::output_error::Options;
 use windfall_pid::{
     DataSet, Identifiability, Identification, Method, filter_error, identifiability, identify, identify_chosen, output_error,
 };
@@ -17,8 +17,9 @@ use windfall_verify::{Bootstrap, bootstrap};
 pub(crate) const FILE: &str = "identification.json";
 
 pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
-    let (campaign, notes) = read_campaign_with_warnings(&args.campaign)?;
+    let (mut campaign, notes) = read_campaign_with_warnings(&args.campaign)?;
     notes.iter().for_each(|n| session.warn(n));
+    let options = knowledge::options(args, &mut campaign)?;
     let folder = session.outputs(&[FILE.to_owned()])?;
     let method = args.method.map(|word| match word {
         MethodWord::Thesis => Method::Thesis,
@@ -27,15 +28,15 @@ pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool
         MethodWord::FilterError => Method::FilterError,
     });
     let spinner = session.spinner("identifying");
-    let options = Options { combined_only: args.combined, compatibility: true, ..Options::default() };
     let found = session.pool()?.install(|| match method {
         Some(Method::OutputError) => output_error::identify(&campaign, &options),
         Some(Method::FilterError) => filter_error::identify(&campaign, &options),
-        Some(method) => identify(&campaign, method),
+        Some(method) => knowledge::none(&options, method).and_then(|()| identify(&campaign, method)),
         None => identify_chosen(&campaign, &options),
     });
     spinner.finish_and_clear();
     let mut found = found.map_err(Failure::of_identification)?;
+    found.data_sets.iter_mut().for_each(|d| d.held.clone_from(&args.hold));
     if found.identifiability.is_none() {
         // A plant that cannot be integrated has none.
         found.identifiability = session.pool()?.install(|| identifiability(&campaign, &options)).ok();
@@ -159,6 +160,9 @@ fn data_set(text: &mut String, d: &DataSet) {
             "{:<11}{:<16}{:>14.6}{:>12.3e}{:>10.3}   {interval:<28}{:>12.3e}",
             p.coefficient, p.name, p.estimate, p.std_error, p.rse_percent, p.std_error_white
         );
+    }
+    for h in &d.held {
+        let _ = writeln!(text, "{:<11}{:<16}{:>14.6}   held", "", h.name, h.value);
     }
     for f in &d.fits {
         let _ = writeln!(

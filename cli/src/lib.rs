@@ -11,11 +11,13 @@ mod close_statistics;
 mod flights;
 mod identify;
 mod interrupt;
+mod knowledge;
 mod plan;
 mod report;
 mod resimulate;
 mod session;
 mod simulate;
+mod structure;
 mod study;
 mod verify;
 
@@ -66,6 +68,7 @@ fn dispatch(command: &Command, session: &mut Session<'_>) -> Result<bool, Failur
     match command {
         Command::Simulate(a) => simulate::run(a, session),
         Command::Identify(a) => identify::run(a, session),
+        Command::Structure(a) => structure::run(a, session),
         Command::Plan(a) => plan::run(a, session),
         Command::Resimulate(a) => resimulate::run(a, session),
         Command::Close(a) => close::run(a, session),

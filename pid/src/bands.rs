@@ -189,6 +189,7 @@ mod tests {
                 vec![0.0, 0.0, -0.2, 9.0],
             ],
             curves: Vec::new(),
+            held: Vec::new(),
         };
         let all = curves(&Structure::axisymmetric(), &set, 0.4);
         assert_eq!(all.iter().map(|c| c.quantity.as_str()).collect::<Vec<_>>(), ["C_m", "C_m damping"]);

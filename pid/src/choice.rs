@@ -20,7 +20,11 @@ pub fn identify_chosen(campaign: &Campaign, options: &Options) -> Result<Identif
     let first = match output_error::identify(campaign, options) {
         Ok(found) if left(&found).is_empty() => return Ok(because(found, "its residual is noise in every channel".to_owned())),
         Err(PidError::NotIntegrable { what }) => {
-            return equation_error(campaign, format!("the plant has {what}, which the methods that integrate leave out"));
+            return equation_error(
+                campaign,
+                options,
+                format!("the plant has {what}, which the methods that integrate leave out"),
+            );
         }
         Err(e) if !searched(&e) => return Err(e),
         other => other,
@@ -41,7 +45,8 @@ pub fn identify_chosen(campaign: &Campaign, options: &Options) -> Result<Identif
         (Err(e), Ok(second)) => Ok(by_filter(&e.to_string(), second)),
         (Err(_), Err(e)) if !searched(&e) => Err(e),
         (Err(one), Err(other)) => {
-            let mut found = equation_error(campaign, "no trajectory of the declared model follows these runs".to_owned())?;
+            let mut found =
+                equation_error(campaign, options, "no trajectory of the declared model follows these runs".to_owned())?;
             found.warnings.push(format!(
                 "the residual is not noise: the declared model lacks something that output error ({one}) and filter error ({other}) \
                  cannot make up for; intervals say nothing of bias: try windfall close"
@@ -51,7 +56,10 @@ pub fn identify_chosen(campaign: &Campaign, options: &Options) -> Result<Identif
     }
 }
 
-fn equation_error(campaign: &Campaign, reason: String) -> Result<Identification, PidError> {
+fn equation_error(campaign: &Campaign, options: &Options, reason: String) -> Result<Identification, PidError> {
+    if !(options.handling.is_empty() && options.priors.is_empty()) {
+        return Err(PidError::NoPlace { method: Method::EquationError.name() });
+    }
     Ok(because(identify_with(campaign, Method::EquationError, &Method::EquationError.smoother())?, reason))
 }
 

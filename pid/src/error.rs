@@ -101,6 +101,15 @@ pub enum PidError {
         /// What it has.
         what: &'static str,
     },
+    /// Knowledge that binds parameters together, or one beforehand, given to a method that regresses each coefficient by itself.
+    #[error(
+        "method {method} regresses each coefficient by itself and has no place for ties and priors: use --method output-error or \
+         filter-error (values can be held)"
+    )]
+    NoPlace {
+        /// Method.
+        method: &'static str,
+    },
     /// A setting names something that is not there.
     #[error("{what}: {name}: name a declared parameter of the structure")]
     Unknown {

@@ -52,6 +52,18 @@ pub struct DataSet {
     /// Coefficients over the angle, with bands; empty until [`crate::bands::add_curves`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<Curve>,
+    /// Parameters that were not estimated but held, and where.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub held: Vec<Held>,
+}
+
+/// A parameter held at a value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Held {
+    /// Parameter name.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
 }
 
 /// One parameter's estimate. Dimensionless.
@@ -116,14 +128,20 @@ impl DataSet {
         Some(&share * own * share.transpose())
     }
     /// Values for a structure's parameters: where two coefficients give one parameter (the static moment, from C_m and C_n), the
-    /// mean weighted by inverse variance; `otherwise` where there is no estimate.
+    /// mean weighted by inverse variance; where it was held, that value; else `otherwise`.
     ///
     /// # Panics
     /// When `otherwise` does not have one value per parameter of the structure.
     #[must_use]
     pub fn values(&self, structure: &Structure, otherwise: &[f64]) -> Vec<f64> {
         assert_eq!(otherwise.len(), structure.parameters.len(), "one value per parameter");
-        structure.parameters.iter().zip(otherwise).map(|(name, &o)| self.value(name).unwrap_or(o)).collect()
+        let held = |name: &str| self.held.iter().find(|h| h.name == name).map(|h| h.value);
+        structure
+            .parameters
+            .iter()
+            .zip(otherwise)
+            .map(|(name, &o)| self.value(name).or_else(|| held(name)).unwrap_or(o))
+            .collect()
     }
     /// Value of one parameter, over all coefficients that give it.
     #[must_use]

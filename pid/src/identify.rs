@@ -93,17 +93,7 @@ pub fn identify(campaign: &Campaign, method: Method) -> Result<Identification, P
 /// # Errors
 /// As [`identify`].
 pub fn identify_with(campaign: &Campaign, method: Method, smoother: &Smoother) -> Result<Identification, PidError> {
-    let mut runs = Vec::new();
-    for (i, run) in campaign.runs.iter().enumerate().filter(|(_, r)| r.used == Use::Identify) {
-        let Data::Tunnel(record) = &run.data else {
-            return Err(PidError::PointMass { campaign: campaign.name.clone(), run: run.name.clone() });
-        };
-        let plant = campaign.plant_for(&campaign.plant, i);
-        runs.push(process(&run.name, &run.kind, record, &plant, smoother)?);
-    }
-    if runs.is_empty() {
-        return Err(PidError::NoRuns { campaign: campaign.name.clone() });
-    }
+    let runs = processed(campaign, smoother)?;
     let mut planner = RealFftPlanner::new();
     let prepared: Vec<Group> = groups(&campaign.plant, &campaign.declared)
         .into_iter()
@@ -124,6 +114,22 @@ pub fn identify_with(campaign: &Campaign, method: Method, smoother: &Smoother) -
         identifiability: None,
         compatibility: None,
     })
+}
+
+/// Every run to identify on, ready for regression.
+pub(crate) fn processed(campaign: &Campaign, smoother: &Smoother) -> Result<Vec<RunRows>, PidError> {
+    let mut runs = Vec::new();
+    for (i, run) in campaign.runs.iter().enumerate().filter(|(_, r)| r.used == Use::Identify) {
+        let Data::Tunnel(record) = &run.data else {
+            return Err(PidError::PointMass { campaign: campaign.name.clone(), run: run.name.clone() });
+        };
+        let plant = campaign.plant_for(&campaign.plant, i);
+        runs.push(process(&run.name, &run.kind, record, &plant, smoother)?);
+    }
+    if runs.is_empty() {
+        return Err(PidError::NoRuns { campaign: campaign.name.clone() });
+    }
+    Ok(runs)
 }
 
 /// Indices of runs: each kind in order of appearance, then all.
@@ -210,6 +216,7 @@ impl<'a> DataSetWork<'a> {
             n_samples: self.members.iter().map(|&i| self.runs[i].rows.len()).sum(),
             covariance: Vec::new(),
             curves: Vec::new(),
+            held: Vec::new(),
         };
         for group in groups {
             if let Some((columns, fit)) = self.regress(group, warnings)? {
@@ -314,7 +321,7 @@ fn run_series(group: &Group, run: &RunRows, campaign: &Campaign, method: Method)
 
 /// Cosines up to the bandwidth of the smoothing: beyond it the rows carry nothing.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive number, clamped to the samples")]
-fn cosines(run: &RunRows) -> usize {
+pub(crate) fn cosines(run: &RunRows) -> usize {
     let n = run.rows.len();
     ((2.0 * run.interval_s * n as f64 * run.bandwidth_hz) as usize).clamp(1, n)
 }
@@ -324,7 +331,7 @@ fn cosines(run: &RunRows) -> usize {
 const FADE_PERIODS: f64 = 3.0;
 
 /// Row factors of a run, faded in and out as sin².
-fn faded(run: &RunRows) -> Vec<f64> {
+pub(crate) fn faded(run: &RunRows) -> Vec<f64> {
     let n = run.rows.len();
     let fade = (FADE_PERIODS / (run.bandwidth_hz * run.interval_s)).min(0.5 * n as f64);
     let factor = |i: usize| ((i.min(n - 1 - i) as f64 + 0.5) / fade).min(1.0);

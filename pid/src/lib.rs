@@ -18,8 +18,10 @@ mod instrument;
 pub mod output_error;
 pub mod plan;
 pub mod regress;
+pub mod simplex;
 pub mod smooth;
 pub mod states;
+pub mod structure;
 pub mod tether_fit;
 pub mod window;
 
@@ -27,5 +29,5 @@ pub use angles::{Angles, rates_and_angles};
 pub use choice::identify_chosen;
 pub use error::PidError;
 pub use identifiability::{Correlation, Identifiability, identifiability};
-pub use identification::{CoefficientFit, DataSet, Estimate, Identification};
+pub use identification::{CoefficientFit, DataSet, Estimate, Held, Identification};
 pub use identify::{Method, RunRows, estimated, identify, identify_with, process};

@@ -116,6 +116,22 @@ impl Prepared {
         };
         Self { series, cosines }
     }
+    /// Columns and response as cosine amplitudes.
+    pub(crate) fn amplitudes(&self) -> Option<(DMatrix<f64>, DVector<f64>)> {
+        self.cosines.as_ref().map(|c| spectral::whitened(c, &vec![1.0; c.len()]))
+    }
+}
+
+/// Spectra of the residuals that these columns leave in prepared series with [`Colour::Weighted`] residuals.
+pub(crate) fn spectra(prepared: &[&Prepared], columns: &[usize]) -> Option<Vec<Vec<f64>>> {
+    let cosines: Option<Vec<_>> = prepared.iter().map(|p| p.cosines.as_ref()).collect();
+    spectral::spectra(&cosines?, columns)
+}
+
+/// A prepared series' columns and response as cosine amplitudes over the root of their spectrum: residuals of unit variance,
+/// nearly independent.
+pub(crate) fn whitened(prepared: &Prepared, spectrum: &[f64]) -> Option<(DMatrix<f64>, DVector<f64>)> {
+    prepared.cosines.as_ref().map(|c| spectral::whitened(c, spectrum))
 }
 
 /// Least squares on some columns of prepared series.

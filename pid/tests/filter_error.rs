@@ -3,7 +3,7 @@
 mod common;
 
 use common::{campaign, truth};
-use windfall_pid::output_error::Options;
+use windfall_pid::output_error::{Handling, Options, Prior};
 use windfall_pid::{DataSet, filter_error};
 
 const COMBINED: Options = Options {
@@ -67,4 +67,28 @@ fn law_what_no_gust_explains_ends_with_random_moments() {
     assert!(across.ci95[0] > 0.0, "{across:?}");
     assert!(warnings.iter().any(|w| w.contains("random moments")), "{warnings:?}");
     assert!(warnings.iter().any(|w| w.contains("not noise")), "{warnings:?}");
+}
+
+/// In gusts too, tied parameters are one unknown that is told better than either, and a prior much narrower than the data decides.
+#[test]
+fn law_ties_and_priors_in_turbulence() {
+    let Some((free, _)) = combined("law_ties_and_priors_in_turbulence", "open-03") else { return };
+    let Some(c) = campaign("law_ties_and_priors_in_turbulence", "open-03") else { return };
+    let (mean, std) = free.get("CN", "CN_sin").map(|p| (p.estimate + p.std_error, 0.01 * p.std_error)).expect("free");
+    let options = Options {
+        handling: vec![("Cn_1".to_owned(), Handling::Tied { to: "Cm_1".to_owned() })],
+        priors: vec![Prior { name: "CN_sin".to_owned(), mean, std }],
+        ..COMBINED
+    };
+    let found = filter_error::identify(&c, &options).expect("identifies");
+    let of = |set: &DataSet, c: &str, n: &str| set.get(c, n).map(|p| (p.estimate, p.std_error)).expect("estimated");
+    let set = found.data_set("combined").expect("there is one");
+    let (tied, one, other) = (of(set, "Cm", "Cm_1"), of(&free, "Cm", "Cm_1"), of(&free, "Cn", "Cn_1"));
+    assert_eq!(tied, of(set, "Cn", "Cn_1"));
+    let expected = (one.1.powi(-2) + other.1.powi(-2)).sqrt().recip();
+    // Correlation with the gusts' size and with what both share.
+    assert!((tied.1 / expected - 1.0).abs() < 0.15, "{tied:?} {expected}");
+    let pinned = of(set, "CN", "CN_sin");
+    // A hundredth of a standard error to the prior, less than a hundredth of that from it.
+    assert!((pinned.0 - mean).abs() < 0.1 * std && pinned.1 < 1.001 * std, "{pinned:?} {mean} {std}");
 }

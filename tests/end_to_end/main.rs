@@ -3,6 +3,8 @@
 mod arrows;
 mod capsule;
 mod commands;
+mod knowledge;
 mod loop_closes;
 mod plan;
 mod program;
+mod structure;

@@ -12,7 +12,6 @@ mod ensemble;
 mod hypothesis;
 mod judge;
 mod search;
-mod simplex;
 mod table;
 
 pub use search::close_statistics;

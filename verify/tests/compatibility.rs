@@ -1,6 +1,8 @@
 //! verify tests: are instruments that lie found out, with true intervals? Errors of known size are planted by the simulator's
 //! instruments (what these do not have is put into the record), on campaigns with sensor noise; and campaigns without any.
 
+#![expect(clippy::print_stdout, reason = "a study prints its table")]
+
 use rayon::prelude::*;
 use std::fmt::Write as _;
 use windfall_model::frames::{Body, Rotation, Tunnel, Vec3};

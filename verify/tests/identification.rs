@@ -2,6 +2,8 @@
 //! against the Cramér-Rao bound, coverage of their intervals; beside them equation error and the thesis' method on the same data.
 //! The long studies write the tables of docs/studies/identification.md.
 
+#![expect(clippy::print_stdout, reason = "a study prints its table")]
+
 use rayon::prelude::*;
 use std::fmt::Write as _;
 use windfall_model::{Campaign, Data, Flight, Run, Scenario, Turbulence, Use};

@@ -31,7 +31,7 @@ pub(super) fn log_likelihood2(filters: &[Filter<'_, '_>], point: &Point, work: &
     for filter in filters {
         sum += filter.run(&point.random(), &without, work)?.pass.log_likelihood2();
     }
-    Some(sum).filter(|s| s.is_finite())
+    Some(sum - point.unknowns.prior_misfit()).filter(|s| s.is_finite())
 }
 
 /// Inverse by Cholesky of the matrix scaled to unit diagonal, or the column that spoils it.
@@ -69,6 +69,11 @@ pub(super) fn local(filters: &[Filter<'_, '_>], point: &Point, work: &mut Transi
             *varied = Some(pass);
         }
         out.add(&seen, &varied, free);
+    }
+    for (column, off, std) in point.unknowns.priors() {
+        out.log_likelihood2 -= (off / std).powi(2);
+        out.score[column] += off / (std * std);
+        out.information[(column, column)] += std.powi(-2);
     }
     for k in 2..4 {
         let off = point.random[k] - START_SCALE_M.ln();

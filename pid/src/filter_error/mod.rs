@@ -13,11 +13,13 @@
 
 mod filter;
 mod likelihood;
+mod linear;
 mod point;
 mod report;
 mod search;
 
 pub(crate) use filter::{Filter, Random};
+pub(crate) use linear::linearised;
 pub(crate) use report::{PROCESS_NOISE, TURBULENCE};
 pub use search::identify;
 pub(crate) use search::{NONE_M_S, START_SCALE_M};

@@ -100,6 +100,7 @@ pub(super) fn data_set(
         fits,
         condition_number: (eigen.max() / eigen.min().max(f64::MIN_POSITIVE)).sqrt(),
         n_samples: filters.iter().map(|f| f.run.record.len()).sum(),
+        held: Vec::new(),
     }
 }
 

@@ -62,25 +62,14 @@ const SETTLED_TOGETHER: f64 = 0.1;
 pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification, PidError> {
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;
-    let mut unknowns = Unknowns::new(campaign, options)?;
-    // Regression gives where to start; where it cannot, the declared values do.
-    if let Ok(first) = crate::identify::identify_with(campaign, crate::Method::EquationError, &crate::smooth::Smoother::Auto)
-        && let Some(set) = first.data_set("combined")
-    {
-        unknowns.start(&set.values(&campaign.plant.aero.structure, &unknowns.parameters));
-    }
+    let unknowns = started(campaign, options)?;
     let identifiability = if unknowns.free() > 0 { of_runs(&runs, &unknowns) } else { None };
     let mut warnings = Vec::new();
     let mut data_sets = Vec::new();
     let all: Vec<usize> = (0..runs.len()).collect();
     let mut solve = |name: &str, members: &[usize], begin: Begin| -> Result<(DataSet, Point), PidError> {
         let mut search = Search::new(&runs, members, options);
-        let found = search.find(begin).map_err(|reason| PidError::NoAnswer {
-            campaign: campaign.name.clone(),
-            set: name.to_owned(),
-            method: METHOD,
-            reason: reason.words(),
-        })?;
+        let found = search.find(begin).map_err(|end| end.of(campaign, name))?;
         let set = data_set(campaign, name, &search.filters, &found.point, &found.local, &found.covariance, &mut warnings);
         Ok((set, found.point))
     };
@@ -97,8 +86,19 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
     Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability, compatibility: None })
 }
 
+/// Unknowns where regression says; where it cannot, at the declared values.
+pub(super) fn started(campaign: &Campaign, options: &Options) -> Result<Unknowns, PidError> {
+    let mut unknowns = Unknowns::new(campaign, options)?;
+    if let Ok(first) = crate::identify::identify_with(campaign, crate::Method::EquationError, &crate::smooth::Smoother::Auto)
+        && let Some(set) = first.data_set("combined")
+    {
+        unknowns.start(&set.values(&campaign.plant.aero.structure, &unknowns.parameters));
+    }
+    Ok(unknowns)
+}
+
 /// Where a search begins.
-enum Begin {
+pub(super) enum Begin {
     /// Parameters alone.
     From(Unknowns),
     /// What other runs gave.
@@ -107,7 +107,7 @@ enum Begin {
 
 /// Why a search ended without an answer.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum End {
+pub(super) enum End {
     Stopped(StopReason),
     Unexcited,
     /// The scale of a gust left its range.
@@ -115,6 +115,10 @@ enum End {
 }
 
 impl End {
+    /// As an error of a data set.
+    pub(super) fn of(self, campaign: &Campaign, set: &str) -> PidError {
+        PidError::NoAnswer { campaign: campaign.name.clone(), set: set.to_owned(), method: METHOD, reason: self.words() }
+    }
     const fn words(self) -> &'static str {
         match self {
             Self::Stopped(StopReason::NoDescent) => {
@@ -133,28 +137,32 @@ impl End {
     }
 }
 
+/// Noise of each channel, root mean square over runs.
+pub(super) fn noise_of(runs: &[&Run<'_>]) -> [f64; CHANNELS] {
+    std::array::from_fn(|c| (runs.iter().map(|r| r.noise_std[c].powi(2)).sum::<f64>() / runs.len() as f64).sqrt().max(1e-9))
+}
+
 /// Where a search ended.
-struct Found {
-    point: Point,
+pub(super) struct Found {
+    pub(super) point: Point,
     local: Local,
     covariance: DMatrix<f64>,
 }
 
-struct Search<'r, 'a> {
+pub(super) struct Search<'r, 'a> {
     filters: Vec<Filter<'r, 'a>>,
     work: Transition,
     iterations: usize,
 }
 
 impl<'r, 'a> Search<'r, 'a> {
-    fn new(runs: &'r [Run<'a>], members: &[usize], options: &Options) -> Self {
-        let mean = |c: usize| members.iter().map(|&i| runs[i].noise_std[c].powi(2)).sum::<f64>() / members.len() as f64;
-        let noise: [f64; CHANNELS] = std::array::from_fn(|c| mean(c).sqrt().max(1e-9));
+    pub(super) fn new(runs: &'r [Run<'a>], members: &[usize], options: &Options) -> Self {
+        let noise = noise_of(&members.iter().map(|&i| &runs[i]).collect::<Vec<_>>());
         let filters = members.iter().map(|&i| Filter::new(&runs[i], noise)).collect();
         Self { filters, work: Transition::default(), iterations: options.iterations }
     }
 
-    fn find(&mut self, begin: Begin) -> Result<Found, End> {
+    pub(super) fn find(&mut self, begin: Begin) -> Result<Found, End> {
         let mut start = match begin {
             Begin::Near(point) => return self.near(point),
             Begin::From(unknowns) => Point::new(unknowns, START_SIZE_M_S),

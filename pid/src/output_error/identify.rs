@@ -157,6 +157,7 @@ impl SetWork<'_, '_> {
             fits: fits.into_iter().map(fit).collect(),
             condition_number: solved.solution.condition,
             n_samples: runs.iter().map(|r| r.record.len()).sum(),
+            held: Vec::new(),
         }
     }
 }

@@ -140,13 +140,21 @@ pub(crate) struct Unknowns {
 
 impl Unknowns {
     /// # Errors
-    /// [`PidError::Unknown`] for a name the structure does not have, a tie to a parameter that is not free, or a prior without width.
+    /// [`PidError::Unknown`] for a name the structure does not have, a tie of or to a parameter that is not free, what is
+    /// held or tied twice, or a prior without width.
     pub(crate) fn new(campaign: &Campaign, options: &Options) -> Result<Self, PidError> {
         let structure = &campaign.plant.aero.structure;
         let count = structure.parameters.len();
         let (mut held, mut tied) = (vec![false; count], vec![None; count]);
         for (name, handling) in &options.handling {
             let i = index(structure, name)?;
+            let fault = |what| Err(PidError::Unknown { what, name: name.clone() });
+            if held[i] || tied[i].is_some() {
+                return fault("held or tied more than once");
+            }
+            if !campaign.declared[i] && matches!(handling, Handling::Tied { .. }) {
+                return fault("tie of a parameter that is not declared or is held");
+            }
             match handling {
                 Handling::Held => held[i] = true,
                 Handling::Tied { to } => tied[i] = Some(index(structure, to)?),
@@ -236,11 +244,13 @@ impl Unknowns {
         all.filter_map(|(c, v)| c.map(|c| (c, *v))).for_each(|(c, v)| values[c] = v);
         values
     }
-    /// Free parameters start from these values.
+    /// Free parameters start from these values; tied ones from that of the first of them.
     pub(crate) fn start(&mut self, values: &[f64]) {
-        for (i, column) in self.columns.iter().enumerate() {
-            if column.is_some() && values[i].is_finite() {
-                self.parameters[i] = values[i];
+        for column in 0..self.free() {
+            let mine = |c: &Option<usize>| *c == Some(column);
+            let first = self.columns.iter().position(mine).map(|i| values[i]).filter(|v| v.is_finite());
+            if let Some(value) = first {
+                self.parameters.iter_mut().zip(&self.columns).filter(|(_, c)| mine(c)).for_each(|(p, _)| *p = value);
             }
         }
     }
@@ -251,9 +261,14 @@ impl Unknowns {
         own.chain(errors).for_each(|(v, c)| *v += c.map_or(0.0, |c| fraction * step[c]));
         moved
     }
-    fn prior_misfit(&self) -> f64 {
+    /// Column of each prior, distance of its mean from here, and standard deviation.
+    pub(crate) fn priors(&self) -> impl Iterator<Item = (usize, f64, f64)> {
         let values = self.values();
-        self.priors.iter().map(|(c, mean, std)| ((values[*c] - mean) / std).powi(2)).sum()
+        self.priors.iter().map(move |(c, mean, std)| (*c, mean - values[*c], *std))
+    }
+    /// Twice the priors' part of the negative log-likelihood.
+    pub(crate) fn prior_misfit(&self) -> f64 {
+        self.priors().map(|(_, off, std)| (off / std).powi(2)).sum()
     }
 }
 
@@ -521,10 +536,9 @@ impl Normal {
             b.rows_mut(row, free + 1).copy_from(&l.information.column(free));
             row += free + 1;
         }
-        let values = unknowns.values();
-        for (column, mean, std) in &unknowns.priors {
-            a[(row, *column)] = 1.0 / std;
-            b[row] = (mean - values[*column]) / std;
+        for (column, off, std) in unknowns.priors() {
+            a[(row, column)] = 1.0 / std;
+            b[row] = off / std;
             row += 1;
         }
         let scale: Vec<f64> = a.column_iter().map(|c| c.norm()).collect();

@@ -119,6 +119,8 @@ pub(crate) fn coloured(runs: &[Run<'_>], solved: &Solved) -> Option<DMatrix<f64>
         let half = ((AVERAGE_HZ * length as f64 * run.interval_s).ceil() as usize).max(4);
         add_middle(&mut middle, &residual, &g, n, half);
     }
+    // What is known beforehand is not coloured.
+    solved.unknowns.priors().for_each(|(column, _, std)| middle[(column, column)] += std.powi(-2));
     let white = &solved.solution.covariance;
     let mut covariance = white * middle * white;
     // Colour can also make a sum more precise than white noise would; a model that is known to be wrong is given no credit for it.

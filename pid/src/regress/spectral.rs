@@ -21,6 +21,12 @@ pub(super) struct Cosines {
     response: Vec<f64>,
 }
 
+impl Cosines {
+    pub(super) fn len(&self) -> usize {
+        self.response.len()
+    }
+}
+
 /// The first `count` orthonormal cosine amplitudes (DCT-II) of a series' weighted rows, followed by a few zeros for a fast length.
 pub(super) fn cosines(s: &Series, count: usize, planner: &mut RealFftPlanner<f64>) -> Cosines {
     let n = fast_length(s.response.len());
@@ -52,13 +58,7 @@ const ROUNDS: usize = 3;
 
 /// Estimates, covariance and degrees of freedom; `None` when the cosines do not determine them.
 pub(super) fn weighted(series: &[&Cosines], columns: &[usize]) -> Option<Coloured> {
-    let mut spectra: Vec<Vec<f64>> = series.iter().map(|s| vec![1.0; s.response.len()]).collect();
-    let (mut estimate, mut bread) = solve(series, &spectra, columns)?;
-    for _ in 0..ROUNDS {
-        let next = |(s, old): (&&Cosines, &Vec<f64>)| spectrum(&freed(s, columns, &estimate, &bread, old));
-        spectra = series.iter().zip(&spectra).map(next).collect();
-        (estimate, bread) = solve(series, &spectra, columns)?;
-    }
+    let Settled { spectra, estimate, bread } = settle(series, columns)?;
     let rows: usize = series.iter().map(|s| s.response.len()).sum();
     let chi2: f64 = series
         .iter()
@@ -67,6 +67,37 @@ pub(super) fn weighted(series: &[&Cosines], columns: &[usize]) -> Option<Coloure
         .sum();
     let variance = chi2 / (rows - columns.len()) as f64;
     Some(Coloured { estimate, covariance: Some(bread * variance), freedom: rows as f64 })
+}
+
+/// Weights that the residuals themselves give, with the estimate that leaves them.
+struct Settled {
+    spectra: Vec<Vec<f64>>,
+    estimate: Vec<f64>,
+    bread: DMatrix<f64>,
+}
+
+fn settle(series: &[&Cosines], columns: &[usize]) -> Option<Settled> {
+    let mut spectra: Vec<Vec<f64>> = series.iter().map(|s| vec![1.0; s.response.len()]).collect();
+    let (mut estimate, mut bread) = solve(series, &spectra, columns)?;
+    for _ in 0..ROUNDS {
+        let next = |(s, old): (&&Cosines, &Vec<f64>)| spectrum(&freed(s, columns, &estimate, &bread, old));
+        spectra = series.iter().zip(&spectra).map(next).collect();
+        (estimate, bread) = solve(series, &spectra, columns)?;
+    }
+    Some(Settled { spectra, estimate, bread })
+}
+
+/// Spectra of the residuals that these columns leave, one variance for each amplitude of each series.
+pub(super) fn spectra(series: &[&Cosines], columns: &[usize]) -> Option<Vec<Vec<f64>>> {
+    settle(series, columns).map(|s| s.spectra)
+}
+
+/// All columns and the response of a series over the root of its spectrum.
+pub(super) fn whitened(s: &Cosines, spectrum: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
+    let weight: Vec<f64> = spectrum.iter().map(|v| v.sqrt().recip()).collect();
+    let n = weight.len();
+    let x = DMatrix::from_fn(n, s.regressors.len(), |k, c| weight[k] * s.regressors[c][k]);
+    (x, DVector::from_fn(n, |k, _| weight[k] * s.response[k]))
 }
 
 fn residual(s: &Cosines, columns: &[usize], estimate: &[f64]) -> Vec<f64> {

@@ -3,7 +3,6 @@
 use super::ensemble::{Rows, fly_runs, quantile, true_runs};
 use super::hypothesis::{Hypothesis, Place};
 use super::judge::{self, Spread, Tangent};
-use super::simplex;
 use super::table::conclusions;
 use super::{
     Estimated, Explanation, Figure, FigureOver, Screened, Separation, StatisticsClosing, StatisticsError, StatisticsOptions,
@@ -14,6 +13,7 @@ use std::cell::Cell;
 use std::ops::Range;
 use windfall_model::effects::Effect;
 use windfall_model::{Acts, CATALOGUE};
+use windfall_pid::simplex;
 
 /// First run number of the judgement: fresh chance, never seen by the search.
 const FINAL: u64 = 1_000_000;

@@ -181,6 +181,7 @@ fn set(parameters: Vec<Estimate>) -> DataSet {
         n_samples: 0,
         covariance: vec![],
         curves: vec![],
+        held: vec![],
     }
 }
 

@@ -1,7 +1,8 @@
-//! verify: downhill simplex (Nelder and Mead 1965) on the unit cube. In: a function and a start. Out: the best place met.
+//! pid: downhill simplex (Nelder and Mead 1965) on the unit cube. In: a function and a start. Out: the best place met.
 
 /// Smallest value found within `evaluations` calls, and where. Places outside the cube are drawn to its nearest face.
-pub(super) fn minimise(mut f: impl FnMut(&[f64]) -> f64, start: &[f64], reach: f64, evaluations: usize) -> (Vec<f64>, f64) {
+#[must_use]
+pub fn minimise(mut f: impl FnMut(&[f64]) -> f64, start: &[f64], reach: f64, evaluations: usize) -> (Vec<f64>, f64) {
     let n = start.len();
     let mut used = 0;
     let mut call = |x: &mut Vec<f64>| {

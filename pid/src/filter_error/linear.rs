@@ -1,0 +1,52 @@
+//! pid: filter error as a regression. In: a campaign, a wider structure. Out: whitened innovations about the likeliest point, linear in
+//! the wider structure's parameters.
+
+use super::filter::Filter;
+use super::search::{Begin, METHOD, Search, noise_of, started};
+use crate::PidError;
+use crate::equations::Transition;
+use crate::output_error::{Options, Run, StopReason, Unknowns, ready, run_plants};
+use nalgebra::{DMatrix, DVector};
+use windfall_model::{Aero, Campaign};
+
+/// Columns and response of one run.
+pub(crate) type Linear = (DMatrix<f64>, DVector<f64>);
+
+/// Innovations of every run about the likeliest point, as a regression on the parameters of a wider structure: over their standard
+/// deviation, rows of unit variance, white at the truth. Response and columns such that a parameter's least-squares estimate is its value
+/// itself; the second number is that of the point.
+pub(crate) fn linearised(campaign: &Campaign, wide: &Aero) -> Result<Vec<Linear>, PidError> {
+    let options = Options { combined_only: true, ..Options::default() };
+    let plants = run_plants(campaign)?;
+    let runs = ready(campaign, &plants)?;
+    let all: Vec<usize> = (0..runs.len()).collect();
+    let begin = Begin::From(started(campaign, &options)?);
+    let point = Search::new(&runs, &all, &options).find(begin).map_err(|end| end.of(campaign, "combined"))?.point;
+    let mut wider = campaign.clone();
+    wider.plant.aero = wide.clone();
+    wider.declared = vec![true; wide.values.len()];
+    for (i, name) in campaign.plant.aero.structure.parameters.iter().enumerate() {
+        if let Some(k) = wide.structure.index(name) {
+            wider.plant.aero.values[k] = point.unknowns.parameters[i];
+        }
+    }
+    let plants = run_plants(&wider)?;
+    let wide_runs = ready(&wider, &plants)?;
+    let unknowns = Unknowns::new(&wider, &options)?;
+    let (c, mut work) = (unknowns.columns(), Transition::default());
+    let noise = noise_of(&runs.iter().collect::<Vec<_>>());
+    let flown = |run: &Run<'_>| {
+        let seen = Filter::new(run, noise).run(&point.random(), &c, &mut work)?;
+        let weight: Vec<f64> = seen.pass.variance.iter().map(|v| v.sqrt().recip()).collect();
+        let x = DMatrix::from_fn(weight.len(), c.free, |row, j| seen.by_parameter[row * c.free + j] * weight[row]);
+        let innovation = DVector::from_fn(weight.len(), |row, _| seen.pass.innovation[row] * weight[row]);
+        let y = &x * DVector::from_column_slice(c.parameters) - innovation;
+        Some((x, y))
+    };
+    wide_runs.iter().map(flown).collect::<Option<_>>().ok_or_else(|| PidError::NoAnswer {
+        campaign: campaign.name.clone(),
+        set: "combined".to_owned(),
+        method: METHOD,
+        reason: StopReason::FlightFails.words(),
+    })
+}
