@@ -214,15 +214,11 @@ fn assert_true(title: &str, planted: &Planted, all: &[Compatibility]) {
     }
 }
 
-/// Everything planted at once is found with every interval true; nothing planted, nothing found.
+/// Nothing planted, nothing found, and every interval true.
 #[test]
-fn recover_planted_errors_of_instruments() {
-    let (title, all_at_once) = CASES[0];
-    let all = examine(&all_at_once, 0..10);
-    println!("{}", table(title, &all_at_once, &all));
-    assert_true(title, &all_at_once, &all);
-    assert!(all.iter().all(|c| c.verdict == Agreement::Inconsistent));
+fn recover_nothing_in_clean_campaigns() {
     let clean = examine(&NOTHING, 0..10);
+    assert!(clean.iter().all(|c| c.instruments.is_some()), "every search ends");
     assert_true("nothing", &NOTHING, &clean);
     // Two of ten at one in a hundred: one in 240.
     assert!(clean.iter().filter(|c| c.verdict == Agreement::Inconsistent).count() <= 1);
@@ -244,6 +240,7 @@ fn study_of_compatibility() {
         studied.push((title, planted, all));
     }
     for (title, planted, all) in &studied {
+        assert!(all.iter().all(|c| c.instruments.is_some()), "{title}: every search ends");
         assert_true(title, planted, all);
     }
 }
