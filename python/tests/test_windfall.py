@@ -138,7 +138,9 @@ def test_law_other_threads_run_meanwhile(tmp_path):
 
 def interrupted(script: str, begun) -> float:
     """Seconds from SIGINT to the end of a script that must end by KeyboardInterrupt; sent once `begun()` is true."""
-    child = subprocess.Popen([sys.executable, "-c", script], stderr=subprocess.PIPE, text=True)
+    # What runs in the background of a shell inherits a SIGINT that is ignored, and Python then leaves it so.
+    heed = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731
+    child = subprocess.Popen([sys.executable, "-c", script], stderr=subprocess.PIPE, text=True, preexec_fn=heed)
     while not begun(child):
         assert child.poll() is None, child.stderr.read()
         time.sleep(0.002)
