@@ -138,7 +138,7 @@ impl<'a> Craft<'a> {
         let (pull, pull_moment) = self.tether(&t, [px, py, pz], v, w, q_pa);
         let (hit, hit_moment) = self.contacts(air.t_s);
         let force = each(|k| aero[k] + pull[k] + hit[k]);
-        let mut a = times(&t, force.map(|f| f * (1.0 / vehicle.mass_kg)));
+        let mut a = times(&t, each(|k| force[k] * (1.0 / vehicle.mass_kg)));
         a[0] = a[0] + self.plant.environment.gravity_m_s2;
         // Moments, the wind-angle rates now known (B.49-B.50, B.8-B.10 and B.62-B.66).
         if self.terms.needs_rates() {
@@ -221,7 +221,8 @@ impl<'a> Craft<'a> {
         }
         let size = pull * per_length;
         let force = each(|k| line[k] * size);
-        (force, crossed_by(force, arm).map(|m| -m))
+        let moment = crossed_by(force, arm);
+        (force, each(|k| -moment[k]))
     }
 
     fn contacts(&self, t_s: f64) -> ([f64; 3], [f64; 3]) {
@@ -246,9 +247,14 @@ pub(crate) struct WindShape<S> {
     pub(crate) rate: [S; 3],
 }
 
+/// Three components. A loop around one call: the compiler inlines that, and not three calls or those of the standard library.
 #[inline(always)]
-pub(crate) fn each<S>(f: impl FnMut(usize) -> S) -> [S; 3] {
-    [0, 1, 2].map(f)
+pub(crate) fn each<S: Copy + Default>(mut f: impl FnMut(usize) -> S) -> [S; 3] {
+    let mut all = [S::default(); 3];
+    for (k, one) in all.iter_mut().enumerate() {
+        *one = f(k);
+    }
+    all
 }
 
 /// Eqs B.49 and B.50 into the two damping variables.

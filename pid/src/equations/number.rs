@@ -8,6 +8,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 /// What the equations of motion are written in: plain numbers, or numbers with derivatives.
 pub(crate) trait Number:
     Copy
+    + Default
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>
@@ -72,17 +73,28 @@ pub(crate) trait Number:
 }
 
 impl Number for f64 {
+    #[inline(always)]
     fn real(value: f64) -> Self {
         value
     }
+    #[inline(always)]
     fn value(self) -> f64 {
         self
     }
+    #[inline(always)]
     fn chain(self, value: f64, _: f64) -> Self {
         value
     }
+    #[inline(always)]
     fn chain2(self, _: Self, value: f64, _: [f64; 2]) -> Self {
         value
+    }
+}
+
+impl<const N: usize> Default for Dual<N> {
+    #[inline(always)]
+    fn default() -> Self {
+        Self::real(0.0)
     }
 }
 
@@ -95,6 +107,7 @@ pub(crate) struct Dual<const N: usize> {
 
 impl<const N: usize> Dual<N> {
     /// The variable of direction `direction`.
+    #[inline(always)]
     pub(crate) fn variable(value: f64, direction: usize) -> Self {
         let mut slopes = [0.0; N];
         slopes[direction] = 1.0;

@@ -4,7 +4,8 @@
 //! Fourth-order Runge-Kutta with one step a sample, applied to the state and to its derivatives alike, so that the derivatives
 //! are those of the discrete map itself. The pitch mode (1 Hz) at 150 Hz turns by 0.04 rad a step: its phase errs by 2e-8 of a turn.
 
-use super::{Air, Craft, Dual, Extra, Number, STATES};
+use super::{Air, Craft, Dual, Extra, Number, STATES, each};
+use pulp::{Arch, Simd, WithSimd};
 
 /// Inputs at one instant: tunnel speed and its rate, gust velocity and its rate.
 pub(crate) const INPUTS: usize = 8;
@@ -22,9 +23,14 @@ pub(crate) struct Drive {
 }
 
 impl Drive {
+    #[inline(always)]
     fn inputs(&self, half_steps: usize, s: &[f64]) -> [f64; INPUTS] {
         let m = &self.at[half_steps];
-        std::array::from_fn(|i| m[i * self.states..][..self.states].iter().zip(s).map(|(a, b)| a * b).sum())
+        let mut inputs = [0.0; INPUTS];
+        for (input, row) in inputs.iter_mut().zip(m.chunks_exact(self.states)) {
+            *input = row.iter().zip(s).map(|(a, b)| a * b).sum();
+        }
+        inputs
     }
 }
 
@@ -67,9 +73,12 @@ struct Work {
     sum: Vec<f64>,
     stage: Vec<f64>,
     terms: Vec<f64>,
+    /// Mean of the terms over what the gust may be.
+    mean: Vec<f64>,
 }
 
 /// Rate at one instant and its derivatives.
+#[derive(Default)]
 struct Linear {
     rate: [f64; STATES],
     by_state: [[f64; STATES]; STATES],
@@ -94,6 +103,16 @@ impl Segment<'_> {
 
     /// States after each step; false where the flight cannot go on.
     pub(crate) fn fly(&self, x: [f64; STATES], s: &[f64], out: &mut Transition) -> bool {
+        Arch::new().dispatch(Widest { segment: self, x, s, out, slopes: false })
+    }
+
+    /// States after each step with their derivatives; false where the flight cannot go on.
+    pub(crate) fn differentiate(&self, x: [f64; STATES], s: &[f64], out: &mut Transition) -> bool {
+        Arch::new().dispatch(Widest { segment: self, x, s, out, slopes: true })
+    }
+
+    #[inline(always)]
+    fn states_alone(&self, x: [f64; STATES], s: &[f64], out: &mut Transition) -> bool {
         out.states.clear();
         out.work.terms.resize(self.craft.terms.acts.len(), 0.0);
         let h = self.interval_s;
@@ -103,7 +122,8 @@ impl Segment<'_> {
             let mut sum = [0.0; STATES];
             for (a, half, b) in RK4 {
                 let inputs = self.drive.inputs(2 * step + half, s);
-                let at: [f64; STATES] = std::array::from_fn(|i| x[i] + h * a * k[i]);
+                let mut at = x;
+                (0..STATES).for_each(|i| at[i] += h * a * k[i]);
                 let Some(rate) = self.rate(&at, (step, half), inputs, &mut out.work.terms) else { return false };
                 k = rate;
                 (0..STATES).for_each(|i| sum[i] += b * k[i]);
@@ -117,8 +137,8 @@ impl Segment<'_> {
         true
     }
 
-    /// States after each step with their derivatives; false where the flight cannot go on.
-    pub(crate) fn differentiate(&self, x: [f64; STATES], s: &[f64], out: &mut Transition) -> bool {
+    #[inline(always)]
+    fn with_slopes(&self, x: [f64; STATES], s: &[f64], out: &mut Transition) -> bool {
         let width = self.width();
         out.states.clear();
         out.slopes.resize(self.steps, Vec::new());
@@ -137,14 +157,15 @@ impl Segment<'_> {
             let mut sum = [0.0; STATES];
             for (a, half, b) in RK4 {
                 let inputs = self.drive.inputs(2 * step + half, s);
-                let at: [f64; STATES] = std::array::from_fn(|i| x[i] + h * a * k[i]);
-                let Some(linear) = self.linear(&at, (step, half), inputs, &mut w.terms) else { return false };
+                let mut at = x;
+                (0..STATES).for_each(|i| at[i] += h * a * k[i]);
+                let Some(linear) = self.linear(&at, (step, half), inputs, w) else { return false };
                 if step == 0 && half == 0 {
                     out.first_input = linear.by_input;
                 }
                 w.at.clear();
                 w.at.extend(slopes.iter().zip(&w.stage).map(|(s, k)| s + h * a * k));
-                self.variation(&linear, &self.drive.at[2 * step + half], &w.at, &w.terms, &mut w.stage);
+                self.variation(&linear, &self.drive.at[2 * step + half], &w.at, &w.mean, &mut w.stage);
                 k = linear.rate;
                 (0..STATES).for_each(|i| sum[i] += b * k[i]);
                 w.sum.iter_mut().zip(&w.stage).for_each(|(s, k)| *s += b * k);
@@ -161,6 +182,7 @@ impl Segment<'_> {
     }
 
     /// The right-hand side of the variational equations.
+    #[inline(always)]
     fn variation(&self, l: &Linear, drive: &[f64], at: &[f64], terms: &[f64], out: &mut [f64]) {
         let width = self.width();
         let n = self.drive.states;
@@ -185,89 +207,126 @@ impl Segment<'_> {
         }
     }
 
-    /// Inputs with the unresolved gust on either side; signs change from step to step so that its axes do not mix.
-    fn spread_inputs(&self, step: usize, inputs: [f64; INPUTS]) -> [[f64; INPUTS]; 2] {
+    /// Inputs with the unresolved gust on either side, and how many of them count: one without such a gust. Signs change from step to step so that its axes do not mix.
+    #[inline(always)]
+    fn sides(&self, step: usize, inputs: [f64; INPUTS]) -> ([[f64; INPUTS]; 2], usize) {
+        if self.spread_m_s.iter().all(|s| *s == 0.0) {
+            return ([inputs; 2], 1);
+        }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the number of a sample")]
         let pattern = ((self.start_s / self.interval_s).round() as usize + step) % 4;
         let sign = [1.0, if pattern < 2 { 1.0 } else { -1.0 }, if pattern.is_multiple_of(2) { 1.0 } else { -1.0 }];
-        [1.0, -1.0].map(|side| {
-            let mut moved = inputs;
-            (0..3).for_each(|k| moved[2 + k] += side * sign[k] * self.spread_m_s[k]);
-            moved
-        })
-    }
-
-    fn is_spread(&self) -> bool {
-        self.spread_m_s.iter().any(|s| *s > 0.0)
+        let mut sides = [inputs; 2];
+        for k in 0..3 {
+            sides[0][2 + k] += sign[k] * self.spread_m_s[k];
+            sides[1][2 + k] -= sign[k] * self.spread_m_s[k];
+        }
+        (sides, 2)
     }
 
     /// Rate of the state, the mean over the unresolved gust.
+    #[inline(always)]
     fn rate(&self, x: &[f64; STATES], at: (usize, usize), inputs: [f64; INPUTS], terms: &mut [f64]) -> Option<[f64; STATES]> {
-        let mut one = |inputs: &[f64; INPUTS]| {
+        let mut mean = [0.0; STATES];
+        let (sides, count) = self.sides(at.0, inputs);
+        for inputs in &sides[..count] {
             let extra = Extra {
                 velocity: [inputs[2], inputs[3], inputs[4]],
                 acceleration: [inputs[5], inputs[6], inputs[7]],
                 coefficients: [0.0; 6],
             };
-            self.craft.rate(x, self.air(at.0, at.1, inputs), &extra, self.parameters, terms)
-        };
-        if !self.is_spread() {
-            return one(&inputs);
+            let rate = self.craft.rate(x, self.air(at.0, at.1, inputs), &extra, self.parameters, terms)?;
+            mean.iter_mut().zip(rate).for_each(|(m, r)| *m += r);
         }
-        let [a, b] = self.spread_inputs(at.0, inputs);
-        let (a, b) = (one(&a)?, one(&b)?);
-        Some(std::array::from_fn(|i| 0.5 * (a[i] + b[i])))
-    }
-
-    /// Rate and its derivatives, the mean over the unresolved gust.
-    fn linear(&self, x: &[f64; STATES], at: (usize, usize), inputs: [f64; INPUTS], terms: &mut [f64]) -> Option<Linear> {
-        if !self.is_spread() {
-            return self.linear_at(x, self.air(at.0, at.1, &inputs), &inputs, terms);
-        }
-        let [a, b] = self.spread_inputs(at.0, inputs);
-        let mut mean = self.linear_at(x, self.air(at.0, at.1, &a), &a, terms)?;
-        let first = terms.to_vec();
-        let other = self.linear_at(x, self.air(at.0, at.1, &b), &b, terms)?;
-        terms.iter_mut().zip(first).for_each(|(t, f)| *t = 0.5 * (*t + f));
-        let average = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a = 0.5 * (*a + b));
-        average(&mut mean.rate, &other.rate);
-        for i in 0..STATES {
-            average(&mut mean.by_state[i], &other.by_state[i]);
-            average(&mut mean.by_input[i], &other.by_input[i]);
-            average(&mut mean.by_coefficient[i], &other.by_coefficient[i]);
+        if count == 2 {
+            mean.iter_mut().for_each(|m| *m *= 0.5);
         }
         Some(mean)
     }
 
-    fn linear_at(&self, x: &[f64; STATES], air: Air, inputs: &[f64; INPUTS], terms: &mut [f64]) -> Option<Linear> {
+    /// Rate and its derivatives, the mean over the unresolved gust.
+    #[inline(always)]
+    fn linear(&self, x: &[f64; STATES], at: (usize, usize), inputs: [f64; INPUTS], work: &mut Work) -> Option<Linear> {
+        let mut mean = Linear::default();
+        let (sides, count) = self.sides(at.0, inputs);
+        let weight = 1.0 / count as f64;
+        work.mean.clear();
+        work.mean.resize(work.terms.len(), 0.0);
+        for inputs in &sides[..count] {
+            self.add_linear(x, self.air(at.0, at.1, inputs), inputs, weight, &mut work.terms, &mut mean)?;
+            work.mean.iter_mut().zip(&work.terms).for_each(|(m, t)| *m += weight * t);
+        }
+        Some(mean)
+    }
+
+    #[inline(always)]
+    fn add_linear(
+        &self,
+        x: &[f64; STATES],
+        air: Air,
+        inputs: &[f64; INPUTS],
+        weight: f64,
+        terms: &mut [f64],
+        mean: &mut Linear,
+    ) -> Option<()> {
         type D = Dual<LANES>;
-        let variables: [D; STATES] = std::array::from_fn(|i| D::variable(x[i], i));
+        let mut variables = [D::default(); STATES];
+        for (i, v) in variables.iter_mut().enumerate() {
+            *v = D::variable(x[i], i);
+        }
         let known = Extra {
-            velocity: std::array::from_fn(|i| D::real(inputs[2 + i])),
-            acceleration: std::array::from_fn(|i| D::real(inputs[5 + i])),
+            velocity: each(|i| D::real(inputs[2 + i])),
+            acceleration: each(|i| D::real(inputs[5 + i])),
             coefficients: [D::real(0.0); 6],
         };
         let by_state = self.craft.rate(&variables, air, &known, self.parameters, terms)?;
+        for (i, v) in variables.iter_mut().enumerate() {
+            *v = D::real(x[i]);
+        }
+        let mut coefficients = [D::default(); 6];
+        for (i, c) in coefficients.iter_mut().enumerate() {
+            *c = D::variable(0.0, 6 + i);
+        }
         let extra = Extra {
-            velocity: std::array::from_fn(|i| D::variable(inputs[2 + i], i)),
-            acceleration: std::array::from_fn(|i| D::variable(inputs[5 + i], 3 + i)),
-            coefficients: std::array::from_fn(|i| D::variable(0.0, 6 + i)),
+            velocity: each(|i| D::variable(inputs[2 + i], i)),
+            acceleration: each(|i| D::variable(inputs[5 + i], 3 + i)),
+            coefficients,
         };
-        let by_extra = self.craft.rate(&x.map(D::real), air, &extra, self.parameters, terms)?;
+        let by_extra = self.craft.rate(&variables, air, &extra, self.parameters, terms)?;
         let shape = self.craft.wind_per_speed(x);
         let dot = |a: &[f64], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let by_input = |d: &D| -> [f64; INPUTS] {
-            let (velocity, acceleration) = (&d.slopes[..3], &d.slopes[3..6]);
+        for i in 0..STATES {
+            let d = &by_extra[i].slopes;
+            let (velocity, acceleration) = (&d[..3], &d[3..6]);
             let speed = dot(velocity, shape.along) + dot(acceleration, shape.rate);
-            let [a, b, c, d, e, f] = [0, 1, 2, 3, 4, 5].map(|k| d.slopes[k]);
-            [speed, dot(acceleration, shape.along), a, b, c, d, e, f]
-        };
-        Some(Linear {
-            rate: by_state.map(Number::value),
-            by_state: std::array::from_fn(|i| by_state[i].slopes),
-            by_input: std::array::from_fn(|i| by_input(&by_extra[i])),
-            by_coefficient: std::array::from_fn(|i| std::array::from_fn(|j| by_extra[i].slopes[6 + j])),
-        })
+            let by_input = [speed, dot(acceleration, shape.along), d[0], d[1], d[2], d[3], d[4], d[5]];
+            mean.rate[i] += weight * by_state[i].value;
+            mean.by_state[i].iter_mut().zip(&by_state[i].slopes).for_each(|(m, s)| *m += weight * s);
+            mean.by_input[i].iter_mut().zip(by_input).for_each(|(m, s)| *m += weight * s);
+            mean.by_coefficient[i].iter_mut().zip(&d[6..]).for_each(|(m, s)| *m += weight * s);
+        }
+        Some(())
+    }
+}
+
+/// A flight in the widest vector unit of the machine. Nothing is contracted or summed in another order: the same bits on every one.
+struct Widest<'w, 's> {
+    segment: &'w Segment<'s>,
+    x: [f64; STATES],
+    s: &'w [f64],
+    out: &'w mut Transition,
+    slopes: bool,
+}
+
+impl WithSimd for Widest<'_, '_> {
+    type Output = bool;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        if self.slopes {
+            self.segment.with_slopes(self.x, self.s, self.out)
+        } else {
+            self.segment.states_alone(self.x, self.s, self.out)
+        }
     }
 }
 
