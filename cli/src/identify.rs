@@ -7,9 +7,8 @@ use std::fmt::Write as _;
 use windfall_model::Campaign;
 use windfall_pid::bands::add_curves;
 use windfall_pid::compatibility::{Compatibility, pressure};
-use windfall_pid::{
-    DataSet, Identifiability, Identification, Method, filter_error, identifiability, identify, identify_chosen, output_error,
-};
+use windfall_pid::output_error::Options;
+use windfall_pid::{DataSet, Identifiability, Identification, Method, identifiability, identify_by, identify_chosen};
 use windfall_scenarios::read_campaign_with_warnings;
 use windfall_verify::{Bootstrap, bootstrap};
 
@@ -29,9 +28,7 @@ pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool
     });
     let spinner = session.spinner("identifying");
     let found = session.pool()?.install(|| match method {
-        Some(Method::OutputError) => output_error::identify(&campaign, &options),
-        Some(Method::FilterError) => filter_error::identify(&campaign, &options),
-        Some(method) => knowledge::none(&options, method).and_then(|()| identify(&campaign, method)),
+        Some(method) => identify_by(&campaign, method, &options),
         None => identify_chosen(&campaign, &options),
     });
     spinner.finish_and_clear();
@@ -50,7 +47,7 @@ pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool
     }
     found.warnings.iter().for_each(|w| session.warn(w));
     let copies = match args.bootstrap {
-        Some(n) => Some(copies(&campaign, &found, usize::from(n), session)?),
+        Some(n) => Some(copies(&campaign, &found, &options, usize::from(n), session)?),
         None => None,
     };
     let result = Written { found: &found, bootstrap: copies.as_ref() };
@@ -69,11 +66,16 @@ struct Written<'a> {
     bootstrap: Option<&'a Bootstrap>,
 }
 
-fn copies(campaign: &Campaign, found: &Identification, n: usize, session: &mut Session<'_>) -> Result<Bootstrap, Failure> {
-    let method = [Method::Thesis, Method::EquationError, Method::OutputError, Method::FilterError];
-    let method = method.into_iter().find(|m| m.name() == found.method).unwrap_or(Method::OutputError);
+fn copies(
+    campaign: &Campaign,
+    found: &Identification,
+    options: &Options,
+    n: usize,
+    session: &mut Session<'_>,
+) -> Result<Bootstrap, Failure> {
+    let method = Method::of_name(&found.method).expect("named by the method itself");
     let spinner = session.spinner("identifying copies");
-    let result = session.pool()?.install(|| bootstrap(campaign, found, method, n));
+    let result = session.pool()?.install(|| bootstrap(campaign, found, method, options, n));
     spinner.finish_and_clear();
     let result = result.map_err(Failure::of_verification)?;
     if let Some(first) = result.failed.first() {

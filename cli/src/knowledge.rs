@@ -3,8 +3,8 @@
 use crate::args::IdentifyArgs;
 use anyhow::anyhow;
 use windfall_model::Campaign;
+use windfall_pid::Held;
 use windfall_pid::output_error::{Handling, Options, Prior};
-use windfall_pid::{Held, Method, PidError};
 
 /// One parameter equal to another.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,15 +76,6 @@ pub(crate) fn options(args: &IdentifyArgs, campaign: &mut Campaign) -> Result<Op
         compatibility: true,
         ..Options::default()
     })
-}
-
-/// Refuses ties and priors where a method regresses each coefficient by itself.
-pub(crate) fn none(options: &Options, method: Method) -> Result<(), PidError> {
-    if options.handling.is_empty() && options.priors.is_empty() {
-        Ok(())
-    } else {
-        Err(PidError::NoPlace { method: method.name() })
-    }
 }
 
 #[cfg(test)]

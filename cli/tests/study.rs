@@ -375,12 +375,15 @@ fn recover_parameters_of_a_campaign_that_is_flown_again() {
         .expect("the program starts");
     assert!(simulated.status.success());
     let text = "[study]\nname = \"again\"\ncampaign = \"flown/campaign.toml\"\ndraws = 6\nseed = 1\n[do]\nidentify = \
-                [\"equation-error\"]\nresimulate = true\n";
+                [\"equation-error\", \"output-error\"]\nresimulate = true\n";
     fs::write(b.path("study.toml"), text).expect("writable");
     b.done("a", &["--threads", "2"]);
     let s = b.summary("a");
     assert_eq!(s["failures"]["any"]["count"], 0);
-    for p in s["parameters"].as_array().expect("a list") {
+    let parameters = s["parameters"].as_array().expect("a list");
+    let by = |method: &str| parameters.iter().filter(|p| p["method"] == method).count();
+    assert_eq!((by("equation-error"), by("output-error")), (13, 13));
+    for p in parameters {
         let (bias, stated) = (p["bias"].as_f64().expect("a number"), p["mean_std_error"].as_f64().expect("a number"));
         // Mean of six: five of its standard errors, and half of one for the method's own bias.
         assert!(bias.abs() < (5.0 / 6.0_f64.sqrt() + 0.5) * stated, "{}: {bias} of {stated}", p["name"]);

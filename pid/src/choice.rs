@@ -2,7 +2,7 @@
 
 use crate::error::PidError;
 use crate::identification::Identification;
-use crate::identify::{Method, identify_with};
+use crate::identify::{Method, identify_by};
 use crate::output_error::{CHANNELS, NOT_NOISE, Options, StopReason};
 use crate::{filter_error, output_error};
 use windfall_model::Campaign;
@@ -57,10 +57,7 @@ pub fn identify_chosen(campaign: &Campaign, options: &Options) -> Result<Identif
 }
 
 fn equation_error(campaign: &Campaign, options: &Options, reason: String) -> Result<Identification, PidError> {
-    if !(options.handling.is_empty() && options.priors.is_empty()) {
-        return Err(PidError::NoPlace { method: Method::EquationError.name() });
-    }
-    Ok(because(identify_with(campaign, Method::EquationError, &Method::EquationError.smoother())?, reason))
+    Ok(because(identify_by(campaign, Method::EquationError, options)?, reason))
 }
 
 /// Filter error's result, with what output error left.

@@ -3,6 +3,7 @@
 use crate::PidError;
 use crate::coefficients::{Row, coefficients};
 use crate::identification::{CoefficientFit, DataSet, Estimate, Identification};
+use crate::output_error::Options;
 use crate::regress::{Colour, Fit, Outcome, Prepared, Series, fit};
 use crate::smooth::{Smoother, TABLE_3_1_HZ, smooth};
 use crate::states::states;
@@ -26,7 +27,12 @@ pub enum Method {
 
 impl Method {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::Thesis, Self::EquationError];
+    pub const ALL: [Self; 4] = [Self::Thesis, Self::EquationError, Self::OutputError, Self::FilterError];
+    /// The method of this name.
+    #[must_use]
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|m| m.name() == name)
+    }
     /// Name on the command line and in results.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -81,10 +87,21 @@ pub fn process(name: &str, kind: &str, record: &Record, plant: &Plant, smoother:
 /// No usable run, a faulty record, fewer samples than parameters, or nothing that can be estimated. A parameter that the runs do
 /// not excite is left out and named in the warnings.
 pub fn identify(campaign: &Campaign, method: Method) -> Result<Identification, PidError> {
+    identify_by(campaign, method, &Options::default())
+}
+
+/// [`identify`], with options of the methods that integrate.
+///
+/// # Errors
+/// As [`identify`]; [`PidError::NoPlace`] for ties and priors where a method regresses each coefficient by itself.
+pub fn identify_by(campaign: &Campaign, method: Method, options: &Options) -> Result<Identification, PidError> {
     match method {
-        Method::OutputError => output_error::identify(campaign, &output_error::Options::default()),
-        Method::FilterError => filter_error::identify(campaign, &output_error::Options::default()),
-        Method::Thesis | Method::EquationError => identify_with(campaign, method, &method.smoother()),
+        Method::OutputError => output_error::identify(campaign, options),
+        Method::FilterError => filter_error::identify(campaign, options),
+        Method::Thesis | Method::EquationError if options.handling.is_empty() && options.priors.is_empty() => {
+            identify_with(campaign, method, &method.smoother())
+        }
+        Method::Thesis | Method::EquationError => Err(PidError::NoPlace { method: method.name() }),
     }
 }
 

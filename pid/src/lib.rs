@@ -30,4 +30,4 @@ pub use choice::identify_chosen;
 pub use error::PidError;
 pub use identifiability::{Correlation, Identifiability, identifiability};
 pub use identification::{CoefficientFit, DataSet, Estimate, Held, Identification};
-pub use identify::{Method, RunRows, estimated, identify, identify_with, process};
+pub use identify::{Method, RunRows, estimated, identify, identify_by, identify_with, process};

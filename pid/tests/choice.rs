@@ -2,19 +2,9 @@
 
 mod common;
 
-use common::{campaign, truth};
+use common::{COMBINED, campaign, truth};
 use windfall_model::Data;
-use windfall_pid::output_error::Options;
 use windfall_pid::{Identification, PidError, identify_chosen};
-
-const COMBINED: Options = Options {
-    handling: Vec::new(),
-    priors: Vec::new(),
-    angle_biases: false,
-    iterations: 30,
-    combined_only: true,
-    compatibility: false,
-};
 
 fn chosen(test: &str, name: &str) -> Option<Identification> {
     Some(identify_chosen(&campaign(test, name)?, &COMBINED).expect("identifies"))

@@ -2,18 +2,9 @@
 
 mod common;
 
-use common::{campaign, truth};
+use common::{COMBINED, campaign, truth};
 use windfall_pid::output_error::{Handling, Options, Prior};
 use windfall_pid::{DataSet, filter_error};
-
-const COMBINED: Options = Options {
-    handling: Vec::new(),
-    priors: Vec::new(),
-    angle_biases: false,
-    iterations: 30,
-    combined_only: true,
-    compatibility: false,
-};
 
 fn combined(test: &str, name: &str) -> Option<(DataSet, Vec<String>)> {
     let found = filter_error::identify(&campaign(test, name)?, &COMBINED).expect("identifies");

@@ -2,20 +2,11 @@
 
 mod common;
 
-use common::{campaign, truth};
+use common::{COMBINED, campaign, truth};
 use windfall_model::{Campaign, Data};
 use windfall_pid::compatibility::Agreement;
 use windfall_pid::output_error::{Handling, Options, Prior, identify};
 use windfall_pid::{DataSet, Method, PidError};
-
-const COMBINED: Options = Options {
-    handling: Vec::new(),
-    priors: Vec::new(),
-    angle_biases: false,
-    iterations: 30,
-    combined_only: true,
-    compatibility: false,
-};
 
 fn combined(c: &Campaign, options: &Options) -> DataSet {
     identify(c, options).expect("identifies").data_set("combined").expect("there is one").clone()

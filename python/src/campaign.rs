@@ -9,12 +9,11 @@ use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::Arc;
 use windfall_model::{Data, Flight, Record, Run, Use};
-use windfall_pid::Identification;
+use windfall_pid::{Identification, Method, identify_chosen, output_error};
 use windfall_scenarios::{FileKind, ScenarioFile, kind_of, read_bundled, read_campaign_with_warnings, read_scenario_file};
 use windfall_sim::{End, Flown, Seed, Truth, fly};
 use windfall_verify::campaign_of;
 use windfall_verify::close::Options;
-use windfall_verify::study::method;
 
 fn is_bundled(word: &str) -> bool {
     !word.contains(['/', '\\', '.'])
@@ -216,14 +215,19 @@ fn json(value: &impl serde::Serialize) -> Result<String, Error> {
 
 /// `identification.json` of a campaign.
 #[pyfunction]
-#[pyo3(signature = (campaign, method_name, threads=0))]
-pub(crate) fn identify(py: Python<'_>, campaign: &Campaign, method_name: &str, threads: usize) -> PyResult<String> {
-    let (campaign, method_name) = (Arc::clone(&campaign.inner), method_name.to_owned());
+#[pyo3(signature = (campaign, method_name=None, threads=0))]
+pub(crate) fn identify(py: Python<'_>, campaign: &Campaign, method_name: Option<String>, threads: usize) -> PyResult<String> {
+    let campaign = Arc::clone(&campaign.inner);
     on_threads(py, threads, move || {
-        let names = || windfall_pid::Method::ALL.map(windfall_pid::Method::name).join(", ");
-        let m =
-            method(&method_name).ok_or_else(|| Error::Argument(format!("no method {method_name:?}; methods: {}", names())))?;
-        json(&windfall_pid::identify(&campaign, m)?)
+        let names = || Method::ALL.map(Method::name).join(", ");
+        let found = match method_name {
+            None => identify_chosen(&campaign, &output_error::Options::default())?,
+            Some(name) => {
+                let no_method = || Error::Argument(format!("no method {name:?}; methods: {}", names()));
+                windfall_pid::identify(&campaign, Method::of_name(&name).ok_or_else(no_method)?)?
+            }
+        };
+        json(&found)
     })
 }
 

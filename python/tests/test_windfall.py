@@ -51,7 +51,7 @@ def test_law_same_seed_same_bits():
 
 
 def test_recover_exact_flight_gives_its_parameters():
-    found = windfall.identify("appendix-c")
+    found = windfall.identify("appendix-c", method="equation-error")
     combined = next(d for d in found["data_sets"] if d["name"] == "combined")
     estimates = {p["name"]: p["estimate"] for p in combined["parameters"]}
     for name, truth in TABLE_5_5.items():
@@ -60,11 +60,19 @@ def test_recover_exact_flight_gives_its_parameters():
     assert again["trajectory"]["attitude_rms_deg"] < 1e-3
 
 
+def test_law_method_is_chosen_by_the_data_and_named():
+    flown = windfall.campaign("sage-perturbed", seed=7)
+    chosen = windfall.identify(flown)
+    assert chosen["method"] == "output-error" and "noise" in chosen["reason"]
+    named = windfall.identify(flown, method="output-error")
+    assert named["data_sets"][-1]["parameters"] == chosen["data_sets"][-1]["parameters"]
+
+
 def test_law_arrays_make_the_campaign_that_files_make():
     flights = windfall.simulate("sage-perturbed", seed=7)
     flown = windfall.campaign("sage-perturbed", seed=7)
     runs = [(f["name"], f["kind"], f["use"], f["record"]) for f in flights]
-    a, b = windfall.identify(flown), windfall.identify(flown.with_runs(runs))
+    a, b = (windfall.identify(c, method="equation-error") for c in (flown, flown.with_runs(runs)))
     pairs = zip(a["data_sets"][0]["parameters"], b["data_sets"][0]["parameters"], strict=True)
     # Degrees and back: rounding only, amplified by two differentiations.
     assert all(p["estimate"] == pytest.approx(q["estimate"], rel=1e-6) for p, q in pairs)

@@ -221,14 +221,14 @@ pub(crate) fn bars(all: &[Bar], x_label: &str) -> String {
             escape(&b.note)
         );
     }
-    let _ = writeln!(
-        out,
-        "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text></svg></figure>",
-        0.5 * (left + w - right),
-        bottom + 29.0,
-        escape(x_label)
-    );
+    close_bars(&mut out, 0.5 * (left + w - right), bottom, x_label);
     out
+}
+
+/// Ends a figure with the label under its axis, which is at `bottom`.
+fn close_bars(out: &mut String, middle: f64, bottom: f64, label: &str) {
+    let y = bottom + 29.0;
+    let _ = writeln!(out, "<text x=\"{middle}\" y=\"{y}\" text-anchor=\"middle\">{}</text></svg></figure>", escape(label));
 }
 
 /// Ratios before and after as two dots on one common logarithmic line, with a mark at one.
@@ -306,13 +306,7 @@ pub(crate) fn ranges(title: &str, all: &[Range], marks: &[f64], x_label: &str) -
             escape(&r.note)
         );
     }
-    let _ = writeln!(
-        out,
-        "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text></svg></figure>",
-        0.5 * (left + w - right),
-        bottom + 29.0,
-        escape(x_label)
-    );
+    close_bars(&mut out, 0.5 * (left + w - right), bottom, x_label);
     out
 }
 

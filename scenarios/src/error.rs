@@ -54,6 +54,12 @@ pub enum ReadError {
         /// The system's words.
         reason: std::io::Error,
     },
+    /// A folder where a file is meant.
+    #[error("{}: is a folder; allowed: a file; try: a .toml file in it, such as {}", path.display(), path.join("campaign.toml").display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+    },
     /// Read, and wrong: all faults found.
     #[error("{}", list(.0))]
     Faults(Vec<Fault>),
@@ -65,7 +71,7 @@ impl ReadError {
     pub fn faults(&self) -> &[Fault] {
         match self {
             Self::Faults(all) => all,
-            Self::Open { .. } => &[],
+            Self::Open { .. } | Self::Folder { .. } => &[],
         }
     }
 }
@@ -106,6 +112,9 @@ pub enum WriteError {
 
 /// Text of a file.
 pub(crate) fn text_of(path: &Path) -> Result<String, ReadError> {
+    if path.is_dir() {
+        return Err(ReadError::Folder { path: path.to_owned() });
+    }
     std::fs::read_to_string(path).map_err(|reason| ReadError::Open { path: path.to_owned(), reason })
 }
 

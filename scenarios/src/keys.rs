@@ -396,7 +396,7 @@ pub(crate) static DO: TableSpec = TableSpec {
     path: "do",
     meaning: "What is done to each draw after it is flown.",
     keys: &[
-        optional(other("identify", Kind::Words, "methods to identify with: thesis, equation-error")),
+        optional(other("identify", Kind::Words, "methods to identify with: thesis, equation-error, output-error, filter-error")),
         optional(other(
             "resimulate",
             Kind::Bool,

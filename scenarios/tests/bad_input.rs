@@ -472,3 +472,10 @@ fn law_windows_cut_the_run_in_its_own_time() {
     assert!(message.contains("the file runs from 0 to 10 s"), "{message}");
     assert!(window("[2.0, 2.5]").read().is_err(), "half a second is too short");
 }
+
+#[test]
+fn law_a_folder_is_told_from_a_file() {
+    let folder = Folder::with(str::to_owned, keep);
+    let message = read_campaign(&folder.path("")).expect_err("a folder").to_string();
+    assert!(message.contains("is a folder") && message.contains("campaign.toml"), "{message}");
+}

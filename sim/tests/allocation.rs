@@ -5,42 +5,20 @@
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use std::alloc::System;
 use windfall_model::frames::Vec3;
-use windfall_model::{
-    Aero, ApparentMass, Contact, Environment, Flight, Inertia, LooseMass, MeanFlow, Method, Numerics, Plant, PointMass, Release,
-    Sensors, Structure, Tether, TunnelSpeed, Turbulence, Vehicle, WakeShedding,
-};
+use windfall_model::{ApparentMass, Contact, Flight, LooseMass, Method, Numerics, Plant, Release, TunnelSpeed};
 use windfall_sim::{Seed, fly};
+
+/// The tests' lander.
+#[path = "it/sage.rs"]
+mod sage;
 
 #[global_allocator]
 static GLOBAL: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 fn plant() -> Plant {
-    let values = [6.6620, 3.5129, -2.0035, 0.0125, -5.6816, -2.0655, 2.5278, -3.3025, -205.4289, -3.3025, -205.4289];
-    Plant {
-        vehicle: Vehicle {
-            mass_kg: 0.7873,
-            inertia: Inertia { xx: 0.02113, yy: 0.0138, zz: 0.01379, ..Inertia::default() },
-            p_origin_cm: Vec3::zero(),
-            diameter_m: 0.2125,
-            apparent: ApparentMass::default(),
-            loose: None,
-        },
-        aero: Aero::new(Structure::axisymmetric(), values.to_vec()),
-        tether: Some(Tether::declared(Vec3::new(-0.25, 0.0, 0.0), Vec3::new(-3.0, 0.0, 0.0), 0.0013, 0.0165)),
-        flow: MeanFlow::default(),
-        turbulence: Turbulence::default(),
-        shedding: WakeShedding::default(),
-        contacts: vec![Contact {
-            run: 0,
-            start_s: 1.0,
-            duration_s: 1.0,
-            impulse: Vec3::new(0.01, 0.0, 0.0),
-            angular_impulse: Vec3::zero(),
-        }],
-        environment: Environment { gravity_m_s2: 9.80665, gas_constant_j_kg_k: 287.05287 },
-        sensors: Sensors::default(),
-        point: PointMass::default(),
-    }
+    let contact =
+        Contact { run: 0, start_s: 1.0, duration_s: 1.0, impulse: Vec3::new(0.01, 0.0, 0.0), angular_impulse: Vec3::zero() };
+    Plant { contacts: vec![contact], ..sage::lander() }
 }
 
 /// Allocations and accepted steps of one flight at a tolerance.

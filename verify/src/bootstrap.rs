@@ -11,9 +11,14 @@ use crate::resimulate::{Replay, estimate, identified_plant};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use windfall_model::{Campaign, Data, Plant, Release, Use};
-use windfall_pid::output_error::Options;
-use windfall_pid::{DataSet, Estimate, Identification, Method, PidError, filter_error, identify, output_error};
-use windfall_sim::Seed;
+use windfall_pid::output_error::{Options, Prior};
+use windfall_pid::{DataSet, Estimate, Identification, Method, identify_by};
+use windfall_sim::{Channel, Seed};
+
+/// Sets the copies' chance apart from that of a simulated campaign with a small seed.
+const COPIES: u64 = 0x626f_6f74_0000_0000;
+/// Stream of the priors, far from those of runs.
+const PRIORS: u64 = 1 << 32;
 
 /// Scatter against stated errors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,12 +54,19 @@ pub struct BootstrapLine {
     pub covered: f64,
 }
 
-/// Flies and identifies copies of a campaign. Copy i is a function of i alone.
+/// Flies and identifies copies of a campaign, with the same ties as the campaign was. A prior is a measurement made elsewhere: every
+/// copy has its own, about the identified value. Copy i is a function of i alone.
 ///
 /// # Errors
 /// A point-mass campaign, an identification of another structure, a record or flight that cannot be used, or no two copies with an
 /// answer.
-pub fn bootstrap(campaign: &Campaign, found: &Identification, method: Method, draws: usize) -> Result<Bootstrap, VerifyError> {
+pub fn bootstrap(
+    campaign: &Campaign,
+    found: &Identification,
+    method: Method,
+    options: &Options,
+    draws: usize,
+) -> Result<Bootstrap, VerifyError> {
     let set = found.data_set("combined").ok_or(VerifyError::NoDataSet)?;
     let mut plant = identified_plant(campaign, set)?;
     turbulence(&mut plant, set);
@@ -72,14 +84,17 @@ pub fn bootstrap(campaign: &Campaign, found: &Identification, method: Method, dr
         })
         .collect::<Result<_, _>>()?;
     let one = |draw: usize| -> Result<DataSet, VerifyError> {
+        let chance = COPIES ^ draw as u64;
         let mut copy = campaign.clone();
         copy.plant.aero.values.clone_from(&plant.aero.values);
         copy.runs.retain(|r| r.used == Use::Identify);
         for (run, (i, replay, release)) in copy.runs.iter_mut().zip(&flown) {
-            let seed = Seed { campaign: draw as u64, run: *i as u64 };
+            let seed = Seed { campaign: chance, run: *i as u64 };
             run.data = Data::Tunnel(replay.draw(*release, seed)?.record);
         }
-        combined(&copy, method)?.data_set("combined").cloned().ok_or(VerifyError::NoDataSet)
+        let mut options = Options { combined_only: true, compatibility: false, ..options.clone() };
+        draw_priors(&mut options.priors, &plant, chance);
+        identify_by(&copy, method, &options)?.data_set("combined").cloned().ok_or(VerifyError::NoDataSet)
     };
     let all: Vec<Result<DataSet, VerifyError>> = (0..draws).into_par_iter().map(one).collect();
     let mut failed = Vec::new();
@@ -100,12 +115,12 @@ pub fn bootstrap(campaign: &Campaign, found: &Identification, method: Method, dr
     Ok(Bootstrap { draws, failed, ratio_std_error, parameters })
 }
 
-fn combined(copy: &Campaign, method: Method) -> Result<Identification, PidError> {
-    let options = Options { combined_only: true, ..Options::default() };
-    match method {
-        Method::OutputError => output_error::identify(copy, &options),
-        Method::FilterError => filter_error::identify(copy, &options),
-        other => identify(copy, other),
+/// Priors as they come out when what is flown is measured elsewhere again.
+fn draw_priors(priors: &mut [Prior], plant: &Plant, chance: u64) {
+    let mut normals = Seed { campaign: chance, run: PRIORS }.normals(Channel::Varied(0));
+    for prior in priors {
+        let flown = plant.aero.value(&prior.name).unwrap_or(prior.mean);
+        prior.mean = flown + prior.std * normals.next().unwrap_or(0.0);
     }
 }
 

@@ -15,9 +15,3 @@ pub use draw::Prepared;
 pub use run::run;
 pub use stop::{Moments, Progress, clopper_pearson};
 pub use summary::{Count, FailureKind, NumberLine, ParameterSummary, Quantile, Rate, Summary, WordLine, summarise};
-
-/// Methods that a study may name.
-#[must_use]
-pub fn method(name: &str) -> Option<windfall_pid::Method> {
-    windfall_pid::Method::ALL.into_iter().find(|m| m.name() == name)
-}

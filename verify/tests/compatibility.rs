@@ -6,10 +6,11 @@
 use rayon::prelude::*;
 use std::fmt::Write as _;
 use windfall_model::frames::{Body, Rotation, Tunnel, Vec3};
-use windfall_model::{Campaign, Data, Flight, Plant, Record, Run, Scenario, Use};
+use windfall_model::{Campaign, Flight, Plant, Record, Scenario};
 use windfall_pid::compatibility::{Agreement, Compatibility, compatibility};
 use windfall_scenarios::read_bundled;
 use windfall_sim::{Flown, Seed, fly};
+use windfall_verify::campaign_of;
 
 /// What is planted.
 #[derive(Clone, Copy, Default)]
@@ -92,21 +93,10 @@ impl Planted {
 fn campaign(scenario: &Scenario, planted: &Planted, draw: u64) -> Campaign {
     let mut plant = scenario.plant.clone();
     plant.aero.values.iter_mut().for_each(|v| *v *= 1.2);
-    let run = |(i, flight): (usize, &Flight)| Run {
-        name: flight.name.clone(),
-        kind: flight.kind.clone(),
-        used: Use::Identify,
-        inputs: Vec::new(),
-        data: Data::Tunnel(planted.record(&scenario.plant, flight, Seed { campaign: 30_000 + draw, run: i as u64 })),
-        notes: Vec::new(),
-    };
-    Campaign {
-        name: format!("draw {draw}"),
-        declared: vec![true; plant.aero.values.len()],
-        plant,
-        inputs: Vec::new(),
-        runs: scenario.flights.iter().enumerate().map(run).collect(),
-    }
+    let one = |(i, flight)| (flight, planted.record(&scenario.plant, flight, Seed { campaign: 30_000 + draw, run: i as u64 }));
+    let records: Vec<(&Flight, Record)> = scenario.flights.iter().enumerate().map(one).collect();
+    let flown = campaign_of(&plant, &records);
+    Campaign { name: format!("draw {draw}"), plant, ..flown }
 }
 
 fn scenario() -> Scenario {

@@ -4,10 +4,11 @@
 
 use rayon::prelude::*;
 use std::fmt::Write as _;
-use windfall_model::{Campaign, Coefficient, Data, Factor, Flight, Run, Scenario, Turbulence, Use, Variable};
+use windfall_model::{Campaign, Coefficient, Factor, Flight, Record, Scenario, Turbulence, Variable};
 use windfall_pid::structure::{Choice, Criterion, choose};
 use windfall_scenarios::read_bundled;
 use windfall_sim::{Seed, fly};
+use windfall_verify::campaign_of;
 
 /// True terms of Table 5.5, by coefficient.
 const TRUTH: [(&str, &[&str]); 4] = [
@@ -69,21 +70,10 @@ fn campaign(scenario: &Scenario, seed: u64) -> Campaign {
     let mut plant = scenario.plant.clone();
     plant.turbulence = Turbulence::default();
     plant.aero.extra.clear();
-    let run = |(i, flight): (usize, &Flight)| Run {
-        name: flight.name.clone(),
-        kind: flight.kind.clone(),
-        used: Use::Identify,
-        inputs: Vec::new(),
-        data: Data::Tunnel(fly(&scenario.plant, flight, Seed { campaign: seed, run: i as u64 }).expect("flies").record),
-        notes: Vec::new(),
-    };
-    Campaign {
-        name: format!("seed {seed}"),
-        declared: vec![true; plant.aero.values.len()],
-        plant,
-        inputs: Vec::new(),
-        runs: scenario.flights.iter().enumerate().map(run).collect(),
-    }
+    let one = |(i, flight)| (flight, fly(&scenario.plant, flight, Seed { campaign: seed, run: i as u64 }).expect("flies").record);
+    let records: Vec<(&Flight, Record)> = scenario.flights.iter().enumerate().map(one).collect();
+    let flown = campaign_of(&plant, &records);
+    Campaign { name: format!("seed {seed}"), plant, ..flown }
 }
 
 /// Only these runs.

@@ -2,7 +2,7 @@
 //! the wider structure's parameters.
 
 use super::filter::Filter;
-use super::search::{Begin, METHOD, Search, noise_of, started};
+use super::search::{Begin, End, Search, noise_of, started};
 use crate::PidError;
 use crate::equations::Transition;
 use crate::output_error::{Options, Run, StopReason, Unknowns, ready, run_plants};
@@ -43,10 +43,9 @@ pub(crate) fn linearised(campaign: &Campaign, wide: &Aero) -> Result<Vec<Linear>
         let y = &x * DVector::from_column_slice(c.parameters) - innovation;
         Some((x, y))
     };
-    wide_runs.iter().map(flown).collect::<Option<_>>().ok_or_else(|| PidError::NoAnswer {
-        campaign: campaign.name.clone(),
-        set: "combined".to_owned(),
-        method: METHOD,
-        reason: StopReason::FlightFails.words(),
-    })
+    wide_runs
+        .iter()
+        .map(flown)
+        .collect::<Option<_>>()
+        .ok_or_else(|| End::Stopped(StopReason::FlightFails).of(campaign, "combined"))
 }

@@ -7,6 +7,17 @@ use windfall_model::{
     Aero, ApparentMass, Campaign, Data, Environment, Inertia, MeanFlow, Plant, PointMass, Record, Run, Sensors, Structure,
     Tether, Turbulence, Use, Vehicle, WakeShedding,
 };
+use windfall_pid::output_error::Options;
+
+/// All runs together only.
+pub(crate) const COMBINED: Options = Options {
+    handling: Vec::new(),
+    priors: Vec::new(),
+    angle_biases: false,
+    iterations: 30,
+    combined_only: true,
+    compatibility: false,
+};
 
 /// Table 5.5 with C_n's damping equal to C_m's, in the structure's order.
 pub(crate) const TABLE_5_5: [f64; 11] =

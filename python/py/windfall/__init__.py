@@ -77,8 +77,11 @@ def _campaign(source: Campaign | Path) -> Campaign:
     return source if isinstance(source, Campaign) else campaign(source)
 
 
-def identify(campaign: Campaign | Path, *, method: str = "equation-error", threads: int = 0) -> dict[str, Any]:
-    """Parameters with intervals: the content of identification.json."""
+def identify(campaign: Campaign | Path, *, method: str | None = None, threads: int = 0) -> dict[str, Any]:
+    """Parameters with intervals: the content of identification.json.
+
+    Methods: thesis, equation-error, output-error, filter-error; without one, the one that is right for these data, with the reason.
+    """
     found: dict[str, Any] = json.loads(_windfall.identify(_campaign(campaign), method, threads))
     return found
 

@@ -11,7 +11,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use windfall_model::frames::Rotation;
 use windfall_model::study::{Cell, Column, Distribution, Row, Setting, Study};
 use windfall_model::{Campaign, Data, Flight, Plant, Record, Use};
-use windfall_pid::{DataSet, Estimate, Method, estimated, identify};
+use windfall_pid::output_error::Options;
+use windfall_pid::{DataSet, Estimate, Method, estimated, identify_by};
 use windfall_sim::{Channel, Seed, Truth, fly};
 
 /// Stream of the histories, after those of [`Study::vary`].
@@ -38,7 +39,7 @@ impl Prepared {
             .steps
             .identify
             .iter()
-            .map(|name| super::method(name).ok_or_else(|| unknown(name)))
+            .map(|name| Method::of_name(name).ok_or_else(|| unknown(name)))
             .collect::<Result<Vec<_>, _>>()?;
         if let Some(campaign) = campaign {
             study.flights = flights_like(campaign, &study.plant)?;
@@ -155,7 +156,8 @@ impl Prepared {
     }
 
     fn identified(&self, method: Method, campaign: &Campaign, setting: &Setting, out: &mut Cells<'_>) -> Result<(), VerifyError> {
-        let found = identify(campaign, method)?;
+        let options = Options { combined_only: true, ..Options::default() };
+        let found = identify_by(campaign, method, &options)?;
         let Some(set) = found.data_set("combined") else { return Err(VerifyError::NoDataSet) };
         for (coefficient, name) in &self.wanted {
             if let (Some(p), Some(truth)) = (set.get(coefficient, name), setting.plant.aero.value(name)) {

@@ -7,7 +7,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use realfft::RealFftPlanner;
+use realfft::{ComplexToReal, RealFftPlanner};
 use windfall_model::frames::Vec3;
 use windfall_model::{AirState, Disturbance, Entry, Plant};
 use windfall_pid::states::{State, states};
@@ -44,6 +44,7 @@ pub(super) fn spectra(run: &Prepared, plant: &Plant) -> Vec<Cov> {
 /// acts where the angle is large): sums of sinusoids with normal amplitudes (Shinozuka and Jan, J. Sound Vib. 25, 1972).
 pub(super) fn draws(run: &Prepared, plant: &Plant, count: usize) -> Vec<Residual> {
     let Some(inputs) = Inputs::new(run, plant, 1) else { return vec![vec![0.0; run.bins * BIN]; count] };
+    let inverse = RealFftPlanner::new().plan_fft_inverse(PERIODS * run.states.len());
     (0..count)
         .into_par_iter()
         .map(|c| {
@@ -51,7 +52,7 @@ pub(super) fn draws(run: &Prepared, plant: &Plant, count: usize) -> Vec<Residual
             for (i, (d, gains)) in inputs.each.iter().enumerate() {
                 let mut rng = ChaCha8Rng::seed_from_u64(SEED);
                 rng.set_stream((run.index as u64) << 32 | (c as u64) << 8 | i as u64);
-                let (value, rate) = input(d, series.len(), run.duration_s, &mut rng);
+                let (value, rate) = input(d, inverse.as_ref(), run.duration_s, &mut rng);
                 for ((s, (g, h)), (x, v)) in series.iter_mut().zip(gains).zip(value.iter().zip(&rate)) {
                     s.iter_mut().zip((g * *x + h * *v).iter()).for_each(|(s, y)| *s += y);
                 }
@@ -62,10 +63,8 @@ pub(super) fn draws(run: &Prepared, plant: &Plant, count: usize) -> Vec<Residual
 }
 
 /// A draw of an input and its rate at the samples of a run.
-fn input(d: &Disturbance, samples: usize, duration_s: f64, rng: &mut ChaCha8Rng) -> (Vec<f64>, Vec<f64>) {
-    let n = PERIODS * samples;
+fn input(d: &Disturbance, inverse: &dyn ComplexToReal<f64>, duration_s: f64, rng: &mut ChaCha8Rng) -> (Vec<f64>, Vec<f64>) {
     let step = std::f64::consts::TAU / (PERIODS as f64 * duration_s);
-    let inverse = RealFftPlanner::new().plan_fft_inverse(n);
     let (mut value, mut rate) = (inverse.make_input_vec(), inverse.make_input_vec());
     let mut normal = || -> f64 { StandardNormal.sample(rng) };
     value[0] = Complex::new(normal() * (0.5 * d.density(0.0) * step).sqrt(), 0.0);
@@ -81,7 +80,7 @@ fn input(d: &Disturbance, samples: usize, duration_s: f64, rng: &mut ChaCha8Rng)
         if inverse.process(&mut x, &mut y).is_err() {
             y.fill(f64::NAN);
         }
-        y.truncate(samples);
+        y.truncate(inverse.len() / PERIODS);
         y
     };
     (to_time(value), to_time(rate))
