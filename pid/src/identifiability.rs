@@ -8,7 +8,7 @@
 use crate::equations::Transition;
 use crate::error::PidError;
 use crate::identify::{Method, identify_with};
-use crate::output_error::{Options, Run, Unknowns, ready, run_plants};
+use crate::output_error::{Options, Run, Unknowns, ready, run_plants, sensitivities};
 use crate::smooth::Smoother;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -78,16 +78,13 @@ pub fn identifiability(campaign: &Campaign, options: &Options) -> Result<Identif
 /// Examines runs made ready, at these unknowns; `None` where the flight cannot go on.
 pub(crate) fn of_runs(runs: &[Run<'_>], unknowns: &Unknowns) -> Option<Identifiability> {
     let (c, mut work) = (unknowns.columns(), Transition::default());
-    let mut a = DMatrix::<f64>::zeros(runs.len() * c.free, c.free);
-    for (i, run) in runs.iter().enumerate() {
-        let linear = run.linearise(&run.smoothed, &c, &run.noise_std.map(|s| s.max(1e-9)), &mut work)?;
-        a.view_mut((i * c.free, 0), (c.free, c.free)).copy_from(&linear.information.view((0, 0), (c.free, c.free)));
-    }
-    Some(examine(a, &unknowns.names, &unknowns.values()))
+    let one = |run: &Run<'_>| run.linearise(&run.smoothed, &c, &run.noise_std.map(|s| s.max(1e-9)), &mut work);
+    let linear: Vec<_> = runs.iter().map(one).collect::<Option<_>>()?;
+    Some(examine(sensitivities(&linear, c.free), &unknowns.names, &unknowns.values()))
 }
 
 /// Examines sensitivities, a row per whitened measurement.
-fn examine(mut a: DMatrix<f64>, names: &[String], values: &[f64]) -> Identifiability {
+pub(crate) fn examine(mut a: DMatrix<f64>, names: &[String], values: &[f64]) -> Identifiability {
     let free = names.len();
     let scale: Vec<f64> = a.column_iter().map(|c| c.norm()).map(|s| if s.is_normal() { s } else { 1.0 }).collect();
     a.column_iter_mut().zip(&scale).for_each(|(mut c, s)| c /= *s);

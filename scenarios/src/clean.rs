@@ -80,16 +80,31 @@ fn median_of(mut values: Vec<f64>) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// Scale of each sample's error: the larger of the whole channel's and the neighbourhood's robust deviation, and `floor`.
-fn scales(errors: &[Option<f64>], floor: f64) -> Vec<f64> {
-    let sizes = |part: &[Option<f64>]| part.iter().filter_map(|e| e.map(f64::abs)).collect::<Vec<_>>();
-    let global = (MAD_TO_SIGMA * median_of(sizes(errors))).max(floor);
-    (0..errors.len())
-        .map(|i| {
-            let part = &errors[i.saturating_sub(SCALE_REACH)..(i + SCALE_REACH + 1).min(errors.len())];
-            global.max(MAD_TO_SIGMA * median_of(sizes(part)))
-        })
-        .collect()
+/// Scales of the errors of a channel.
+struct Scales {
+    errors: Vec<Option<f64>>,
+    global: f64,
+}
+
+impl Scales {
+    /// `floor`: the smallest standard deviation that the instrument can have.
+    fn new(errors: &[Option<f64>], floor: f64) -> Self {
+        Self { errors: errors.to_vec(), global: (MAD_TO_SIGMA * median_of(sizes(errors))).max(floor) }
+    }
+    /// An error over its scale: the larger of the whole channel's and the neighbourhood's robust deviation. The latter is looked for only
+    /// where the former leaves a doubt.
+    fn ratio(&self, i: usize, error: f64) -> f64 {
+        let most = error.abs() / self.global;
+        if most <= SIGMAS {
+            return most;
+        }
+        let part = &self.errors[i.saturating_sub(SCALE_REACH)..(i + SCALE_REACH + 1).min(self.errors.len())];
+        error.abs() / self.global.max(MAD_TO_SIGMA * median_of(sizes(part)))
+    }
+}
+
+fn sizes(part: &[Option<f64>]) -> Vec<f64> {
+    part.iter().filter_map(|e| e.map(f64::abs)).collect()
 }
 
 /// Removes spikes from a channel and puts the local fit in their place, or NaN where too few neighbours are
@@ -99,7 +114,7 @@ pub(crate) fn remove_spikes(t: &[f64], x: &mut [f64], interval_s: f64, floor: f6
     let reach_s = 2.0 * NEIGHBOURS as f64 * interval_s;
     let error = |x: &[f64], i: usize| if x[i].is_finite() { error_of(t, x, i, x[i], reach_s).map(|e| e.0) } else { None };
     let mut errors: Vec<Option<f64>> = (0..x.len()).map(|i| error(x, i)).collect();
-    let scales = scales(&errors, floor);
+    let scales = Scales::new(&errors, floor);
     let mut removed: Vec<(usize, f64)> = Vec::new();
     while let Some((worst, ratio)) = worst_of(&errors, &scales) {
         if ratio <= SIGMAS || removed.len() >= x.len() / 4 {
@@ -125,15 +140,15 @@ pub(crate) fn remove_spikes(t: &[f64], x: &mut [f64], interval_s: f64, floor: f6
         .collect()
 }
 
-fn worst_of(errors: &[Option<f64>], scales: &[f64]) -> Option<(usize, f64)> {
-    let ratios = errors.iter().zip(scales).enumerate().filter_map(|(i, (e, s))| e.map(|e| (i, e.abs() / s)));
+fn worst_of(errors: &[Option<f64>], scales: &Scales) -> Option<(usize, f64)> {
+    let ratios = errors.iter().enumerate().filter_map(|(i, e)| e.map(|e| (i, scales.ratio(i, e))));
     ratios.filter(|(_, r)| r.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// Neighbours of a cluster of spikes may have been taken for spikes while the cluster stood: those come back.
-fn restore_good(t: &[f64], x: &mut [f64], removed: &mut Vec<(usize, f64)>, scales: &[f64], reach_s: f64) {
+fn restore_good(t: &[f64], x: &mut [f64], removed: &mut Vec<(usize, f64)>, scales: &Scales, reach_s: f64) {
     removed.retain(|&(i, value)| {
-        let good = error_of(t, x, i, value, reach_s).is_some_and(|(e, _)| e.abs() <= SIGMAS * scales[i]);
+        let good = error_of(t, x, i, value, reach_s).is_some_and(|(e, _)| scales.ratio(i, e) <= SIGMAS);
         if good {
             x[i] = value;
         }

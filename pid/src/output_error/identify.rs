@@ -5,7 +5,7 @@ use super::residual::{ChannelFit, channel_fits, coloured};
 use super::run::{Nominal, Run};
 use crate::PidError;
 use crate::compatibility;
-use crate::identifiability::of_runs;
+use crate::identifiability::{examine, of_runs};
 use crate::identification::{CoefficientFit, DataSet, Estimate, Identification, NORMAL_95};
 use nalgebra::DMatrix;
 use windfall_model::{Campaign, Coefficient, Data, Plant, Use};
@@ -25,12 +25,18 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;
     let unknowns = Unknowns::new(campaign, options)?;
-    let identifiability = if unknowns.free() > 0 { of_runs(&runs, &unknowns) } else { None };
     let mut warnings = Vec::new();
     let all: Vec<usize> = (0..runs.len()).collect();
     let start = runs.iter().map(|r| r.smoothed.clone()).collect();
     let work = SetWork { campaign, runs: &runs, kinds: &plants, options };
-    let combined = work.solve("combined", &all, unknowns, start, &mut warnings)?;
+    let combined = work.solve("combined", &all, unknowns.clone(), start, &mut warnings)?;
+    // The search began by asking just this, unless it had to hold something.
+    let first = &combined.1.first;
+    let identifiability = if first.ncols() == unknowns.free() {
+        Some(examine(first.clone(), &unknowns.names, &unknowns.values()))
+    } else {
+        of_runs(&runs, &unknowns)
+    };
     let compatibility = options
         .compatibility
         .then(|| compatibility::join(compatibility::pressure(campaign), compatibility::instruments(&runs, &combined.1)));

@@ -17,7 +17,7 @@ mod speed;
 pub use identify::identify;
 pub(crate) use identify::{NOT_NOISE, aligned, estimates, kinds, not_noise, ready, run_plants};
 pub(crate) use instruments::KINDS;
-pub(crate) use problem::{Glance, Outcome, Solved, Unknowns, one_step, solve, solve_from};
+pub(crate) use problem::{Glance, Outcome, Solved, Unknowns, one_step, sensitivities, solve, solve_from};
 pub use problem::{Handling, Options, Prior, Solution, StopReason};
 pub use residual::ChannelFit;
 pub(crate) use residual::{channel_fits, coloured, low_frequency_p, spread};

@@ -294,6 +294,8 @@ pub(crate) enum Outcome {
 #[derive(Debug)]
 pub(crate) struct Solved {
     pub(crate) solution: Solution,
+    /// [`sensitivities`] where the search began.
+    pub(crate) first: DMatrix<f64>,
     pub(crate) unknowns: Unknowns,
     pub(crate) nominals: Vec<Nominal>,
     pub(crate) linear: Vec<Linearised>,
@@ -302,9 +304,11 @@ pub(crate) struct Solved {
 
 /// Share of the largest singular value below which a combination of parameters counts as undetermined; as in the regression.
 const RANK_TOLERANCE: f64 = 1e-10;
-/// A step below this part of every standard error ends the search.
+/// What is left to go, by the last two steps' ratio, below this part of every standard error ends the search.
 const STEP: f64 = 1e-3;
-/// The same when iterations are used up: where the model is wrong, steps shrink slowly and white noise's errors are too small.
+/// Steps that shrink faster than this are taken to go on so.
+const MOST_SHRUNK: f64 = 0.5;
+/// The same as [`STEP`] when iterations are used up: where the model is wrong, steps shrink slowly and white noise's errors are too small.
 const NEARLY: f64 = 0.1;
 /// Smallest noise of a channel, as part of its sensor's: exact data must not divide by zero.
 const FLOOR: f64 = 1e-4;
@@ -354,8 +358,10 @@ pub(crate) fn solve_from(
         return Outcome::Stopped(StopReason::FlightFails);
     };
     let mut pace = Pace::default();
+    let (mut first, mut before_last) = (None, 0.0);
     for iteration in 1..=iterations.max(1) {
         let Some(linear) = search.linearise() else { return Outcome::Stopped(StopReason::FlightFails) };
+        first.get_or_insert_with(|| sensitivities(&linear, search.unknowns.free()));
         let normal = match Normal::new(&linear, &search.unknowns) {
             Ok(normal) => normal,
             Err((column, rank)) => return Outcome::Undetermined { column, rank },
@@ -365,7 +371,7 @@ pub(crate) fn solve_from(
         let Some((next, fraction)) = search.descend(&linear, &normal, &misfits, whole) else {
             if largest < 30.0 * STEP {
                 // Rounding is all that is left.
-                return search.finish(&normal, misfits, iteration, StopReason::Converged);
+                return search.finish(&normal, first.unwrap_or_default(), misfits, iteration, StopReason::Converged);
             }
             return Outcome::Stopped(StopReason::NoDescent);
         };
@@ -375,14 +381,27 @@ pub(crate) fn solve_from(
         search.update_noise(&misfits);
         let settled = search.std.iter().zip(before).all(|(a, b)| (a / b).ln().abs() < STEP);
         let gaps: f64 = misfits.iter().map(|m| m.gaps).sum();
-        if largest < STEP && settled && fraction >= MOST_SHORT && gaps < 1e-3 {
-            return search.finish(&normal, misfits, iteration, StopReason::Converged);
+        // Steps shrink by a ratio: what is left is their sum.
+        let ratio = if fraction > 0.5 { largest / before_last } else { f64::INFINITY };
+        let left = if ratio < MOST_SHRUNK { largest * ratio / (1.0 - ratio) } else { largest };
+        before_last = largest;
+        if left < STEP && settled && fraction >= MOST_SHORT && gaps < 1e-3 {
+            return search.finish(&normal, first.unwrap_or_default(), misfits, iteration, StopReason::Converged);
         }
         if iteration >= iterations && largest < NEARLY && gaps < 1e-3 {
-            return search.finish(&normal, misfits, iteration, StopReason::Nearly);
+            return search.finish(&normal, first.unwrap_or_default(), misfits, iteration, StopReason::Nearly);
         }
     }
     Outcome::Stopped(StopReason::Iterations)
+}
+
+/// What the runs tell about the free unknowns: rows whose squares sum to the information.
+pub(crate) fn sensitivities(linear: &[Linearised], free: usize) -> DMatrix<f64> {
+    let mut a = DMatrix::zeros(linear.len() * free, free);
+    for (i, l) in linear.iter().enumerate() {
+        a.view_mut((i * free, 0), (free, free)).copy_from(&l.information.view((0, 0), (free, free)));
+    }
+    a
 }
 
 /// Root mean square over the runs of what smoothing sees as noise.
@@ -453,7 +472,14 @@ impl Search<'_, '_> {
             self.std[c] = (squares / (count as f64 - taken).max(1.0)).sqrt().max(floor);
         }
     }
-    fn finish(mut self, normal: &Normal, misfits: Vec<Misfit>, iterations: usize, stop: StopReason) -> Outcome {
+    fn finish(
+        mut self,
+        normal: &Normal,
+        first: DMatrix<f64>,
+        misfits: Vec<Misfit>,
+        iterations: usize,
+        stop: StopReason,
+    ) -> Outcome {
         // Covariance and profile at the solution, not at the last step's start.
         let Some(linear) = self.linearise() else { return Outcome::Stopped(StopReason::FlightFails) };
         let last = Normal::new(&linear, &self.unknowns).ok();
@@ -473,6 +499,7 @@ impl Search<'_, '_> {
         };
         Outcome::Solved(Box::new(Solved {
             solution,
+            first,
             unknowns: self.unknowns,
             nominals: self.nominals,
             linear,
