@@ -2,7 +2,8 @@
 //!
 //! The full study is `cargo test --release -p windfall-verify --test closing_study -- --ignored --nocapture`; its table is
 //! docs/studies/closing.md. `WINDFALL_STUDY` names a file of finished draws (one line of JSON each) to go on from,
-//! `WINDFALL_SEEDS` says how many seeds of each family (20); 0 prints the table of what is finished.
+//! `WINDFALL_SEEDS` says how many seeds of each family (20); 0 prints the table of what is finished. `WINDFALL_FAMILY` draws those of one
+//! family only.
 
 #![expect(clippy::print_stdout, reason = "a study prints its table")]
 
@@ -50,7 +51,11 @@ fn study_every_family() {
         println!("{}", report(&finished(file.as_ref())));
         return;
     }
-    let all = run(&draws(seeds, NULLS, seeds.div_ceil(2), seeds.div_ceil(4)), file.as_ref());
+    let mut wanted = draws(seeds, NULLS, seeds.div_ceil(2), seeds.div_ceil(4));
+    if let Ok(family) = std::env::var("WINDFALL_FAMILY") {
+        wanted.retain(|d| d.families == [family.as_str()]);
+    }
+    let all = run(&wanted, file.as_ref());
     println!("{}", report(&all));
 }
 

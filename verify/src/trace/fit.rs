@@ -372,11 +372,13 @@ impl Problem<'_> {
     /// independent; noise or gusts whose effect differs along a run make them depend, and numbers that are known from a moment of
     /// it (a release) scatter more.
     pub fn calibrate(&self, fit: &mut Fit) {
-        let (n, copies) = (fit.free.len(), self.evidence.noisy());
-        let Some(w) = Whitening::new(&fit.sigma).filter(|_| copies > 0 && n > 0) else { return };
+        let copies = self.evidence.noisy();
+        let Some(w) = Whitening::new(&fit.sigma).filter(|_| copies > 0 && !fit.free.is_empty()) else { return };
+        self.evidence.focus(&fit.hypothesis.plant(self.base));
+        self.with_held(fit, &w);
+        let n = fit.free.len();
         let h = &fit.hypothesis;
         let plant = h.plant(self.base);
-        self.evidence.focus(&plant);
         let at = self.points(&plant, copies);
         let weights: Vec<Residual> = fit
             .free
@@ -404,6 +406,41 @@ impl Problem<'_> {
             if ratio.is_finite() { ratio.max(0.25).sqrt() } else { 1.0 }
         });
         fit.covariance = scaled_back(&fit.covariance, &scale);
+    }
+
+    /// Numbers of effects that the fit holds (strengths at the edge of their range, shapes that would not settle) are not known for
+    /// that: the errors of all others count what is not known of these, of which the range is all that is known beforehand.
+    fn with_held(&self, fit: &mut Fit, w: &Whitening) {
+        let h = &fit.hypothesis;
+        let mut free = fit.free.clone();
+        for (k, e) in h.effects.iter().enumerate().filter(|(_, e)| e.mean_strengths().next().is_some() && !e.is_local()) {
+            let own = e.mean_strengths().chain(e.shapes()).map(|i| Free::Effect(k, i));
+            free.extend(own.filter(|f| !fit.free.contains(f)).collect::<Vec<_>>());
+        }
+        if free.len() == fit.free.len() {
+            return;
+        }
+        let at = self.point(&h.plant(self.base));
+        let mut columns = self.columns(h, &free, &at, &fit.sigma);
+        // A whole number (of a harmonic) is known when it is held.
+        let live: Vec<bool> = columns.a.iter().map(|a| a.iter().any(|x| *x != 0.0)).collect();
+        free = kept(free, &live);
+        columns = Columns {
+            a: kept(columns.a, &live),
+            da: columns.da.into_iter().map(|d| kept(d, &live)).collect(),
+            looped: kept(columns.looped, &live),
+        };
+        let mut normal = Normal::new(&at.whitened(w), &Whitened::new(w, &columns));
+        for (i, f) in free.iter().enumerate().skip(fit.free.len()) {
+            let Free::Effect(e, k) = *f else { continue };
+            let p = &h.effects[e].parameters[k];
+            let prior = 12.0 / (p.high - p.low).powi(2);
+            normal.j[(i, i)] += prior;
+            normal.v[(i, i)] += prior;
+        }
+        if let Some(step) = normal.solve() {
+            (fit.free, fit.covariance, fit.inverse) = (free, step.covariance, step.inverse);
+        }
     }
 
     /// Standard errors of sizes and shapes of random inputs from the curvature of the likelihood in their logarithms, all
@@ -531,6 +568,11 @@ impl Problem<'_> {
             }
         }
     }
+}
+
+/// Those marked.
+fn kept<T>(all: Vec<T>, marked: &[bool]) -> Vec<T> {
+    all.into_iter().zip(marked).filter(|(_, m)| **m).map(|(x, _)| x).collect()
 }
 
 /// Rounds of a bound's fixed point.
