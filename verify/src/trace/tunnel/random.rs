@@ -1,7 +1,10 @@
 //! verify: random inputs seen in tunnel runs. In: a run and a plant with gusts or shedding. Out: their cross-spectra in the
 //! residual for the likelihood, and draws of what they leave there.
 
-use super::{BIN, Cov, Prepared, Residual, load_coefficients, motion, real_form, still};
+use super::super::evidence::{BIN, Cov, Residual};
+use super::loads::{load_coefficients, motion, still};
+use super::prepare::Prepared;
+use super::spectrum::real_form;
 use nalgebra::{Complex, Matrix6, SVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
