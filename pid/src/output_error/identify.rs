@@ -1,8 +1,9 @@
 //! pid: a campaign by output error. In: campaign, options. Out: the contract's identification, each kind of run alone and combined.
 
-use super::problem::{Options, Outcome, Solved, StopReason, Unknowns, solve};
+use super::problem::{Outcome, Solved, StopReason, solve};
 use super::residual::{ChannelFit, channel_fits, coloured};
 use super::run::{Nominal, Run};
+use super::unknowns::{Options, Unknowns};
 use crate::PidError;
 use crate::compatibility;
 use crate::identifiability::{examine, of_runs};

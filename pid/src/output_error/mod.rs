@@ -9,17 +9,21 @@
 
 mod identify;
 mod instruments;
+mod normal;
 mod problem;
 mod residual;
 mod run;
 mod speed;
+mod unknowns;
 
 pub use identify::identify;
 pub(crate) use identify::{NOT_NOISE, aligned, estimates, kinds, not_noise, ready, run_plants};
 pub(crate) use instruments::KINDS;
-pub(crate) use problem::{Glance, Outcome, Solved, Unknowns, one_step, sensitivities, solve, solve_from};
-pub use problem::{Handling, Options, Prior, Solution, StopReason};
+pub(crate) use problem::{Glance, Outcome, Solved, one_step, sensitivities, solve, solve_from};
+pub use problem::{Solution, StopReason};
 pub use residual::ChannelFit;
 pub(crate) use residual::{channel_fits, coloured, low_frequency_p, spread};
 pub(crate) use run::{CHANNELS, Columns, NODE, Run, SPEED};
 pub(crate) use speed::{Liveliness, liveliness};
+pub(crate) use unknowns::Unknowns;
+pub use unknowns::{Handling, Options, Prior};
