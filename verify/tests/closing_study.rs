@@ -43,7 +43,7 @@ fn run(wanted: &[Draw], file: Option<&PathBuf>) -> Vec<Planted> {
 const NULLS: u64 = 100;
 
 #[test]
-#[ignore = "a study of 1,300 campaigns; an hour on two cores"]
+#[ignore = "a study of 1,325 campaigns; two and a half hours on two cores"]
 fn study_every_family() {
     let file = std::env::var_os("WINDFALL_STUDY").map(PathBuf::from);
     let seeds = std::env::var("WINDFALL_SEEDS").ok().and_then(|s| s.parse().ok()).unwrap_or(20);
