@@ -139,7 +139,7 @@ pub(crate) struct IdentifyArgs {
     /// Tie a parameter to another: both are one unknown (Cn_1=Cm_1: pitch and yaw damping shared); methods that integrate; may be
     /// repeated
     #[arg(long, value_name = "NAME=NAME", value_parser = crate::knowledge::tie)]
-    pub(crate) tie: Vec<crate::knowledge::Tie>,
+    pub(crate) tie: Vec<windfall_verify::Tie>,
     /// What is known of a parameter beforehand: mean and standard deviation (Cl_p=-5.7±0.3 or Cl_p=-5.7:0.3); methods that integrate;
     /// may be repeated
     #[arg(long, value_name = "NAME=MEAN±STD", value_parser = crate::knowledge::prior)]

@@ -6,7 +6,7 @@ use crate::study::Drawing;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
-use windfall_model::{Aero, Campaign, Data, Plant, TunnelSpeed, Use};
+use windfall_model::{Aero, Campaign, Constant, Data, Effect, Knowledge, Plant, TunnelSpeed};
 use windfall_scenarios::{
     FileKind, ScenarioFile, key_reference, kind_of, read_campaign_with_warnings, read_record_pieces, read_structure,
     sensors_of_table_a3,
@@ -70,15 +70,37 @@ fn aero_line(aero: &Aero, declared: &[bool]) -> String {
     format!("aero {}: {}", aero.structure.name, if list.is_empty() { "nothing declared".to_owned() } else { list.join(", ") })
 }
 
+/// Uncertainties, each beside its value, declared effects, noise.
+fn knowledge_lines(known: &Knowledge, plant: &Plant, inputs: &[String]) -> Vec<String> {
+    let constant = |c: &Constant| {
+        let value = c.value(plant).map_or_else(String::new, |v| format!(" {v}"));
+        format!("uncertain {}:{value} ± {} {}", c.name(), c.std, c.unit)
+    };
+    let prior =
+        |(i, std): &(usize, f64)| format!("prior {}: {} ± {std}", plant.aero.structure.parameters[*i], plant.aero.values[*i]);
+    let effect = |(e, values): &(&'static Effect, Vec<f64>)| {
+        let parameters = (e.parameters)(inputs);
+        let list: Vec<String> = parameters.iter().zip(values).map(|(p, v)| format!("{} = {v}", p.name)).collect();
+        format!("declared effect {}, from {}", e.family, list.join(", "))
+    };
+    let mut all: Vec<String> = known.constants.iter().map(constant).collect();
+    all.extend(known.priors.iter().map(prior));
+    all.extend(known.effects.iter().map(effect));
+    if known.exact_noise {
+        all.push("noise: exactly as declared".to_owned());
+    }
+    all
+}
+
 fn campaign(c: &Campaign, warnings: Vec<String>) -> Understood {
     let mut summary = plant_lines(&c.plant, &c.declared);
+    summary.extend(knowledge_lines(&c.knowledge, &c.plant, &c.inputs));
     for run in &c.runs {
         let (samples, seconds) = match &run.data {
             Data::Tunnel(r) => (r.len(), r.duration_s()),
             Data::Point(p) => (p.t_s.len(), p.t_s.last().zip(p.t_s.first()).map_or(0.0, |(b, a)| b - a)),
         };
-        let used = if run.used == Use::Identify { "identify" } else { "hold-out" };
-        summary.push(format!("run {}: {}, {used}, {samples} samples, {seconds:.3} s", run.name, run.kind));
+        summary.push(format!("run {}: {}, {}, {samples} samples, {seconds:.3} s", run.name, run.kind, run.used.name()));
     }
     if let Some(p) = windfall_pid::compatibility::pressure(c) {
         summary.push(crate::agreement::pressure(&p, windfall_pid::compatibility::FALSE_ALARM_RATE));
@@ -88,6 +110,7 @@ fn campaign(c: &Campaign, warnings: Vec<String>) -> Understood {
 
 fn scenario_summary(s: &ScenarioFile) -> Understood {
     let mut summary = plant_lines(&s.declared_plant, &s.declared);
+    summary.extend(knowledge_lines(&s.knowledge, &s.declared_plant, &[]));
     for e in &s.effects {
         let values: Vec<String> = e.values.iter().map(|(n, v)| format!("{n} = {v}")).collect();
         summary.push(format!("effect {}: {}", e.family, values.join(", ")));

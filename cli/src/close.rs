@@ -10,7 +10,7 @@ use std::path::Path;
 use windfall_model::Campaign;
 use windfall_report::{closing_page, number, p_value, sentence, with_interval};
 use windfall_scenarios::{FileKind, kind_of, read_campaign_with_warnings, text_atomically, write_json_atomically};
-use windfall_verify::close::{Closing, EffectLine, HeldOut, Options, Verdict, close, figures};
+use windfall_verify::close::{Closing, EffectLine, HeldOut, Options, Search, Verdict, close, figures};
 
 /// Names of the result files.
 pub(crate) const FILES: [&str; 3] = ["close.json", "figures.json", "report.html"];
@@ -30,11 +30,11 @@ fn close_campaign(word: &Path, session: &mut Session<'_>) -> Result<bool, Failur
         Input::Campaign(campaign) => *campaign,
         Input::Scenario(file) => flights::campaign(&file, session)?,
     };
-    let options = Options::default();
+    let options = Options { search: Search::Sets, ..Options::default() };
     let spinner = session.spinner("closing the loop");
     let closed = session.pool()?.install(|| {
         let closing = close(&campaign, &options)?;
-        let drawn = if folder.is_some() { figures(&campaign, &closing, &options)? } else { Vec::new() };
+        let drawn = if folder.is_some() { figures(&campaign, &closing, &options).unwrap_or_default() } else { Vec::new() };
         Ok((closing, drawn))
     });
     spinner.finish_and_clear();
@@ -150,8 +150,12 @@ fn held_out(text: &mut String, b: &HeldOut, a: &HeldOut) {
         line("moment over inertia (rad/s2)", three(b), three(a));
     }
     if let (Some(b), Some(a)) = (b.trajectory, a.trajectory) {
-        line("attitude, flown again (deg)", b.attitude_rms_deg, a.attitude_rms_deg);
-        line("body rates, flown again (deg/s)", b.rate_rms_deg_s, a.rate_rms_deg_s);
+        if let (Some(b), Some(a)) = (b.attitude_rms_deg, a.attitude_rms_deg) {
+            line("attitude, flown again (deg)", b, a);
+        }
+        if let (Some(b), Some(a)) = (b.rate_rms_deg_s, a.rate_rms_deg_s) {
+            line("body rates, flown again (deg/s)", b, a);
+        }
     }
     if let (Some(b), Some(a)) = (b.position_rms_m, a.position_rms_m) {
         line("position, flown again (mm)", 1e3 * b, 1e3 * a);

@@ -1,87 +1,49 @@
 //! cli: `windfall identify`. In: a campaign. Out: a table of parameters, and `identification.json`.
 
 use crate::args::{IdentifyArgs, MethodWord};
-use crate::knowledge;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
-use windfall_model::Campaign;
-use windfall_pid::bands::add_curves;
-use windfall_pid::compatibility::{Compatibility, pressure};
-use windfall_pid::output_error::Options;
-use windfall_pid::{DataSet, Identifiability, Identification, Method, identifiability, identify_by, identify_chosen};
+use windfall_pid::{DataSet, Estimate, Identifiability, Identification, Method};
 use windfall_scenarios::read_campaign_with_warnings;
-use windfall_verify::{Bootstrap, bootstrap};
+use windfall_verify::{Bootstrap, Identify, identify};
 
 /// Name of the result file.
 pub(crate) const FILE: &str = "identification.json";
 
 pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
-    let (mut campaign, notes) = read_campaign_with_warnings(&args.campaign)?;
+    let (campaign, notes) = read_campaign_with_warnings(&args.campaign)?;
     notes.iter().for_each(|n| session.warn(n));
-    let options = knowledge::options(args, &mut campaign)?;
     let folder = session.outputs(&[FILE.to_owned()])?;
+    let spinner = session.spinner(if args.bootstrap.is_some() { "identifying, then copies" } else { "identifying" });
+    let result = session.pool()?.install(|| identify(&campaign, &notes, &request(args)));
+    spinner.finish_and_clear();
+    let result = result.map_err(Failure::of_verification)?;
+    if let Some(reason) = &result.found.reason {
+        session.say(&format!("method {}: {reason}", result.found.method));
+    }
+    // The reader's notes, which lead the warnings, are said already.
+    result.found.warnings.iter().skip(notes.len()).for_each(|w| session.warn(w));
+    session.deliver(folder.as_deref(), FILE, &result, || {
+        table(&campaign.name, &result.found) + &result.bootstrap.as_ref().map_or_else(String::new, bootstrap_table)
+    })?;
+    Ok(true)
+}
+
+fn request(args: &IdentifyArgs) -> Identify {
     let method = args.method.map(|word| match word {
         MethodWord::Thesis => Method::Thesis,
         MethodWord::EquationError => Method::EquationError,
         MethodWord::OutputError => Method::OutputError,
         MethodWord::FilterError => Method::FilterError,
     });
-    let spinner = session.spinner("identifying");
-    let found = session.pool()?.install(|| match method {
-        Some(method) => identify_by(&campaign, method, &options),
-        None => identify_chosen(&campaign, &options),
-    });
-    spinner.finish_and_clear();
-    let mut found = found.map_err(Failure::of_identification)?;
-    found.data_sets.iter_mut().for_each(|d| d.held.clone_from(&args.hold));
-    if found.identifiability.is_none() {
-        // A plant that cannot be integrated has none.
-        found.identifiability = session.pool()?.install(|| identifiability(&campaign, &options)).ok();
+    Identify {
+        method,
+        combined_only: args.combined,
+        hold: args.hold.clone(),
+        tie: args.tie.clone(),
+        prior: args.prior.clone(),
+        bootstrap: args.bootstrap.map(usize::from),
     }
-    if found.compatibility.is_none() {
-        found.compatibility = pressure(&campaign).map(Compatibility::of_pressure);
-    }
-    add_curves(&campaign, &mut found).map_err(Failure::of_identification)?;
-    if let Some(reason) = &found.reason {
-        session.say(&format!("method {}: {reason}", found.method));
-    }
-    found.warnings.iter().for_each(|w| session.warn(w));
-    let copies = match args.bootstrap {
-        Some(n) => Some(copies(&campaign, &found, &options, usize::from(n), session)?),
-        None => None,
-    };
-    let result = Written { found: &found, bootstrap: copies.as_ref() };
-    session.deliver(folder.as_deref(), FILE, &result, || {
-        table(&campaign.name, &found) + &copies.as_ref().map_or_else(String::new, bootstrap_table)
-    })?;
-    Ok(true)
-}
-
-/// The file: an identification, and its check where one was asked for.
-#[derive(serde::Serialize)]
-struct Written<'a> {
-    #[serde(flatten)]
-    found: &'a Identification,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    bootstrap: Option<&'a Bootstrap>,
-}
-
-fn copies(
-    campaign: &Campaign,
-    found: &Identification,
-    options: &Options,
-    n: usize,
-    session: &mut Session<'_>,
-) -> Result<Bootstrap, Failure> {
-    let method = Method::of_name(&found.method).expect("named by the method itself");
-    let spinner = session.spinner("identifying copies");
-    let result = session.pool()?.install(|| bootstrap(campaign, found, method, options, n));
-    spinner.finish_and_clear();
-    let result = result.map_err(Failure::of_verification)?;
-    if let Some(first) = result.failed.first() {
-        session.warn(&format!("{} of {n} copies gave no answer, the first: {first}", result.failed.len()));
-    }
-    Ok(result)
 }
 
 fn bootstrap_table(b: &Bootstrap) -> String {
@@ -156,12 +118,7 @@ fn data_set(text: &mut String, d: &DataSet) {
         "coef", "parameter", "estimate", "std error", "RSE %", "95 % interval", "white s.e."
     );
     for p in &d.parameters {
-        let interval = format!("[{:.6}, {:.6}]", p.ci95[0], p.ci95[1]);
-        let _ = writeln!(
-            text,
-            "{:<11}{:<16}{:>14.6}{:>12.3e}{:>10.3}   {interval:<28}{:>12.3e}",
-            p.coefficient, p.name, p.estimate, p.std_error, p.rse_percent, p.std_error_white
-        );
+        let _ = writeln!(text, "{}", line(p));
     }
     for h in &d.held {
         let _ = writeln!(text, "{:<11}{:<16}{:>14.6}   held", "", h.name, h.value);
@@ -172,5 +129,29 @@ fn data_set(text: &mut String, d: &DataSet) {
             "{:<11}R² = {:.6}, residual std = {:.3e}, p(white) = {:.3}",
             f.coefficient, f.r2, f.residual_std, f.residual_whiteness_p
         );
+    }
+}
+
+fn line(p: &Estimate) -> String {
+    let interval = format!("[{:.6}, {:.6}]", p.ci95[0], p.ci95[1]);
+    let relative = p.rse_percent.map_or_else(|| "–".to_owned(), |r| format!("{r:.3}"));
+    format!(
+        "{:<11}{:<16}{:>14.6}{:>12.3e}{relative:>10}   {interval:<28}{:>12.3e}",
+        p.coefficient, p.name, p.estimate, p.std_error, p.std_error_white
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A gust that is not there has an error and no relative one.
+    #[test]
+    fn law_a_zero_has_no_relative_error() {
+        let json = serde_json::json!({"coefficient": "turbulence", "name": "axial_rms_m_s", "estimate": 0.0, "std_error": 0.001,
+            "rse_percent": windfall_pid::relative_percent(0.001, 0.0), "ci95": [0.0, 0.002], "std_error_white": 0.001});
+        assert!(json["rse_percent"].is_null());
+        let shown = line(&serde_json::from_value(json).expect("an estimate"));
+        assert!(shown.contains("1.000e-3         –   [0.000000, 0.002000]") && shown.chars().count() < 110, "{shown}");
     }
 }

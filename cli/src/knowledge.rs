@@ -1,17 +1,8 @@
-//! cli: what is known beforehand: `--hold`, `--tie`, `--prior`. In: words. Out: a campaign with held values, options of the search.
+//! cli: what is known beforehand: `--hold`, `--tie`, `--prior`. In: words. Out: what they say.
 
-use crate::args::IdentifyArgs;
-use anyhow::anyhow;
-use windfall_model::Campaign;
 use windfall_pid::Held;
-use windfall_pid::output_error::{Handling, Options, Prior};
-
-/// One parameter equal to another.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Tie {
-    name: String,
-    to: String,
-}
+use windfall_pid::output_error::Prior;
+use windfall_verify::Tie;
 
 fn split(word: &str) -> Option<(String, &str)> {
     word.split_once('=').map(|(name, rest)| (name.trim().to_owned(), rest.trim())).filter(|(n, r)| !n.is_empty() && !r.is_empty())
@@ -40,42 +31,6 @@ pub(crate) fn prior(word: &str) -> Result<Prior, String> {
         Some(Prior { name, mean: number(mean)?, std: number(std).filter(|s| *s > 0.0)? })
     });
     parts.ok_or_else(|| format!("{word}: write NAME=MEAN±STD or NAME=MEAN:STD, STD above 0, as in Cl_p=-5.7±0.3"))
-}
-
-/// Holds what is to be held in the campaign; options of a search with the rest.
-pub(crate) fn options(args: &IdentifyArgs, campaign: &mut Campaign) -> Result<Options, anyhow::Error> {
-    let known = campaign.plant.aero.structure.parameters.clone();
-    let index = |flag: &str, name: &str| {
-        known
-            .iter()
-            .position(|k| k == name)
-            .ok_or_else(|| anyhow!("--{flag} {name}: no parameter of this structure; parameters: {}", known.join(", ")))
-    };
-    let mut seen = Vec::new();
-    for h in &args.hold {
-        let i = index("hold", &h.name)?;
-        if seen.contains(&i) {
-            return Err(anyhow!("--hold {}: given twice; give one value", h.name));
-        }
-        seen.push(i);
-        campaign.plant.aero.values[i] = h.value;
-        campaign.declared[i] = false;
-    }
-    for t in &args.tie {
-        index("tie", &t.name)?;
-        index("tie", &t.to)?;
-    }
-    for p in &args.prior {
-        index("prior", &p.name)?;
-    }
-    let tied = |t: &Tie| (t.name.clone(), Handling::Tied { to: t.to.clone() });
-    Ok(Options {
-        handling: args.tie.iter().map(tied).collect(),
-        priors: args.prior.clone(),
-        combined_only: args.combined,
-        compatibility: true,
-        ..Options::default()
-    })
 }
 
 #[cfg(test)]

@@ -55,8 +55,13 @@ fn run_line(text: &mut String, run: &RunComparison) {
     let t = &run.trajectory;
     let _ = writeln!(
         text,
-        "{:<24}{:<10}{:>16.4}{:>16.5}{:>16.4}{:>10.3}",
-        run.name, run.used, t.attitude_rms_deg, t.position_rms_m, t.rate_rms_deg_s, run.misfit
+        "{:<24}{:<10}{:>16.4}{:>16.5}{:>16.4}{:>10}",
+        run.name,
+        run.used,
+        t.attitude_rms_deg,
+        t.position_rms_m,
+        t.rate_rms_deg_s,
+        run.misfit.map_or_else(|| "–".to_owned(), |m| format!("{m:.3}"))
     );
 }
 

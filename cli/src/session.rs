@@ -7,7 +7,7 @@ use std::io::{IsTerminal as _, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use windfall_pid::PidError;
-use windfall_scenarios::{ScenarioFile, write_json_atomically};
+use windfall_scenarios::{ScenarioFile, json_text, write_json_atomically};
 use windfall_sim::SimError;
 use windfall_verify::VerifyError;
 
@@ -35,9 +35,12 @@ impl Failure {
         let numerical = is_numerical(&error);
         Self::of(numerical, anyhow::Error::new(error).context(format!("flight {name}")))
     }
-    /// An error of the loop: numerical when a flight failed, bad input otherwise.
+    /// An error of the loop: numerical when a flight failed or a search has no answer, bad input otherwise.
     pub(crate) fn of_verification(error: VerifyError) -> Self {
-        Self::of(matches!(&error, VerifyError::Simulate(e) if is_numerical(e)), error.into())
+        match error {
+            VerifyError::Identify(e) => Self::of_identification(e),
+            other => Self::of(matches!(&other, VerifyError::Simulate(e) if is_numerical(e)), other.into()),
+        }
     }
     /// An identifier's error: a search without an answer is numerical, the rest is bad input.
     pub(crate) fn of_identification(error: PidError) -> Self {
@@ -91,8 +94,7 @@ impl Session<'_> {
     }
     /// A result as JSON on standard output.
     pub(crate) fn print_json(&mut self, value: &impl serde::Serialize) -> Result<(), Failure> {
-        let mut text = serde_json::to_string_pretty(value).context("result as JSON")?;
-        text.push('\n');
+        let text = json_text(value).context("result as JSON")?;
         self.print(&text)
     }
     /// Hands over the one result of a command: into its file where a folder is open, as JSON or words on standard output.

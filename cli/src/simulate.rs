@@ -5,7 +5,7 @@ use crate::flights::{end_words, fly_all, warn_of_end};
 use crate::session::{Failure, Session, scenario};
 use serde::Serialize;
 use std::path::Path;
-use windfall_model::{Flight, Use};
+use windfall_model::Flight;
 use windfall_scenarios::{
     RunLine, ScenarioFile, write_campaign_toml, write_columns_csv, write_record_csv, write_resolved_scenario,
 };
@@ -91,8 +91,7 @@ fn write_all(folder: &Path, file: &ScenarioFile, names: &[(String, String)], flo
     for ((flight, flown), (record, truth)) in file.scenario.flights.iter().zip(flown).zip(names) {
         write_record_csv(&folder.join(record), &flown.record)?;
         write_truth(&folder.join(truth), &flown.truth)?;
-        let used = if flight.hold_out { Use::HoldOut } else { Use::Identify };
-        lines.push(RunLine { file: record.clone(), kind: flight.kind.clone(), used });
+        lines.push(RunLine { file: record.clone(), kind: flight.kind.clone(), used: flight.used });
     }
     write_campaign_toml(&folder.join("campaign.toml"), file, &lines)?;
     write_resolved_scenario(&folder.join("scenario.toml"), file)?;

@@ -14,7 +14,6 @@ use windfall_scenarios::{
     Identity, Opening, Part, ReadError, Shard, Store, StoreError, part_bytes, read_json, read_study, write_json_atomically,
 };
 use windfall_verify::VerifyError;
-use windfall_verify::identified_plant;
 use windfall_verify::study::{Moments, Prepared, Progress, Summary, run as draw_all, summarise};
 
 /// Name of the summary.
@@ -82,8 +81,8 @@ impl Drawing {
         let mut study = file.study;
         if let (Some(model), Some(campaign)) = (&file.model, &file.campaign) {
             let found: Identification = read_json(model)?;
-            let set = found.data_set("combined").or(found.data_sets.last()).ok_or(VerifyError::NoDataSet)?;
-            study.plant = identified_plant(campaign, set)?;
+            let set = found.combined().ok_or(VerifyError::NoDataSet)?;
+            study.plant = set.plant(&campaign.plant).map_err(VerifyError::from)?;
         }
         let prepared = Prepared::new(study, file.campaign.as_ref())?;
         let identity = Identity {

@@ -1,5 +1,6 @@
 //! model: a campaign, one vehicle with its declared model and its runs. In: checked data. Out: what identifier and loop work on.
 
+use crate::knowledge::Knowledge;
 use crate::plant::Plant;
 use crate::record::{PointRecord, Record};
 
@@ -8,8 +9,29 @@ use crate::record::{PointRecord, Record};
 pub enum Use {
     /// Parameters are identified on it.
     Identify,
+    /// Chooses between sets of effects: nothing is fitted to it, nothing reported of it.
+    Select,
     /// Only predictions are judged on it.
     HoldOut,
+}
+
+impl Use {
+    /// All uses.
+    pub const ALL: [Self; 3] = [Self::Identify, Self::Select, Self::HoldOut];
+    /// Word of the files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Identify => "identify",
+            Self::Select => "select",
+            Self::HoldOut => "hold-out",
+        }
+    }
+    /// The use of that word.
+    #[must_use]
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|u| u.name() == name)
+    }
 }
 
 /// One run's data.
@@ -28,7 +50,7 @@ pub struct Run {
     pub name: String,
     /// Kind as declared: `perturbed`, `unperturbed`, `drop`, `launch`, or the user's word.
     pub kind: String,
-    /// Identify or hold out.
+    /// What it is for.
     pub used: Use,
     /// Known settings of this run, in the order of [`Campaign::inputs`].
     pub inputs: Vec<f64>,
@@ -51,6 +73,8 @@ pub struct Campaign {
     pub inputs: Vec<String>,
     /// All runs, in file order.
     pub runs: Vec<Run>,
+    /// Uncertain constants, declared effects.
+    pub knowledge: Knowledge,
 }
 
 impl Campaign {

@@ -14,6 +14,9 @@ pub struct MeanFlow {
     pub swirl_rad_per_m: f64,
     /// Constant lateral components over V_W along Y and Z (flow angularity, rad).
     pub angularity_rad: [f64; 2],
+    /// Tunnel speed to which swirl and angularity stay in proportion whatever V_W is, m/s: lateral flow that does not follow the fan.
+    /// 0: they follow V_W.
+    pub steady_at_m_s: f64,
 }
 
 /// Velocity of the air seen from the tunnel and its rate of change at a moving point, m/s and m/s², tunnel axes.
@@ -38,12 +41,13 @@ impl MeanFlow {
         let shape_rate = 2.0 * k * (y * vy + z * vz) + gy * vy + gz * vz;
         let s = self.swirl_rad_per_m;
         let (ly, lz) = (ay - s * z, az + s * y);
+        let (u, u_rate) = if self.steady_at_m_s == 0.0 { (vw_m_s, vw_rate_m_s2) } else { (self.steady_at_m_s, 0.0) };
         Wind {
-            v_tunnel_air: Vec3::new(-vw_m_s * shape, vw_m_s * ly, vw_m_s * lz),
+            v_tunnel_air: Vec3::new(-vw_m_s * shape, u * ly, u * lz),
             a_tunnel_air: Vec3::new(
                 -vw_rate_m_s2 * shape - vw_m_s * shape_rate,
-                vw_rate_m_s2 * ly - vw_m_s * s * vz,
-                vw_rate_m_s2 * lz + vw_m_s * s * vy,
+                u_rate * ly - u * s * vz,
+                u_rate * lz + u * s * vy,
             ),
         }
     }

@@ -1,15 +1,10 @@
 //! model: Froude scaling between full scale and model (thesis §2.1.2, Table 2.2). In: length and density ratios. Out: scaled plant and flight.
 
 use crate::aero::{Aero, Factor};
-use crate::air::Environment;
-use crate::disturbance::Turbulence;
-use crate::flow::{MeanFlow, Variable};
+use crate::flow::Variable;
 use crate::plant::{Contact, Plant};
-use crate::point::PointMass;
+use crate::quantity::{Dimension, PLANT_NUMBERS};
 use crate::scenario::{Flight, Operator, Release, TestSection, TunnelSpeed};
-use crate::sensors::Sensors;
-use crate::tether::Tether;
-use crate::vehicle::{ApparentMass, Inertia, LooseMass, Vehicle};
 
 /// Ratios full scale over model that keep Froude number V²/(g L), mass ratio m/(ρ L³) and inertia ratio I/(ρ L⁵).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,32 +51,27 @@ impl FroudeScale {
 }
 
 impl FroudeScale {
+    /// Ratio of numbers of that dimension.
+    #[must_use]
+    pub fn of(&self, d: Dimension) -> f64 {
+        let power = |ratio: f64, n: i8| ratio.powi(i32::from(n));
+        power(self.mass(), d.mass) * power(self.length, d.length) * power(self.time(), d.time)
+    }
+
     /// A plant scaled from model to full scale (ratios below one: the other way): every number with a dimension of length,
     /// time or mass, so that the scaled flight is the same in dimensionless numbers. Coefficients, angles and settings stay;
     /// terms in airspeed keep their value at the scaled speed.
     #[must_use]
     pub fn plant(&self, p: &Plant) -> Plant {
-        Plant {
-            vehicle: self.vehicle(&p.vehicle),
-            aero: self.aero(&p.aero),
-            tether: p.tether.as_ref().map(|t| self.tether(t)),
-            flow: self.flow(&p.flow),
-            turbulence: Turbulence {
-                axial_rms_m_s: p.turbulence.axial_rms_m_s * self.speed(),
-                lateral_rms_m_s: p.turbulence.lateral_rms_m_s * self.speed(),
-                axial_scale_m: p.turbulence.axial_scale_m * self.length,
-                lateral_scale_m: p.turbulence.lateral_scale_m * self.length,
-            },
-            shedding: p.shedding,
-            contacts: p.contacts.iter().map(|c| self.contact(c)).collect(),
-            environment: Environment { gravity_m_s2: p.environment.gravity_m_s2 * self.gravity, ..p.environment },
-            sensors: self.sensors(&p.sensors),
-            point: PointMass {
-                acceleration: p.point.acceleration * self.gravity,
-                air_density_kg_m3: p.point.air_density_kg_m3 * self.density,
-                ..p.point.clone()
-            },
+        let mut scaled = p.clone();
+        for number in PLANT_NUMBERS {
+            if let Some(x) = (number.lens)(&mut scaled) {
+                *x *= self.of(number.dimension);
+            }
         }
+        self.aero(&mut scaled.aero);
+        scaled.contacts.iter_mut().for_each(|c| self.contact(c));
+        scaled
     }
 
     /// A flight scaled as [`FroudeScale::plant`]; the density ratio goes into the static pressure.
@@ -91,7 +81,7 @@ impl FroudeScale {
         Flight {
             name: f.name.clone(),
             kind: f.kind.clone(),
-            hold_out: f.hold_out,
+            used: f.used,
             duration_s: f.duration_s * t,
             rate_hz: f.rate_hz / t,
             release: Release {
@@ -113,32 +103,9 @@ impl FroudeScale {
         }
     }
 
-    fn vehicle(&self, v: &Vehicle) -> Vehicle {
-        let k = self.inertia();
-        let Inertia { xx, yy, zz, xy, xz, yz } = v.inertia;
-        Vehicle {
-            mass_kg: v.mass_kg * self.mass(),
-            inertia: Inertia { xx: xx * k, yy: yy * k, zz: zz * k, xy: xy * k, xz: xz * k, yz: yz * k },
-            p_origin_cm: v.p_origin_cm * self.length,
-            diameter_m: v.diameter_m * self.length,
-            apparent: ApparentMass {
-                axial_kg: v.apparent.axial_kg * self.mass(),
-                radial_kg: v.apparent.radial_kg * self.mass(),
-                transverse_kg_m2: v.apparent.transverse_kg_m2 * k,
-            },
-            loose: v.loose.map(|m| LooseMass {
-                mass_kg: m.mass_kg * self.mass(),
-                frequency_hz: m.frequency_hz / self.time(),
-                damping_ratio: m.damping_ratio,
-                x_cm_m: m.x_cm_m * self.length,
-            }),
-        }
-    }
-
-    fn aero(&self, a: &Aero) -> Aero {
-        let mut scaled = a.clone();
-        let own = scaled.structure.contributions.iter_mut().map(|c| &mut c.term);
-        for term in own.chain(scaled.extra.iter_mut().map(|(_, _, term)| term)) {
+    fn aero(&self, a: &mut Aero) {
+        let own = a.structure.contributions.iter_mut().map(|c| &mut c.term);
+        for term in own.chain(a.extra.iter_mut().map(|(_, _, term)| term)) {
             for factor in &mut term.factors {
                 match factor {
                     Factor::Power(Variable::Speed, n) => term.scale /= self.speed().powi(i32::from(*n)),
@@ -147,50 +114,14 @@ impl FroudeScale {
                 }
             }
         }
-        scaled
     }
 
-    fn tether(&self, t: &Tether) -> Tether {
-        Tether {
-            p_origin_hook: t.p_origin_hook * self.length,
-            p_tunnel_ring: t.p_tunnel_ring * self.length,
-            drag_area_m2: t.drag_area_m2 * self.area(),
-            weight_n: t.weight_n * self.force(),
-            line_rate_n_s_m: t.line_rate_n_s_m * self.force() / self.speed(),
-            length_per_m: t.length_per_m / self.length,
-            pull_excess: t.pull_excess,
-            ring_shift_m: t.ring_shift_m.map(|x| x * self.length),
-        }
-    }
-
-    fn flow(&self, f: &MeanFlow) -> MeanFlow {
-        MeanFlow {
-            profile_per_m2: f.profile_per_m2 / self.area(),
-            gradient_per_m: f.gradient_per_m.map(|g| g / self.length),
-            swirl_rad_per_m: f.swirl_rad_per_m / self.length,
-            angularity_rad: f.angularity_rad,
-        }
-    }
-
-    fn contact(&self, c: &Contact) -> Contact {
+    fn contact(&self, c: &mut Contact) {
         let impulse = self.force() * self.time();
-        Contact {
-            run: c.run,
-            start_s: c.start_s * self.time(),
-            duration_s: c.duration_s * self.time(),
-            impulse: c.impulse * impulse,
-            angular_impulse: c.angular_impulse * (impulse * self.length),
-        }
-    }
-
-    fn sensors(&self, s: &Sensors) -> Sensors {
-        Sensors {
-            position_std_m: s.position_std_m * self.length,
-            wind_std_m_s: s.wind_std_m_s * self.speed(),
-            wind_delay_s: s.wind_delay_s * self.time(),
-            pose_delay_s: s.pose_delay_s * self.time(),
-            ..*s
-        }
+        c.start_s *= self.time();
+        c.duration_s *= self.time();
+        c.impulse = c.impulse * impulse;
+        c.angular_impulse = c.angular_impulse * (impulse * self.length);
     }
 
     fn tunnel_speed(&self, speed: &TunnelSpeed) -> TunnelSpeed {

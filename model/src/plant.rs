@@ -154,7 +154,7 @@ impl Plant {
         let impulse = mass(u);
         Wrench {
             f: -(mass(u_rate) + w.cross(impulse)),
-            m: -(inertia(m.w_tunnel_body_rate) + w.cross(inertia(w)) + u.cross(impulse)),
+            m: -(inertia(m.w_tunnel_body_rate) + w.cross(inertia(w)) * (1.0 - k.unturned) + u.cross(impulse)),
         }
     }
 

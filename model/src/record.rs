@@ -17,6 +17,9 @@ pub struct Record {
     pub ts_k: Vec<f64>,
     /// Tunnel dynamic pressure, Pa, when recorded.
     pub qw_pa: Option<Vec<f64>>,
+    /// For each sample, whether any of the seven motion signals was filled in there (a missing row or value bridged, a spike
+    /// replaced) and not measured; empty when all were measured.
+    pub bridged: Vec<bool>,
 }
 
 impl Record {
@@ -29,6 +32,11 @@ impl Record {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.t_s.is_empty()
+    }
+    /// Whether sample `i` was measured in all seven motion signals.
+    #[must_use]
+    pub fn is_measured(&self, i: usize) -> bool {
+        !self.bridged.get(i).copied().unwrap_or(false)
     }
     /// Mean sample interval, s.
     #[must_use]

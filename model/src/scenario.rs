@@ -1,5 +1,6 @@
 //! model: what to fly. In: checked numbers of a scenario file. Out: the order that the simulator carries out.
 
+use crate::campaign::Use;
 use crate::plant::Plant;
 
 /// How the tunnel speed comes about.
@@ -104,7 +105,7 @@ pub struct Flight {
     /// Kind, as in campaign files.
     pub kind: String,
     /// Use in the campaign that a scenario of several flights makes.
-    pub hold_out: bool,
+    pub used: Use,
     /// Duration, s.
     pub duration_s: f64,
     /// Sample rate, Hz.

@@ -20,4 +20,8 @@ pub struct Sensors {
     /// Small rotation from the true body axes to those that the motion capture reports, rad about body x, y, z:
     /// recorded `r_tunnel_body` = true `r_tunnel_body` · Rx·Ry·Rz(misalignment).
     pub misalignment_rad: [f64; 3],
+    /// Recorded positions are the true ones times `1 + length_scale`.
+    pub length_scale: f64,
+    /// Recorded times are the true ones times `1 + time_base`.
+    pub time_base: f64,
 }

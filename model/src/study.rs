@@ -1,7 +1,9 @@
 //! model: a study, many draws around one setup. In: checked numbers of a study file. Out: the order that the loop carries out.
 
 use crate::effects::Effect;
+use crate::knowledge::Knowledge;
 use crate::plant::Plant;
+use crate::quantity::PlantNumber;
 use crate::scenario::{Flight, TunnelSpeed};
 use nalgebra::DMatrix;
 
@@ -9,7 +11,7 @@ use nalgebra::DMatrix;
 #[derive(Clone, Copy, Debug)]
 pub enum Quantity {
     /// A number of the plant.
-    Plant(fn(&mut Plant) -> Option<&mut f64>, Angle),
+    Plant(&'static PlantNumber),
     /// A number of a flight.
     Flight(fn(&mut Flight) -> Option<&mut f64>, Angle),
     /// Aerodynamic parameter of that index in the structure.
@@ -33,38 +35,6 @@ impl Angle {
     }
 }
 
-macro_rules! plant {
-    ($p:ident => $e:expr) => {
-        Quantity::Plant(
-            |$p| {
-                let x: &mut f64 = $e;
-                Some(x)
-            },
-            Angle::No,
-        )
-    };
-    ($p:ident => $e:expr, deg) => {
-        Quantity::Plant(
-            |$p| {
-                let x: &mut f64 = $e;
-                Some(x)
-            },
-            Angle::Degrees,
-        )
-    };
-}
-macro_rules! tether {
-    ($t:ident => $e:expr) => {
-        Quantity::Plant(
-            |p| {
-                let $t = p.tether.as_mut()?;
-                let x: &mut f64 = $e;
-                Some(x)
-            },
-            Angle::No,
-        )
-    };
-}
 macro_rules! flight {
     ($f:ident => $e:expr) => {
         flight!($f => $e, Angle::No)
@@ -94,36 +64,11 @@ macro_rules! operator {
     };
 }
 
-/// What may vary beside aerodynamic parameters and effects: key of the scenario file, its component if it has several, and where it
-/// is held. Unit and range are the key's.
-pub const QUANTITIES: [(&str, &str, Quantity); 49] = [
-    ("vehicle.mass_kg", "", plant!(p => &mut p.vehicle.mass_kg)),
-    ("vehicle.inertia_kg_m2.xx", "", plant!(p => &mut p.vehicle.inertia.xx)),
-    ("vehicle.inertia_kg_m2.yy", "", plant!(p => &mut p.vehicle.inertia.yy)),
-    ("vehicle.inertia_kg_m2.zz", "", plant!(p => &mut p.vehicle.inertia.zz)),
-    ("vehicle.inertia_kg_m2.xy", "", plant!(p => &mut p.vehicle.inertia.xy)),
-    ("vehicle.inertia_kg_m2.xz", "", plant!(p => &mut p.vehicle.inertia.xz)),
-    ("vehicle.inertia_kg_m2.yz", "", plant!(p => &mut p.vehicle.inertia.yz)),
-    ("vehicle.center_of_mass_m", "x", plant!(p => &mut p.vehicle.p_origin_cm.xyz[0])),
-    ("vehicle.center_of_mass_m", "y", plant!(p => &mut p.vehicle.p_origin_cm.xyz[1])),
-    ("vehicle.center_of_mass_m", "z", plant!(p => &mut p.vehicle.p_origin_cm.xyz[2])),
-    ("vehicle.reference_diameter_m", "", plant!(p => &mut p.vehicle.diameter_m)),
-    ("tether.attachment_m", "x", tether!(t => &mut t.p_origin_hook.xyz[0])),
-    ("tether.attachment_m", "y", tether!(t => &mut t.p_origin_hook.xyz[1])),
-    ("tether.attachment_m", "z", tether!(t => &mut t.p_origin_hook.xyz[2])),
-    ("tether.ring_m", "X", tether!(t => &mut t.p_tunnel_ring.xyz[0])),
-    ("tether.ring_m", "Y", tether!(t => &mut t.p_tunnel_ring.xyz[1])),
-    ("tether.ring_m", "Z", tether!(t => &mut t.p_tunnel_ring.xyz[2])),
-    ("tether.drag_area_m2", "", tether!(t => &mut t.drag_area_m2)),
-    ("tether.effective_weight_n", "", tether!(t => &mut t.weight_n)),
-    ("environment.gravity_m_s2", "", plant!(p => &mut p.environment.gravity_m_s2)),
-    ("environment.gas_constant_j_kg_k", "", plant!(p => &mut p.environment.gas_constant_j_kg_k)),
+/// What may vary beside the declared numbers of the plant ([`crate::PLANT_NUMBERS`]), aerodynamic parameters and effects: key of the
+/// scenario file, its component if it has several, and where it is held. Unit and range are the key's.
+pub const FLIGHT_QUANTITIES: [(&str, &str, Quantity); 24] = [
     ("environment.static_pressure_pa", "", flight!(f => &mut f.ps_pa)),
     ("environment.static_temperature_k", "", flight!(f => &mut f.ts_k)),
-    ("sensors.position_std_m", "", plant!(p => &mut p.sensors.position_std_m)),
-    ("sensors.roll_std_deg", "", plant!(p => &mut p.sensors.roll_std_rad, deg)),
-    ("sensors.pitch_yaw_std_deg", "", plant!(p => &mut p.sensors.pitch_yaw_std_rad, deg)),
-    ("sensors.wind_std_m_s", "", plant!(p => &mut p.sensors.wind_std_m_s)),
     ("flight.duration_s", "", flight!(f => &mut f.duration_s)),
     ("flight.release.position_m", "X", flight!(f => &mut f.release.position_m[0])),
     ("flight.release.position_m", "Y", flight!(f => &mut f.release.position_m[1])),
@@ -285,6 +230,8 @@ pub struct Study {
     pub declared_plant: Plant,
     /// What the made campaigns declare: which parameters.
     pub declared: Vec<bool>,
+    /// What the made campaigns declare: uncertainties.
+    pub knowledge: Knowledge,
     /// Effects in the truth, in the order that they are applied.
     pub effects: Vec<StudyEffect>,
     /// Their values.
@@ -335,7 +282,7 @@ impl Setting {
     pub fn set(&mut self, quantity: Quantity, flights: &[usize], value: f64) -> bool {
         let place = |at: Option<&mut f64>, value: f64| at.map(|x| *x = value).is_some();
         match quantity {
-            Quantity::Plant(at, angle) => place(at(&mut self.plant), angle.inside(value)),
+            Quantity::Plant(n) => place((n.lens)(&mut self.plant), n.inside(value)),
             Quantity::Aero(i) => place(self.plant.aero.values.get_mut(i), value),
             Quantity::Effect(i, j) => place(self.effect_values.get_mut(i).and_then(|v| v.get_mut(j)), value),
             Quantity::Flight(at, angle) => {

@@ -22,7 +22,16 @@ pub struct Tether {
     pub pull_excess: f64,
     /// Lateral displacement of the ring from where it is declared, m along tunnel Y and Z.
     pub ring_shift_m: [f64; 2],
+    /// Largest torque with which the swivel resists roll, N m (0: declared). Coulomb friction opposes the roll rate p about body
+    /// x with `swivel_n_m · tanh(p/swivel_rate_rad_s)`: its jump at rest is smooth.
+    pub swivel_n_m: f64,
+    /// Roll rate over which that torque grows, rad/s, above zero.
+    pub swivel_rate_rad_s: f64,
 }
+
+/// Roll rate over which the swivel's torque grows, rad/s, unless the plant says otherwise: 3 deg/s, slow against the rates of a
+/// swinging model.
+pub(crate) const SWIVEL_RATE_RAD_S: f64 = 0.05;
 
 /// Where the line is and how fast it lengthens.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +42,8 @@ pub struct Line {
     pub length_m: f64,
     /// Rate of that length, m/s.
     pub length_rate_m_s: f64,
+    /// Roll rate p of the body under the swivel, rad/s.
+    pub roll_rate_rad_s: f64,
 }
 
 impl Tether {
@@ -48,6 +59,8 @@ impl Tether {
             length_per_m: 0.0,
             pull_excess: 0.0,
             ring_shift_m: [0.0; 2],
+            swivel_n_m: 0.0,
+            swivel_rate_rad_s: SWIVEL_RATE_RAD_S,
         }
     }
     /// Ring position with its shift, tunnel axes, m.
@@ -80,13 +93,20 @@ impl Tether {
         let length_m = to_ring.norm();
         let direction = to_ring * (1.0 / length_m);
         let v_hook = r_tunnel_body.inverse() * v_tunnel_cm + w_tunnel_body.cross(p_cm_hook);
-        Line { direction, length_m, length_rate_m_s: -direction.dot(v_hook) }
+        Line { direction, length_m, length_rate_m_s: -direction.dot(v_hook), roll_rate_rad_s: w_tunnel_body.x() }
     }
-    /// Force along the line and its moment about the c.m., `r_t × F` (eq. B.30 with the sign of B.31).
+    /// Torque of the swivel about body x, N m, at roll rate p in rad/s.
+    #[must_use]
+    #[inline]
+    pub fn swivel_torque_n_m(&self, p_rad_s: f64) -> f64 {
+        if self.swivel_n_m == 0.0 { 0.0 } else { -self.swivel_n_m * (p_rad_s / self.swivel_rate_rad_s).tanh() }
+    }
+    /// Force along the line, its moment about the c.m., `r_t × F` (eq. B.30 with the sign of B.31), and the swivel's torque.
     #[must_use]
     #[inline]
     pub fn wrench(&self, line: &Line, q_pa: f64, p_origin_cm: Vec3<Body>) -> Wrench {
         let f = line.direction * self.pull_n(q_pa, line.length_m, line.length_rate_m_s);
-        Wrench { f, m: (self.p_origin_hook - p_origin_cm).cross(f) }
+        let swivel = Vec3::new(self.swivel_torque_n_m(line.roll_rate_rad_s), 0.0, 0.0);
+        Wrench { f, m: (self.p_origin_hook - p_origin_cm).cross(f) + swivel }
     }
 }

@@ -73,6 +73,9 @@ pub struct ApparentMass {
     pub radial_kg: f64,
     /// About y and z, kg m².
     pub transverse_kg_m2: f64,
+    /// How much of the dragged air's angular momentum does not turn with the rolling body: 0 for a rigid body's (Kirchhoff), 1 where
+    /// the air resists angular acceleration in body axes alone, as many simulators have it.
+    pub unturned: f64,
 }
 
 impl ApparentMass {

@@ -81,12 +81,19 @@ fn tether() -> Tether {
         length_per_m: 0.3,
         pull_excess: 0.1,
         ring_shift_m: [0.04, -0.06],
+        swivel_n_m: 0.03,
+        swivel_rate_rad_s: 0.4,
         ..Tether::declared(Vec3::new(-0.25, 0.02, -0.03), Vec3::new(-3.0, 0.1, -0.2), 0.0013, 0.0165)
     }
 }
 
-const FLOW: MeanFlow =
-    MeanFlow { profile_per_m2: -0.3, gradient_per_m: [0.2, -0.1], swirl_rad_per_m: 0.25, angularity_rad: [0.03, -0.02] };
+const FLOW: MeanFlow = MeanFlow {
+    profile_per_m2: -0.3,
+    gradient_per_m: [0.2, -0.1],
+    swirl_rad_per_m: 0.25,
+    angularity_rad: [0.03, -0.02],
+    steady_at_m_s: 0.0,
+};
 
 fn plant() -> Plant {
     let mut aero = Aero::new(Structure::axisymmetric(), VALUES.to_vec());
@@ -97,7 +104,7 @@ fn plant() -> Plant {
             inertia: Inertia { xx: 0.021, yy: 0.014, zz: 0.013, xy: 0.001, xz: -0.002, yz: 0.0015 },
             p_origin_cm: Vec3::new(0.01, -0.02, 0.015),
             diameter_m: 0.2125,
-            apparent: ApparentMass { axial_kg: 0.05, radial_kg: 0.08, transverse_kg_m2: 0.002 },
+            apparent: ApparentMass { axial_kg: 0.05, radial_kg: 0.08, transverse_kg_m2: 0.002, unturned: 0.0 },
             loose: None,
         },
         aero,
@@ -231,7 +238,10 @@ fn exact_tether_line_pull_and_moment_b_27_to_b_36() {
     close(k.pull_n(30.0, line.length_m, line.length_rate_m_s), pull, 1e-12);
     let w = k.wrench(&line, 30.0, p_cm);
     same(w.f.to_array(), line.direction.to_array().map(|x| x * pull), 1e-12);
-    same(w.m.to_array(), cross((k.p_origin_hook - p_cm).to_array(), w.f.to_array()), 1e-12);
+    let moment = cross((k.p_origin_hook - p_cm).to_array(), w.f.to_array());
+    // The swivel against a roll of 0.6 rad/s, 1.5 times the rate over which it grows.
+    let swivel = -0.03 * (1.5_f64.exp() - (-1.5_f64).exp()) / (1.5_f64.exp() + (-1.5_f64).exp());
+    same(w.m.to_array(), combine(moment, 1.0, [swivel, 0.0, 0.0]), 1e-12);
 }
 
 /// Kirchhoff: force and moment are minus the rates of impulse and angular impulse, which are differentiated in fixed axes.

@@ -166,7 +166,7 @@ mod tests {
             name: name.into(),
             estimate,
             std_error: 1.0,
-            rse_percent: 1.0,
+            rse_percent: Some(1.0),
             ci95: [0.0; 2],
             std_error_white: 1.0,
         };

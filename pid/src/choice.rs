@@ -4,6 +4,7 @@ use crate::error::PidError;
 use crate::identification::Identification;
 use crate::identify::{Method, identify_by};
 use crate::output_error::{CHANNELS, NOT_NOISE, Options, StopReason};
+use crate::plant::{PROCESS_NOISE, TURBULENCE};
 use crate::{filter_error, output_error};
 use windfall_model::Campaign;
 
@@ -88,6 +89,6 @@ fn left(found: &Identification) -> String {
 
 /// True where gusts or random moments were found.
 fn driven(found: &Identification) -> bool {
-    let drive = |c: &str| c == filter_error::TURBULENCE || c == filter_error::PROCESS_NOISE;
+    let drive = |c: &str| c == TURBULENCE || c == PROCESS_NOISE;
     found.data_set("combined").is_some_and(|d| d.parameters.iter().any(|p| drive(&p.coefficient) && p.estimate > 0.0))
 }

@@ -6,7 +6,7 @@ use windfall_model::{FlowState, Inertia, LooseMass, Plant, Tether, VARIABLES};
 /// One sample of the regression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// Time of the record, s.
+    /// Time, s, as in the states.
     pub t_s: f64,
     /// Flow variables, from the states of this room.
     pub flow: FlowState,
@@ -74,7 +74,8 @@ fn gravity(s: &State, plant: &Plant) -> Load {
     Load { f: transposed(&t_bef(s.euler_rad), [mg, 0.0, 0.0]), m: [0.0; 3] }
 }
 
-/// Tether (eqs B.29-B.36, B.30 with the sign of B.31), its size as the plant has it.
+/// Tether (eqs B.29-B.36, B.30 with the sign of B.31), its size as the plant has it, and its swivel: the roll rate p is opposed by a
+/// torque that saturates, `tanh x = (1 − e^(−2x))/(1 + e^(−2x))`.
 fn tether(s: &State, tether: &Tether, plant: &Plant) -> Load {
     let t = t_bef(s.euler_rad);
     let r_to = tether.p_origin_hook.to_array();
@@ -86,7 +87,10 @@ fn tether(s: &State, tether: &Tether, plant: &Plant) -> Load {
     let pull = tether.pull_n(s.q_pa, length, -dot(r_tr, v_hook) / length);
     let [fx, fy, fz] = r_tr.map(|c| pull * c / length);
     let [x, y, z] = r_t;
-    Load { f: [fx, fy, fz], m: [y * fz - z * fy, z * fx - x * fz, x * fy - y * fx] }
+    let slip = (-2.0 * s.pqr[0] / tether.swivel_rate_rad_s).exp();
+    // At a fast negative roll e^(−2x) overflows, and the ratio's limit is −1.
+    let swivel = if slip.is_finite() { -tether.swivel_n_m * (1.0 - slip) / (1.0 + slip) } else { tether.swivel_n_m };
+    Load { f: [fx, fy, fz], m: [y * fz - z * fy + swivel, z * fx - x * fz, x * fy - y * fx] }
 }
 
 /// Reaction of the air that moves with the body (Kirchhoff; Lamb 1932, §124): impulse (m_x u, m_r v, m_r w) and moment of

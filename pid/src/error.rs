@@ -118,6 +118,17 @@ pub enum PidError {
         /// The name.
         name: String,
     },
+    /// An estimate that the plant to be flown has no place for.
+    #[error(
+        "the identification has parameter `{name}`, which is not one of the campaign's structure: {allowed}; give the identification of \
+         this campaign"
+    )]
+    OtherStructure {
+        /// The parameter.
+        name: String,
+        /// Parameters of the structure.
+        allowed: String,
+    },
     /// A search ended without an answer.
     #[error("campaign {campaign}, data set {set}, method {method}: {reason}")]
     NoAnswer {

@@ -77,8 +77,8 @@ pub struct Estimate {
     pub estimate: f64,
     /// Standard error: for coloured residuals, but that of eq. 4.20 for the thesis' method.
     pub std_error: f64,
-    /// Standard error over estimate, percent (eq. 4.21).
-    pub rse_percent: f64,
+    /// Standard error over estimate, percent (eq. 4.21); none for an estimate of zero, which has no relative error.
+    pub rse_percent: Option<f64>,
     /// 95 % interval.
     pub ci95: [f64; 2],
     /// Standard error for white residuals (eq. 4.20).
@@ -98,7 +98,23 @@ pub struct CoefficientFit {
     pub residual_whiteness_p: f64,
 }
 
+/// Standard error over estimate, percent (thesis eq. 4.21); none where that is no number: of zero, or of what is not finite.
+///
+/// ```
+/// assert_eq!(windfall_pid::relative_percent(0.5, -2.0), Some(25.0));
+/// assert_eq!(windfall_pid::relative_percent(0.5, 0.0), None);
+/// ```
+#[must_use]
+pub fn relative_percent(std_error: f64, estimate: f64) -> Option<f64> {
+    Some(100.0 * std_error / estimate.abs()).filter(|r| r.is_finite())
+}
+
 impl Identification {
+    /// The data set of all runs together, or the last there is.
+    #[must_use]
+    pub fn combined(&self) -> Option<&DataSet> {
+        self.data_set("combined").or(self.data_sets.last())
+    }
     /// The data set of that name.
     #[must_use]
     pub fn data_set(&self, name: &str) -> Option<&DataSet> {

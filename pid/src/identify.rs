@@ -2,7 +2,7 @@
 
 use crate::PidError;
 use crate::coefficients::{Row, coefficients};
-use crate::identification::{CoefficientFit, DataSet, Estimate, Identification};
+use crate::identification::{CoefficientFit, DataSet, Estimate, Identification, relative_percent};
 use crate::output_error::Options;
 use crate::regress::{Colour, Fit, Outcome, Prepared, Series, fit};
 use crate::smooth::{Smoother, TABLE_3_1_HZ, smooth};
@@ -309,7 +309,7 @@ impl<'a> DataSetWork<'a> {
                 name: name.to_owned(),
                 estimate,
                 std_error,
-                rse_percent: (100.0 * std_error / estimate.abs()).min(f64::MAX),
+                rse_percent: relative_percent(std_error, estimate),
                 ci95: [estimate - half * std_error, estimate + half * std_error],
                 std_error_white: white[i],
             });

@@ -7,12 +7,21 @@ use windfall_model::Sensors;
 /// Value, first and second derivative of the seven channels at one sample.
 pub(crate) type Sample = [[f64; 3]; 7];
 
-/// Sample i with delays, scale and misalignment taken out.
+/// Sample i with the clock, delays, scales and misalignment taken out: rates are those by true time.
 pub(crate) fn sample(s: &Smoothed, sensors: &Sensors, i: usize) -> Sample {
+    // Recorded seconds per true one.
+    let ticks = 1.0 + sensors.time_base;
     let mut x: Sample = std::array::from_fn(|c| {
         let delay = if c == 6 { sensors.wind_delay_s } else { sensors.pose_delay_s };
-        later(&s.channels[c], s.interval_s, i, delay)
+        later(&s.channels[c], s.interval_s, i, delay * ticks)
     });
+    if sensors.time_base != 0.0 {
+        x = x.map(|[value, rate, second]| [value, rate * ticks, second * ticks * ticks]);
+    }
+    let longer = 1.0 + sensors.length_scale;
+    for axis in &mut x[..3] {
+        *axis = axis.map(|v| v / longer);
+    }
     let scale = 1.0 + sensors.wind_scale;
     x[6] = x[6].map(|v| v / scale);
     if sensors.misalignment_rad.iter().any(|a| *a != 0.0) {

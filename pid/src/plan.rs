@@ -9,8 +9,9 @@
 use crate::choice::identify_chosen;
 use crate::equations::{Air, Craft, Drive, Extra, INPUTS, STATES, Segment, Transition, origin};
 use crate::error::PidError;
-use crate::filter_error::{Filter, NONE_M_S, Random, START_SCALE_M};
+use crate::filter_error::{Filter, NONE_M_S, Random};
 use crate::output_error::{CHANNELS, Columns, NODE, Options, Run, SPEED, Unknowns, ready, run_plants};
+use crate::plant::START_SCALE_M;
 use nalgebra::DMatrix;
 use serde::Serialize;
 use windfall_model::{Campaign, Plant, Record, Turbulence};
@@ -98,12 +99,13 @@ pub fn plan(campaign: &Campaign, targets: &[Target], between_s: f64) -> Result<P
     let mut unknowns = Unknowns::new(campaign, &options)?;
     let set = found.data_set("combined").ok_or_else(|| PidError::NothingToEstimate { campaign: campaign.name.clone() })?;
     unknowns.start(&set.values(&campaign.plant.aero.structure, &unknowns.parameters));
-    let gust = |name: &str, none: f64| set.get("turbulence", name).map_or(none, |p| p.estimate.max(none));
+    let found_gusts = set.plant(&Plant { turbulence: Turbulence::default(), ..campaign.plant.clone() })?.turbulence;
+    let scale = |m: f64| if m > 0.0 { m } else { START_SCALE_M };
     let turbulence = Turbulence {
-        axial_rms_m_s: gust("axial_rms_m_s", NONE_M_S),
-        lateral_rms_m_s: gust("lateral_rms_m_s", NONE_M_S),
-        axial_scale_m: gust("axial_scale_m", START_SCALE_M),
-        lateral_scale_m: gust("lateral_scale_m", START_SCALE_M),
+        axial_rms_m_s: found_gusts.axial_rms_m_s.max(NONE_M_S),
+        lateral_rms_m_s: found_gusts.lateral_rms_m_s.max(NONE_M_S),
+        axial_scale_m: scale(found_gusts.axial_scale_m),
+        lateral_scale_m: scale(found_gusts.lateral_scale_m),
     };
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;
@@ -257,6 +259,7 @@ impl<'s> Scene<'s> {
             ps_pa: vec![self.ps_pa; n],
             ts_k: vec![self.ts_k; n],
             qw_pa: None,
+            bridged: Vec::new(),
         };
         Some((record, first))
     }

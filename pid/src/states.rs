@@ -10,7 +10,7 @@ use windfall_model::Plant;
 /// Everything that a coefficient or regressor is made of, at one sample. SI, rad; axes in the names.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
-    /// Time of the record, s.
+    /// Time, s: that of the record with the error of its clock undone.
     pub t_s: f64,
     /// Geometric origin in tunnel axes, m.
     pub p_tunnel_origin: [f64; 3],
@@ -68,7 +68,7 @@ pub fn states(s: &Smoothed, plant: &Plant) -> Result<Vec<State>, PidError> {
     (0..s.t_s.len())
         .map(|i| {
             let density = plant.environment.density_kg_m3(s.ps_pa[i], s.ts_k[i]);
-            state(s.t_s[i], &sample(s, &plant.sensors, i), density, plant)
+            state(s.t_s[i] / (1.0 + plant.sensors.time_base), &sample(s, &plant.sensors, i), density, plant)
         })
         .collect()
 }
@@ -133,12 +133,13 @@ fn wind(plant: &Plant, p: [f64; 3], v: [f64; 3], vw: f64, vw_rate: f64) -> ([f64
     let swirl = f.swirl_rad_per_m;
     let lateral = [f.angularity_rad[0] - swirl * z, f.angularity_rad[1] + swirl * y];
     let lateral_dot = [-swirl * z_dot, swirl * y_dot];
+    let (across, across_rate) = if f.steady_at_m_s == 0.0 { (vw, vw_rate) } else { (f.steady_at_m_s, 0.0) };
     (
-        [-vw * factor, vw * lateral[0], vw * lateral[1]],
+        [-vw * factor, across * lateral[0], across * lateral[1]],
         [
             -vw_rate * factor - vw * factor_dot,
-            vw_rate * lateral[0] + vw * lateral_dot[0],
-            vw_rate * lateral[1] + vw * lateral_dot[1],
+            across_rate * lateral[0] + across * lateral_dot[0],
+            across_rate * lateral[1] + across * lateral_dot[1],
         ],
     )
 }

@@ -65,12 +65,24 @@ fn crowded() -> Plant {
     let v = &mut plant.vehicle;
     v.inertia = Inertia { xx: 0.021, yy: 0.014, zz: 0.017, xy: 0.0011, xz: -0.0007, yz: 0.0009 };
     v.p_origin_cm = Vec3::new(0.011, -0.007, 0.013);
-    v.apparent = ApparentMass { axial_kg: 0.05, radial_kg: 0.08, transverse_kg_m2: 0.0008 };
-    plant.flow =
-        MeanFlow { profile_per_m2: 0.06, gradient_per_m: [0.03, -0.05], swirl_rad_per_m: 0.07, angularity_rad: [0.02, -0.03] };
+    v.apparent = ApparentMass { axial_kg: 0.05, radial_kg: 0.08, transverse_kg_m2: 0.0008, unturned: 0.0 };
+    plant.flow = MeanFlow {
+        profile_per_m2: 0.06,
+        gradient_per_m: [0.03, -0.05],
+        swirl_rad_per_m: 0.07,
+        angularity_rad: [0.02, -0.03],
+        steady_at_m_s: 0.0,
+    };
     let tether = Tether::declared(Vec3::new(-0.25, 0.02, -0.01), Vec3::new(-3.0, 0.1, -0.2), 0.0013, 0.0165);
-    plant.tether =
-        Some(Tether { line_rate_n_s_m: 0.4, length_per_m: 3.0, pull_excess: 0.2, ring_shift_m: [0.15, -0.1], ..tether });
+    plant.tether = Some(Tether {
+        line_rate_n_s_m: 0.4,
+        length_per_m: 3.0,
+        pull_excess: 0.2,
+        ring_shift_m: [0.15, -0.1],
+        swivel_n_m: 0.02,
+        swivel_rate_rad_s: 0.7,
+        ..tether
+    });
     plant.contacts = vec![Contact {
         run: 0,
         start_s: 0.02,
@@ -362,6 +374,29 @@ fn law_delays_and_wind_scale_are_undone() {
     assert_same_states(&found, &truth, 6, 1.0e-5);
     // Beyond the end a parabola: third derivative of 0.06 · 5.3³ over 0.057 s.
     assert_same_states(&found, &truth, 0, 2.0);
+}
+
+/// A clock that runs 2 % fast, positions 4 % long, and late at that: delays are in true seconds.
+#[test]
+fn law_time_base_and_length_scale_are_undone() {
+    let truth = run(&lander());
+    let mut plant = lander();
+    (plant.sensors.time_base, plant.sensors.length_scale) = (0.02, 0.04);
+    plant.sensors.pose_delay_s = 0.0234;
+    let mut record = smoothed(SAMPLES, |c| if c == 6 { 0.0 } else { -0.0234 });
+    record.interval_s *= 1.02;
+    record.t_s.iter_mut().for_each(|t| *t *= 1.02);
+    for (c, x) in record.channels.iter_mut().enumerate() {
+        let long = if c < 3 { 1.04 } else { 1.0 };
+        x.value.iter_mut().for_each(|v| *v *= long);
+        x.rate.iter_mut().for_each(|v| *v *= long / 1.02);
+        x.second.iter_mut().for_each(|v| *v *= long / (1.02 * 1.02));
+    }
+    let found = states(&record, &plant).expect("in range");
+    assert_same_states(&found, &truth, 6, 1.0e-5);
+    for (a, b) in found.iter().zip(&truth) {
+        assert!((a.t_s - b.t_s).abs() < 1e-13, "{} {}", a.t_s, b.t_s);
+    }
 }
 
 #[test]

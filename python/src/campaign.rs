@@ -9,11 +9,14 @@ use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::Arc;
 use windfall_model::{Data, Flight, Record, Run, Use};
-use windfall_pid::{Identification, Method, identify_chosen, output_error};
-use windfall_scenarios::{FileKind, ScenarioFile, kind_of, read_bundled, read_campaign_with_warnings, read_scenario_file};
+use windfall_pid::output_error::Prior;
+use windfall_pid::{Held, Identification, Method};
+use windfall_scenarios::{
+    FileKind, ScenarioFile, json_text, kind_of, read_bundled, read_campaign_with_warnings, read_scenario_file,
+};
 use windfall_sim::{End, Flown, Seed, Truth, fly};
-use windfall_verify::campaign_of;
-use windfall_verify::close::Options;
+use windfall_verify::close::{Options, Search};
+use windfall_verify::{Identify, Tie, campaign_of};
 
 fn is_bundled(word: &str) -> bool {
     !word.contains(['/', '\\', '.'])
@@ -47,7 +50,7 @@ pub(crate) fn simulate<'py>(py: Python<'py>, word: &str, seed: Option<u64>, thre
         let d = PyDict::new(py);
         d.set_item("name", &flight.name)?;
         d.set_item("kind", &flight.kind)?;
-        d.set_item("use", if flight.hold_out { "hold-out" } else { "identify" })?;
+        d.set_item("use", flight.used.name())?;
         let (end, end_t_s) = match flown.end {
             End::Completed => ("completed", flown.truth.t_s.last().copied().unwrap_or(0.0)),
             End::Wall { t_s } => ("wall", t_s),
@@ -166,16 +169,14 @@ fn flown_campaign(file: &ScenarioFile) -> Result<windfall_model::Campaign, Error
     campaign.name.clone_from(&file.scenario.name);
     campaign.plant.clone_from(&file.declared_plant);
     campaign.declared.clone_from(&file.declared);
+    campaign.knowledge.clone_from(&file.knowledge);
     Ok(campaign)
 }
 
 fn run_of((name, kind, used, columns): (String, String, String, Bound<'_, PyDict>)) -> PyResult<Run> {
     let wrong = |what: String| PyErr::from(Error::Argument(format!("run {name}: {what}")));
-    let used = match used.as_str() {
-        "identify" => Use::Identify,
-        "hold-out" => Use::HoldOut,
-        other => return Err(wrong(format!("use {other:?} must be \"identify\" or \"hold-out\""))),
-    };
+    let used = Use::of_name(&used)
+        .ok_or_else(|| wrong(format!("use {used:?} must be one of {}", Use::ALL.map(Use::name).join(", "))))?;
     let series = |key: &str| -> PyResult<Option<Vec<f64>>> {
         let Some(at) = columns.get_item(key)? else { return Ok(None) };
         let array: PyReadonlyArray1<'_, f64> =
@@ -192,6 +193,7 @@ fn run_of((name, kind, used, columns): (String, String, String, Bound<'_, PyDict
         ps_pa: needed("ps_Pa")?,
         ts_k: needed("Ts_K")?,
         qw_pa: series("qW_Pa")?,
+        bridged: Vec::new(),
     };
     let n = record.t_s.len();
     let others = [&record.ps_pa, &record.ts_k].map(Vec::as_slice);
@@ -213,22 +215,44 @@ fn json(value: &impl serde::Serialize) -> Result<String, Error> {
     Ok(serde_json::to_string(value)?)
 }
 
-/// `identification.json` of a campaign.
+/// `identification.json` of a campaign, to the byte: `hold` has names and values, `tie` two names, `prior` name, mean and deviation.
 #[pyfunction]
-#[pyo3(signature = (campaign, method_name=None, threads=0))]
-pub(crate) fn identify(py: Python<'_>, campaign: &Campaign, method_name: Option<String>, threads: usize) -> PyResult<String> {
-    let campaign = Arc::clone(&campaign.inner);
-    on_threads(py, threads, move || {
-        let names = || Method::ALL.map(Method::name).join(", ");
-        let found = match method_name {
-            None => identify_chosen(&campaign, &output_error::Options::default())?,
-            Some(name) => {
-                let no_method = || Error::Argument(format!("no method {name:?}; methods: {}", names()));
-                windfall_pid::identify(&campaign, Method::of_name(&name).ok_or_else(no_method)?)?
-            }
-        };
-        json(&found)
-    })
+#[pyo3(signature = (campaign, method_name=None, combined=false, hold=Vec::new(), tie=Vec::new(), prior=Vec::new(), bootstrap=None, threads=0))]
+#[expect(clippy::too_many_arguments, reason = "named in Python")]
+pub(crate) fn identify(
+    py: Python<'_>,
+    campaign: &Campaign,
+    method_name: Option<String>,
+    combined: bool,
+    hold: Vec<(String, f64)>,
+    tie: Vec<(String, String)>,
+    prior: Vec<(String, f64, f64)>,
+    bootstrap: Option<usize>,
+    threads: usize,
+) -> PyResult<String> {
+    let names = || Method::ALL.map(Method::name).join(", ");
+    let named =
+        |name: String| Method::of_name(&name).ok_or_else(|| Error::Argument(format!("no method {name:?}; methods: {}", names())));
+    let wrong = |what: String| PyErr::from(Error::Argument(what));
+    if let Some((name, _)) = hold.iter().find(|(_, value)| !value.is_finite()) {
+        return Err(wrong(format!("hold {name}: needs a finite number")));
+    }
+    if let Some((name, ..)) = prior.iter().find(|(_, mean, std)| !(mean.is_finite() && std.is_finite() && *std > 0.0)) {
+        return Err(wrong(format!("prior {name}: needs a finite mean and a standard deviation above 0")));
+    }
+    if bootstrap.is_some_and(|n| n < 2) {
+        return Err(wrong("bootstrap: needs two copies or more".to_owned()));
+    }
+    let request = Identify {
+        method: method_name.map(named).transpose()?,
+        combined_only: combined,
+        hold: hold.into_iter().map(|(name, value)| Held { name, value }).collect(),
+        tie: tie.into_iter().map(|(name, to)| Tie { name, to }).collect(),
+        prior: prior.into_iter().map(|(name, mean, std)| Prior { name, mean, std }).collect(),
+        bootstrap,
+    };
+    let (campaign, notes) = (Arc::clone(&campaign.inner), campaign.warnings.clone());
+    on_threads(py, threads, move || Ok(json_text(&windfall_verify::identify(&campaign, &notes, &request)?)?))
 }
 
 /// `resimulation.json` of an identification against a campaign.
@@ -253,5 +277,7 @@ pub(crate) fn resimulate(
 #[pyo3(signature = (campaign, threads=0))]
 pub(crate) fn close(py: Python<'_>, campaign: &Campaign, threads: usize) -> PyResult<String> {
     let campaign = Arc::clone(&campaign.inner);
-    on_threads(py, threads, move || json(&windfall_verify::close::close(&campaign, &Options::default())?))
+    on_threads(py, threads, move || {
+        json(&windfall_verify::close::close(&campaign, &Options { search: Search::Sets, ..Options::default() })?)
+    })
 }

@@ -17,7 +17,7 @@ from windfall.distributed import run
 flights = windfall.simulate("appendix-c", seed=3)
 x: npt.NDArray[np.float64] = flights[0]["record"]["X_m"]
 c = windfall.campaign("sage-perturbed")
-found = windfall.identify(c, method="equation-error")
+found = windfall.identify(c, method="equation-error", hold={"Cl_0": 0.0125}, prior={"Cl_p": (-5.7, 0.3)})
 name: str = c.name
 again = windfall.resimulate(c, found, seeds=2)
 try:

@@ -1,6 +1,7 @@
 """Every public function once, against what is known of it; errors as exceptions with their faults."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -66,6 +67,30 @@ def test_law_method_is_chosen_by_the_data_and_named():
     assert chosen["method"] == "output-error" and "noise" in chosen["reason"]
     named = windfall.identify(flown, method="output-error")
     assert named["data_sets"][-1]["parameters"] == chosen["data_sets"][-1]["parameters"]
+
+
+def test_law_identify_gives_the_programs_bytes(tmp_path):
+    """Values held, compatibility, curves and the reader's notes included: one piece of code behind both."""
+    target = Path(os.environ.get("CARGO_TARGET_DIR", Path(__file__).parents[2] / "target"))
+    program = target / "debug" / "windfall"
+    if not program.exists():
+        pytest.skip("no program beside the package: cargo build")
+    run = lambda *words: subprocess.run([program, *words, "--quiet"], check=True, capture_output=True)  # noqa: E731
+    run("simulate", "sage-perturbed", "--out", tmp_path)
+    (record,) = (p for p in tmp_path.glob("*.csv") if "truth" not in p.name)
+    lines = record.read_text().splitlines(keepends=True)
+    record.write_text("".join(lines[:500] + lines[502:]))  # a dropout, which the reader notes
+    path = tmp_path / "campaign.toml"
+    told = run("identify", path, "--json", "--method", "equation-error", "--hold", "Cl_0=0.0125").stdout.decode()
+    flown = windfall.campaign(path)
+    assert _windfall.identify(flown, "equation-error", hold=[("Cl_0", 0.0125)]) == told
+    found = windfall.identify(flown, method="equation-error", hold={"Cl_0": 0.0125})
+    assert found == json.loads(told)
+    assert found["warnings"][0] == flown.warnings[0] and found["compatibility"] and found["data_sets"][0]["curves"]
+    with pytest.raises(windfall.WindfallError, match="parameters: CA_T0"):
+        windfall.identify(flown, hold={"CX": 1.0})
+    with pytest.raises(ValueError, match="prior Cl_p"):
+        windfall.identify(flown, prior={"Cl_p": (1.0, 0.0)})
 
 
 def test_law_arrays_make_the_campaign_that_files_make():

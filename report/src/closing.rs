@@ -107,8 +107,12 @@ fn held_out_lines(b: &HeldOut, a: &HeldOut) -> Vec<Line> {
         }
     }
     if let (Some(b), Some(a)) = (b.trajectory, a.trajectory) {
-        line("attitude, flown again", "deg", b.attitude_rms_deg, a.attitude_rms_deg);
-        line("body rates, flown again", "deg/s", b.rate_rms_deg_s, a.rate_rms_deg_s);
+        if let (Some(b), Some(a)) = (b.attitude_rms_deg, a.attitude_rms_deg) {
+            line("attitude, flown again", "deg", b, a);
+        }
+        if let (Some(b), Some(a)) = (b.rate_rms_deg_s, a.rate_rms_deg_s) {
+            line("body rates, flown again", "deg/s", b, a);
+        }
     }
     if let (Some(b), Some(a)) = (b.position_rms_m, a.position_rms_m) {
         line("position, flown again", "mm", 1e3 * b, 1e3 * a);

@@ -1,6 +1,6 @@
 //! report: numbers and conclusions in words. In: results. Out: short text for people.
 
-use windfall_verify::close::{Closing, EffectLine, Verdict};
+use windfall_verify::close::{Closing, EffectLine, HeldOut, Verdict};
 
 /// A number in four digits, as short as its size allows.
 ///
@@ -106,7 +106,8 @@ fn effect_name(e: &EffectLine) -> String {
 /// The figure that falls most, of position and attitude.
 fn held_out_words(c: &Closing) -> String {
     let (Some(b), Some(a)) = (&c.before.hold_out, &c.after.hold_out) else { return String::new() };
-    let attitude = b.trajectory.zip(a.trajectory).map(|(b, a)| ("attitude", b.attitude_rms_deg, a.attitude_rms_deg, "°"));
+    let angle = |h: &HeldOut| h.trajectory.and_then(|t| t.attitude_rms_deg);
+    let attitude = angle(b).zip(angle(a)).map(|(b, a)| ("attitude", b, a, "°"));
     let position = b.position_rms_m.zip(a.position_rms_m).map(|(b, a)| ("position", 1e3 * b, 1e3 * a, "\u{a0}mm"));
     let ratio = |x: &(&str, f64, f64, &str)| x.2 / x.1;
     let most = [attitude, position].into_iter().flatten().min_by(|a, b| ratio(a).total_cmp(&ratio(b)));

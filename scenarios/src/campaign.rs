@@ -5,11 +5,12 @@ use crate::keys;
 use crate::plant::{Declared, read_declared};
 use crate::point::{Down, read_track};
 use crate::record::read_record_pieces;
+use crate::scenario::{declared_effects, run_exists, used};
 use crate::table::{Source, Table, number};
 use crate::units;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use windfall_model::{Campaign, Data, Run, Use};
+use windfall_model::{Acts, Campaign, Data, Effect, Knowledge, Role, Run, Use};
 
 /// What `[[run]]` says, before its file is read.
 struct RunEntry {
@@ -47,6 +48,8 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
     let down = down_of(&file, declared.as_ref());
     let entries = entries(&file);
     let inputs = inputs_of(&source, &entries);
+    let acts = if declared.as_ref().is_some_and(|d| d.point_mass) { Acts::PointMass } else { Acts::Lander };
+    let effects = declared_effects(&file, acts, &inputs);
     // Run files are read against the sensors and the plant, so the tables must be right first.
     let Some(declared) = declared.filter(|_| !source.has_faults()) else {
         check_files_exist(&source, &entries);
@@ -67,7 +70,15 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
         }
     }
     enough_samples(&source, &declared, &runs);
-    let campaign = Campaign { name: name.unwrap_or_default(), plant: declared.plant, declared: declared.declared, inputs, runs };
+    effects_in_runs(&source, &effects, &inputs, runs.len());
+    let campaign = Campaign {
+        name: name.unwrap_or_default(),
+        plant: declared.plant,
+        declared: declared.declared,
+        inputs,
+        runs,
+        knowledge: Knowledge { effects, ..declared.knowledge },
+    };
     source.finish(Some((campaign, warnings)))
 }
 
@@ -102,7 +113,7 @@ fn entries(file: &Table<'_>) -> Vec<RunEntry> {
                 path: folder.join(&name),
                 file: name,
                 kind: t.text("kind"),
-                used: if t.choice("use") == Some(1) { Use::HoldOut } else { Use::Identify },
+                used: used(t),
                 window_s: window_of(t),
                 inputs: input_values(t),
                 span: t.span.clone(),
@@ -235,6 +246,15 @@ fn undeclared_warnings(source: &Source<'_>, file: &Table<'_>, declared: &Declare
             )
         })
         .collect()
+}
+
+/// A declared effect in one run must name one of the runs, split ones counted piece by piece.
+fn effects_in_runs(source: &Source<'_>, effects: &[(&'static Effect, Vec<f64>)], inputs: &[String], runs: usize) {
+    for (effect, values) in effects {
+        for (p, value) in (effect.parameters)(inputs).iter().zip(values).filter(|(p, _)| p.role == Role::Run) {
+            run_exists(source, effect.family, p, *value, runs, "run");
+        }
+    }
 }
 
 /// Fewer samples to identify on than parameters cannot be identified.

@@ -112,10 +112,10 @@ pub enum WriteError {
 
 /// Text of a file.
 pub(crate) fn text_of(path: &Path) -> Result<String, ReadError> {
-    if path.is_dir() {
-        return Err(ReadError::Folder { path: path.to_owned() });
-    }
-    std::fs::read_to_string(path).map_err(|reason| ReadError::Open { path: path.to_owned(), reason })
+    std::fs::read_to_string(path).map_err(|reason| {
+        let (path, folder) = (path.to_owned(), path.is_dir());
+        if folder { ReadError::Folder { path } } else { ReadError::Open { path, reason } }
+    })
 }
 
 /// Reads a result that this program wrote as JSON.

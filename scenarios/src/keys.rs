@@ -1,5 +1,7 @@
 //! scenarios: every key of every table, once. In: nothing. Out: names, units, ranges and meanings, for the checks and the reference.
 
+use windfall_model::PLANT_NUMBERS;
+
 /// What a key holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Kind {
@@ -62,6 +64,54 @@ const fn optional(mut key: Key) -> Key {
     key
 }
 
+/// Words of what a run is for, in the order of [`Use::ALL`].
+const USES: [&str; 3] = ["identify", "select", "hold-out"];
+
+/// A key that is a number of the plant, or the list of its components.
+const fn plant(path: &str) -> Key {
+    let (mut found, mut components, mut i) = (None, 0, 0);
+    while i < PLANT_NUMBERS.len() {
+        if same(PLANT_NUMBERS[i].key, path) {
+            (found, components) = (Some(&PLANT_NUMBERS[i]), components + 1);
+        }
+        i += 1;
+    }
+    let Some(n) = found else { panic!("no number of the plant has this key") };
+    let kind = if components == 1 { Kind::Number } else { Kind::Numbers(components) };
+    Key { name: last_word(n.key), kind, unit: n.file_unit(), range: n.range, needed: true, meaning: n.meaning }
+}
+/// Standard uncertainty of such a key, in its shape.
+const fn uncertain(path: &str) -> Key {
+    let key = plant(path);
+    Key { range: [0.0, key.range[1]], needed: false, ..key }
+}
+/// The same with one number for all components; a list is read as well.
+const fn alike(path: &str) -> Key {
+    Key { kind: Kind::Number, ..uncertain(path) }
+}
+const fn same(a: &str, b: &str) -> bool {
+    let (a, b) = (a.as_bytes(), b.as_bytes());
+    let mut i = 0;
+    while i < a.len() && i < b.len() && a[i] == b[i] {
+        i += 1;
+    }
+    i == a.len() && i == b.len()
+}
+const fn last_word(path: &'static str) -> &'static str {
+    let bytes = path.as_bytes();
+    let mut start = bytes.len();
+    while start > 0 && bytes[start - 1] != b'.' {
+        start -= 1;
+    }
+    path.split_at(start).1
+}
+/// Whether the declared noise is to be believed.
+const NOISE: Key = optional(other(
+    "noise",
+    Kind::Choice(&["learnt", "exact"]),
+    "learnt: these are a first belief, and the record says more; exact: they hold; learnt when absent",
+));
+
 /// Smallest positive value that a key may have where zero makes no sense.
 const TINY: f64 = 1e-12;
 
@@ -75,7 +125,9 @@ pub(crate) static CAMPAIGN_FILE: TableSpec = TableSpec {
         optional(other("axes", Kind::Table, "axes of a point mass' files")),
         other("environment", Kind::Table, "gravity and gas"),
         other("sensors", Kind::Table, "noise of the instruments"),
+        optional(other("uncertainty", Kind::Table, "standard uncertainties of declared numbers, [uncertainty.<table>]")),
         other("aero", Kind::Table, "one declared model, [aero.<name>]"),
+        optional(other("effects", Kind::Table, "effects that the declared model has, [effects.<family>]")),
         other("run", Kind::Tables, "runs, [[run]]"),
     ],
 };
@@ -88,40 +140,37 @@ pub(crate) static VEHICLE: TableSpec = TableSpec {
     path: "vehicle",
     meaning: "Mass side of a body with attitude; body axes, x out of the nose.",
     keys: &[
-        num("mass_kg", "kg", TINY, 1e7, "mass"),
+        plant("vehicle.mass_kg"),
         other("inertia_kg_m2", Kind::Table, "moments and products of inertia about the c.m."),
-        vec3("center_of_mass_m", "m", 1e3, "c.m. from the geometric origin, body axes"),
-        num("reference_diameter_m", "m", TINY, 1e3, "reference diameter d; reference area is pi d^2/4"),
+        plant("vehicle.center_of_mass_m"),
+        plant("vehicle.reference_diameter_m"),
     ],
 };
 pub(crate) static INERTIA: TableSpec = TableSpec {
     path: "vehicle.inertia_kg_m2",
     meaning: "Inertia about the c.m., body axes; products are the positive integrals of x y dm.",
     keys: &[
-        num("xx", "kg m2", 0.0, 1e9, "about x"),
-        num("yy", "kg m2", 0.0, 1e9, "about y"),
-        num("zz", "kg m2", 0.0, 1e9, "about z"),
-        num("xy", "kg m2", -1e9, 1e9, "product"),
-        num("xz", "kg m2", -1e9, 1e9, "product"),
-        num("yz", "kg m2", -1e9, 1e9, "product"),
+        plant("vehicle.inertia_kg_m2.xx"),
+        plant("vehicle.inertia_kg_m2.yy"),
+        plant("vehicle.inertia_kg_m2.zz"),
+        plant("vehicle.inertia_kg_m2.xy"),
+        plant("vehicle.inertia_kg_m2.xz"),
+        plant("vehicle.inertia_kg_m2.yz"),
     ],
 };
 pub(crate) static VEHICLE_POINT: TableSpec = TableSpec {
     path: "vehicle",
     meaning: "A body without attitude (with [aero.point_mass]).",
-    keys: &[
-        num("mass_kg", "kg", TINY, 1e7, "mass"),
-        num("reference_diameter_m", "m", TINY, 1e3, "diameter; reference area is pi d^2/4"),
-    ],
+    keys: &[plant("vehicle.mass_kg"), plant("vehicle.reference_diameter_m")],
 };
 pub(crate) static TETHER: TableSpec = TableSpec {
     path: "tether",
     meaning: "Pull toward the ring, q (C_D S)_tr - W_tr.",
     keys: &[
-        vec3("attachment_m", "m", 1e3, "attachment from the geometric origin, body axes"),
-        vec3("ring_m", "m", 1e3, "centering ring from the tunnel origin, tunnel axes (X down)"),
-        num("drag_area_m2", "m2", 0.0, 1e3, "drag area of the line"),
-        num("effective_weight_n", "N", 0.0, 1e6, "weight of the line that the model carries"),
+        plant("tether.attachment_m"),
+        plant("tether.ring_m"),
+        plant("tether.drag_area_m2"),
+        plant("tether.effective_weight_n"),
     ],
 };
 pub(crate) static AXES: TableSpec = TableSpec {
@@ -132,17 +181,14 @@ pub(crate) static AXES: TableSpec = TableSpec {
 pub(crate) static ENVIRONMENT: TableSpec = TableSpec {
     path: "environment",
     meaning: "Gravity and the tunnel's gas.",
-    keys: &[
-        num("gravity_m_s2", "m/s2", 0.0, 300.0, "acceleration of gravity"),
-        num("gas_constant_j_kg_k", "J/(kg K)", 10.0, 1e4, "specific gas constant"),
-    ],
+    keys: &[plant("environment.gravity_m_s2"), plant("environment.gas_constant_j_kg_k")],
 };
 pub(crate) static ENVIRONMENT_SCENARIO: TableSpec = TableSpec {
     path: "environment",
     meaning: "Gravity, the tunnel's gas and its state (scenario files).",
     keys: &[
-        num("gravity_m_s2", "m/s2", 0.0, 300.0, "acceleration of gravity"),
-        num("gas_constant_j_kg_k", "J/(kg K)", 10.0, 1e4, "specific gas constant"),
+        plant("environment.gravity_m_s2"),
+        plant("environment.gas_constant_j_kg_k"),
         num("static_pressure_pa", "Pa", 1.0, 1e8, "static pressure of every flight"),
         num("static_temperature_k", "K", 10.0, 2e3, "static temperature of every flight"),
     ],
@@ -150,25 +196,112 @@ pub(crate) static ENVIRONMENT_SCENARIO: TableSpec = TableSpec {
 pub(crate) static ENVIRONMENT_POINT: TableSpec = TableSpec {
     path: "environment",
     meaning: "Gravity and still air (point mass).",
-    keys: &[
-        num("gravity_m_s2", "m/s2", 0.0, 300.0, "acceleration of gravity"),
-        num("air_density_kg_m3", "kg/m3", 0.0, 1e3, "density of the air"),
-    ],
+    keys: &[plant("environment.gravity_m_s2"), plant("environment.air_density_kg_m3")],
 };
 pub(crate) static SENSORS: TableSpec = TableSpec {
     path: "sensors",
     meaning: "Standard deviations of the instruments (thesis Table A.3).",
     keys: &[
-        num("position_std_m", "m", 0.0, 10.0, "position, each axis"),
-        num("roll_std_deg", "deg", 0.0, 90.0, "roll angle R_x"),
-        num("pitch_yaw_std_deg", "deg", 0.0, 90.0, "pitch and yaw angles R_y, R_z"),
-        num("wind_std_m_s", "m/s", 0.0, 10.0, "tunnel speed V_W"),
+        plant("sensors.position_std_m"),
+        plant("sensors.roll_std_deg"),
+        plant("sensors.pitch_yaw_std_deg"),
+        plant("sensors.wind_std_m_s"),
+        NOISE,
     ],
 };
 pub(crate) static SENSORS_POINT: TableSpec = TableSpec {
     path: "sensors",
     meaning: "Standard deviation of the tracking (point mass).",
-    keys: &[num("position_std_m", "m", 0.0, 10.0, "position, each axis")],
+    keys: &[plant("sensors.position_std_m"), NOISE],
+};
+pub(crate) static UNCERTAINTY: TableSpec = TableSpec {
+    path: "uncertainty",
+    meaning: "Standard uncertainties (1 sigma, JCGM 100:2008) of declared numbers, under the same table and key names and in the same \
+              shapes; what is absent or zero is exact.",
+    keys: &[
+        optional(other("vehicle", Kind::Table, "of [vehicle]")),
+        optional(other("tether", Kind::Table, "of [tether]")),
+        optional(other("environment", Kind::Table, "of [environment]")),
+        optional(other("sensors", Kind::Table, "of [sensors], and of what the instruments do to the truth")),
+        optional(other("aero", Kind::Table, "of the starting values in [aero.<name>], before the runs")),
+    ],
+};
+pub(crate) static UNCERTAINTY_VEHICLE: TableSpec = TableSpec {
+    path: "uncertainty.vehicle",
+    meaning: "Standard uncertainties of the mass side.",
+    keys: &[
+        uncertain("vehicle.mass_kg"),
+        optional(other("inertia_kg_m2", Kind::Table, "moments and products of inertia about the c.m.")),
+        uncertain("vehicle.center_of_mass_m"),
+        uncertain("vehicle.reference_diameter_m"),
+    ],
+};
+pub(crate) static UNCERTAINTY_INERTIA: TableSpec = TableSpec {
+    path: "uncertainty.vehicle.inertia_kg_m2",
+    meaning: "Standard uncertainties of the inertia.",
+    keys: &[
+        uncertain("vehicle.inertia_kg_m2.xx"),
+        uncertain("vehicle.inertia_kg_m2.yy"),
+        uncertain("vehicle.inertia_kg_m2.zz"),
+        uncertain("vehicle.inertia_kg_m2.xy"),
+        uncertain("vehicle.inertia_kg_m2.xz"),
+        uncertain("vehicle.inertia_kg_m2.yz"),
+    ],
+};
+pub(crate) static UNCERTAINTY_VEHICLE_POINT: TableSpec = TableSpec {
+    path: "uncertainty.vehicle",
+    meaning: "Standard uncertainties of a body without attitude.",
+    keys: &[uncertain("vehicle.mass_kg"), uncertain("vehicle.reference_diameter_m")],
+};
+pub(crate) static UNCERTAINTY_TETHER: TableSpec = TableSpec {
+    path: "uncertainty.tether",
+    meaning: "Standard uncertainties of the tether.",
+    keys: &[
+        uncertain("tether.attachment_m"),
+        uncertain("tether.ring_m"),
+        uncertain("tether.drag_area_m2"),
+        uncertain("tether.effective_weight_n"),
+    ],
+};
+pub(crate) static UNCERTAINTY_ENVIRONMENT: TableSpec = TableSpec {
+    path: "uncertainty.environment",
+    meaning: "Standard uncertainties of gravity and gas.",
+    keys: &[uncertain("environment.gravity_m_s2"), uncertain("environment.gas_constant_j_kg_k")],
+};
+pub(crate) static UNCERTAINTY_ENVIRONMENT_POINT: TableSpec = TableSpec {
+    path: "uncertainty.environment",
+    meaning: "Standard uncertainties of gravity and still air (point mass).",
+    keys: &[uncertain("environment.gravity_m_s2"), uncertain("environment.air_density_kg_m3")],
+};
+pub(crate) static UNCERTAINTY_SENSORS: TableSpec = TableSpec {
+    path: "uncertainty.sensors",
+    meaning: "Standard uncertainties of the noise, and of systematic errors of the instruments, which are declared to be zero.",
+    keys: &[
+        uncertain("sensors.position_std_m"),
+        uncertain("sensors.roll_std_deg"),
+        uncertain("sensors.pitch_yaw_std_deg"),
+        uncertain("sensors.wind_std_m_s"),
+        alike("sensors.pose_misalignment_deg"),
+        uncertain("sensors.wind_scale"),
+        uncertain("sensors.length_scale"),
+        uncertain("sensors.time_base"),
+    ],
+};
+pub(crate) static UNCERTAINTY_SENSORS_POINT: TableSpec = TableSpec {
+    path: "uncertainty.sensors",
+    meaning: "Standard uncertainty of the tracking's noise (point mass).",
+    keys: &[uncertain("sensors.position_std_m")],
+};
+pub(crate) static UNCERTAINTY_AERO: TableSpec = TableSpec {
+    path: "uncertainty.aero.<name>",
+    meaning: "Standard uncertainty of the starting value of each parameter that is named, above zero: a prior.",
+    keys: &[],
+};
+pub(crate) static CAMPAIGN_EFFECTS: TableSpec = TableSpec {
+    path: "effects.<family>",
+    meaning: "An effect that the declared model has; families and parameters are those of the catalogue, values are starting points. A \
+              strength that is not given starts at zero, a shape at a typical value; instants and runs must be given.",
+    keys: &[],
 };
 pub(crate) static AERO: TableSpec = TableSpec {
     path: "aero.<name>",
@@ -183,7 +316,7 @@ pub(crate) static RUN: TableSpec = TableSpec {
     keys: &[
         other("file", Kind::Text, "run file, beside the campaign file"),
         other("kind", Kind::Text, "perturbed, unperturbed, drop, launch, or your word"),
-        other("use", Kind::Choice(&["identify", "hold-out"]), "identify on it, or only judge predictions on it"),
+        other("use", Kind::Choice(&USES), "fit on it, choose between sets of effects by it, or only report predictions of it"),
         optional(Key {
             name: "window_s",
             kind: Kind::Numbers(2),
@@ -212,6 +345,7 @@ pub(crate) static SCENARIO_FILE: TableSpec = TableSpec {
         optional(other("tether", Kind::Table, "safety tether; absent: free flight")),
         other("environment", Kind::Table, "gravity and gas"),
         other("sensors", Kind::Table, "noise of the instruments"),
+        optional(other("uncertainty", Kind::Table, "uncertainties that campaigns made of this scenario declare")),
         other("aero", Kind::Table, "the true aerodynamics, [aero.<name>]"),
         optional(other("effects", Kind::Table, "effects beyond the declared model, [effects.<family>]")),
         optional(other("section", Kind::Table, "walls and nets; absent: none")),
@@ -264,7 +398,7 @@ pub(crate) static FLIGHT: TableSpec = TableSpec {
     keys: &[
         other("name", Kind::Text, "name of the run it makes"),
         other("kind", Kind::Text, "perturbed, unperturbed, drop, or your word"),
-        other("use", Kind::Choice(&["identify", "hold-out"]), "use in the campaign that is made"),
+        other("use", Kind::Choice(&USES), "use in the campaign that is made"),
         num("duration_s", "s", 0.01, 1e5, "duration"),
         num("rate_hz", "Hz", 0.1, 1e5, "sample rate"),
         other("sensor_noise", Kind::Bool, "whether the record carries sensor noise"),
@@ -510,7 +644,18 @@ pub(crate) static ALL: [(&str, &[&TableSpec]); 4] = [
             &ENVIRONMENT_POINT,
             &SENSORS,
             &SENSORS_POINT,
+            &UNCERTAINTY,
+            &UNCERTAINTY_VEHICLE,
+            &UNCERTAINTY_INERTIA,
+            &UNCERTAINTY_VEHICLE_POINT,
+            &UNCERTAINTY_TETHER,
+            &UNCERTAINTY_ENVIRONMENT,
+            &UNCERTAINTY_ENVIRONMENT_POINT,
+            &UNCERTAINTY_SENSORS,
+            &UNCERTAINTY_SENSORS_POINT,
+            &UNCERTAINTY_AERO,
             &AERO,
+            &CAMPAIGN_EFFECTS,
             &RUN,
         ],
     ),
@@ -524,6 +669,7 @@ pub(crate) static ALL: [(&str, &[&TableSpec]); 4] = [
             &TETHER,
             &ENVIRONMENT_SCENARIO,
             &SENSORS,
+            &UNCERTAINTY,
             &AERO,
             &EFFECTS,
             &SECTION,

@@ -23,6 +23,7 @@ mod structure;
 mod study;
 mod table;
 mod toml_out;
+mod uncertainty;
 mod units;
 mod write;
 
@@ -42,4 +43,4 @@ pub use store::{Identity, Merged, Opening, Part, Runs, Shard, Store, StoreError,
 pub use structure::read_structure;
 pub use study::{StudyFile, read_study};
 pub use toml_out::{RunLine, write_campaign_toml, write_resolved_scenario, write_structure};
-pub use write::{text_atomically, write_json_atomically};
+pub use write::{json_text, text_atomically, write_json_atomically};

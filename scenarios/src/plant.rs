@@ -3,15 +3,19 @@
 use crate::keys;
 use crate::structure::{DeclaredAero, read_aero};
 use crate::table::Table;
+use crate::uncertainty::read_uncertainty;
 use windfall_model::frames::Vec3;
 use windfall_model::{
-    ApparentMass, Environment, Inertia, MeanFlow, Plant, PointMass, Sensors, Structure, Tether, Turbulence, Vehicle, WakeShedding,
+    ApparentMass, Environment, Inertia, Knowledge, MeanFlow, Plant, PointMass, Sensors, Structure, Tether, Turbulence, Vehicle,
+    WakeShedding,
 };
 
 /// A plant as declared, with what the file says besides.
 pub(crate) struct Declared {
     pub(crate) plant: Plant,
     pub(crate) declared: Vec<bool>,
+    /// Uncertainties and whether noise is exact; declared effects are read by who knows the runs.
+    pub(crate) knowledge: Knowledge,
     pub(crate) structure_file: Option<String>,
     pub(crate) point_mass: bool,
     /// Static pressure (Pa) and temperature (K), in scenario files.
@@ -30,7 +34,7 @@ pub(crate) fn read_declared(file: &Table<'_>, scenario: bool) -> Option<Declared
     let vehicle = if point_mass { vehicle_point(file) } else { vehicle(file) };
     let tether = tether(file, point_mass);
     let (environment, air, density) = environment(file, scenario, point_mass);
-    let sensors = if point_mass { sensors_point(file) } else { sensors(file) };
+    let (sensors, exact_noise) = sensors(file, point_mass).unzip();
     let DeclaredAero { aero, declared, structure_file } = aero?;
     let plant = Plant {
         vehicle: vehicle?,
@@ -44,7 +48,9 @@ pub(crate) fn read_declared(file: &Table<'_>, scenario: bool) -> Option<Declared
         sensors: sensors?,
         point: PointMass { air_density_kg_m3: density, ..PointMass::default() },
     };
-    Some(Declared { plant, declared, structure_file, point_mass, air })
+    let mut knowledge = Knowledge { exact_noise: exact_noise?, ..Knowledge::default() };
+    read_uncertainty(file, &plant, point_mass, &mut knowledge);
+    Some(Declared { plant, declared, knowledge, structure_file, point_mass, air })
 }
 
 fn vehicle(file: &Table<'_>) -> Option<Vehicle> {
@@ -134,18 +140,19 @@ fn environment(file: &Table<'_>, scenario: bool, point_mass: bool) -> (Option<En
     (Some(environment), air, 0.0)
 }
 
-fn sensors(file: &Table<'_>) -> Option<Sensors> {
-    let t = file.table("sensors", &keys::SENSORS)?;
-    Some(Sensors {
-        position_std_m: t.number("position_std_m"),
+/// Instruments, and whether their noise is exact.
+fn sensors(file: &Table<'_>, point_mass: bool) -> Option<(Sensors, bool)> {
+    let t = file.table("sensors", if point_mass { &keys::SENSORS_POINT } else { &keys::SENSORS })?;
+    let exact = t.has("noise") && t.choice("noise") == Some(1);
+    let position = Sensors { position_std_m: t.number("position_std_m"), ..Sensors::default() };
+    if point_mass {
+        return Some((position, exact));
+    }
+    let all = Sensors {
         roll_std_rad: t.number("roll_std_deg").to_radians(),
         pitch_yaw_std_rad: t.number("pitch_yaw_std_deg").to_radians(),
         wind_std_m_s: t.number("wind_std_m_s"),
-        ..Sensors::default()
-    })
-}
-
-fn sensors_point(file: &Table<'_>) -> Option<Sensors> {
-    let t = file.table("sensors", &keys::SENSORS_POINT)?;
-    Some(Sensors { position_std_m: t.number("position_std_m"), ..Sensors::default() })
+        ..position
+    };
+    Some((all, exact))
 }

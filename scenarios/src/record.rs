@@ -19,6 +19,8 @@ const UNEVEN: f64 = 0.01;
 const MOST_SPIKES: f64 = 0.05;
 /// Needed columns, in the order of the channels.
 const NEEDED: [&str; 9] = ["X_m", "Y_m", "Z_m", "Rx_deg", "Ry_deg", "Rz_deg", "VW_m_s", "ps_Pa", "Ts_K"];
+/// Those of the motion and what drives it.
+const MOTION: [&str; 7] = ["X_m", "Y_m", "Z_m", "Rx_deg", "Ry_deg", "Rz_deg", "VW_m_s"];
 /// Column that may be absent.
 const QW: &str = "qW_Pa";
 /// Deviation of a slow channel (pressure, temperature) below which nothing is a spike, as a fraction of its value.
@@ -78,8 +80,8 @@ pub fn read_record_pieces(path: &Path, sensors: &Sensors, window_s: Option<[f64;
         return Err(ReadError::Faults(faults));
     }
     channels.iter_mut().filter(|(n, _)| n.starts_with('R')).for_each(|(_, c)| unwrap_deg(c));
-    despike(path, &grid, &mut channels, sensors, &mut notes)?;
-    cut(path, &grid, &mut channels, notes)
+    let spikes = despike(path, &grid, &mut channels, sensors, &mut notes)?;
+    cut(path, &grid, &mut channels, &spikes, notes)
 }
 
 fn has_columns(path: &Path, columns: &Columns, needed: &[&str]) -> Result<(), ReadError> {
@@ -233,14 +235,16 @@ fn floor_of(name: &str, channel: &[f64], s: &Sensors) -> f64 {
     }
 }
 
+/// Removes spikes; true where one was in a motion channel.
 fn despike(
     path: &Path,
     grid: &Grid,
     channels: &mut [(&str, Vec<f64>)],
     sensors: &Sensors,
     notes: &mut Vec<String>,
-) -> Result<(), ReadError> {
+) -> Result<Vec<bool>, ReadError> {
     let mut faults = Vec::new();
+    let mut replaced = vec![false; grid.t_s.len()];
     for (name, x) in channels {
         let floor = floor_of(name, x, sensors);
         let spikes = remove_spikes(&grid.t_s, x, grid.interval_s, floor);
@@ -250,8 +254,9 @@ fn despike(
             faults.push(fault(path, None, name, "", &what, remedy));
         }
         notes.extend(spikes.iter().map(|s| spike_note(name, grid.t_s[s.index], s)));
+        spikes.iter().filter(|_| MOTION.contains(name)).for_each(|s| replaced[s.index] = true);
     }
-    if faults.is_empty() { Ok(()) } else { Err(ReadError::Faults(faults)) }
+    if faults.is_empty() { Ok(replaced) } else { Err(ReadError::Faults(faults)) }
 }
 
 pub(crate) fn spike_note(name: &str, t_s: f64, s: &Spike) -> String {
@@ -260,7 +265,13 @@ pub(crate) fn spike_note(name: &str, t_s: f64, s: &Spike) -> String {
 }
 
 /// Splits at long gaps, bridges short ones.
-fn cut(path: &Path, grid: &Grid, channels: &mut Vec<(&str, Vec<f64>)>, mut notes: Vec<String>) -> Result<Vec<Piece>, ReadError> {
+fn cut(
+    path: &Path,
+    grid: &Grid,
+    channels: &mut Vec<(&str, Vec<f64>)>,
+    spikes: &[bool],
+    mut notes: Vec<String>,
+) -> Result<Vec<Piece>, ReadError> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive count of samples in 0.1 s")]
     let longest = (LONGEST_BRIDGE_S / grid.interval_s + 1e-6).floor() as usize;
     if let Some(i) = channels.iter().position(|(n, _)| *n == QW)
@@ -296,12 +307,19 @@ fn cut(path: &Path, grid: &Grid, channels: &mut Vec<(&str, Vec<f64>)>, mut notes
         let list = kept.iter().map(&span).collect::<Vec<_>>().join(", ");
         notes.push(format!("split by gaps longer than {LONGEST_BRIDGE_S} s into {} pieces: {list}", kept.len()));
     }
-    Ok(kept.into_iter().map(|r| piece(grid, channels, r, &mut notes)).collect())
+    Ok(kept.into_iter().map(|r| piece(grid, channels, spikes, r, &mut notes)).collect())
 }
 
-fn piece(grid: &Grid, channels: &[(&str, Vec<f64>)], rows: std::ops::Range<usize>, notes: &mut Vec<String>) -> Piece {
+fn piece(
+    grid: &Grid,
+    channels: &[(&str, Vec<f64>)],
+    spikes: &[bool],
+    rows: std::ops::Range<usize>,
+    notes: &mut Vec<String>,
+) -> Piece {
     let t_s = grid.t_s[rows.clone()].to_vec();
     let mut notes = std::mem::take(notes);
+    let bridged = bridged(channels, spikes, &rows);
     let mut take = |name: &str| {
         let mut x = channels.iter().find(|(n, _)| *n == name)?.1[rows.clone()].to_vec();
         let count = bridge(&t_s, &mut x);
@@ -315,7 +333,17 @@ fn piece(grid: &Grid, channels: &[(&str, Vec<f64>)], rows: std::ops::Range<usize
     let attitude_rad = ["Rx_deg", "Ry_deg", "Rz_deg"].map(|n| needed(n).into_iter().map(f64::to_radians).collect());
     let (vw_m_s, ps_pa, ts_k) = (needed("VW_m_s"), needed("ps_Pa"), needed("Ts_K"));
     let qw_pa = take(QW);
-    Piece { record: Record { t_s, position_m, attitude_rad, vw_m_s, ps_pa, ts_k, qw_pa }, notes }
+    Piece { record: Record { t_s, position_m, attitude_rad, vw_m_s, ps_pa, ts_k, qw_pa, bridged }, notes }
+}
+
+/// Which samples of a piece are not as measured in all motion channels; empty when all are.
+fn bridged(channels: &[(&str, Vec<f64>)], spikes: &[bool], rows: &std::ops::Range<usize>) -> Vec<bool> {
+    let motion = channels.iter().filter(|(n, _)| MOTION.contains(n));
+    let mut all = spikes[rows.clone()].to_vec();
+    for (_, x) in motion {
+        all.iter_mut().zip(&x[rows.clone()]).for_each(|(b, x)| *b |= !x.is_finite());
+    }
+    if all.contains(&true) { all } else { Vec::new() }
 }
 
 /// Writes a tunnel run in the columns of the run file; angles in degrees, roll as it is (unwrapped).

@@ -7,7 +7,9 @@ use crate::table::{Source, Table, allowed_range, nearest, number};
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 use windfall_model::effects::{self, Acts, Role};
-use windfall_model::{CATALOGUE, Flight, Method, Numerics, Operator, Plant, Release, Scenario, TestSection, TunnelSpeed};
+use windfall_model::{
+    CATALOGUE, Effect, Flight, Knowledge, Method, Numerics, Operator, Plant, Release, Scenario, TestSection, TunnelSpeed, Use,
+};
 
 /// Seed of a scenario that gives none.
 const DEFAULT_SEED: u64 = 1;
@@ -32,6 +34,8 @@ pub struct ScenarioFile {
     pub declared_plant: Plant,
     /// For each parameter of the structure, whether that campaign declares it.
     pub declared: Vec<bool>,
+    /// Uncertainties that it declares, and whether noise is exact.
+    pub knowledge: Knowledge,
     /// Effects in the truth with their values.
     pub effects: Vec<EffectValues>,
     /// Whether the structure is the file's own (and must be written beside a resolved file).
@@ -90,7 +94,7 @@ fn parse(path: &Path, text: &str, input: &str) -> Result<ScenarioFile, ReadError
     unique_names(&source, &flights);
     runs_exist(&source, &effects, flights.len());
     let built = declared.zip(head).filter(|_| !source.has_faults()).map(|(declared, (name, note))| {
-        let Declared { plant: declared_plant, declared, structure_file, .. } = declared;
+        let Declared { plant: declared_plant, declared, knowledge, structure_file, .. } = declared;
         let mut plant = declared_plant.clone();
         for e in &effects {
             if let Some(effect) = effects::find(&e.family, Acts::Lander) {
@@ -103,6 +107,7 @@ fn parse(path: &Path, text: &str, input: &str) -> Result<ScenarioFile, ReadError
             note,
             declared_plant,
             declared,
+            knowledge,
             effects,
             own_structure: structure_file.is_some(),
             input: input.to_owned(),
@@ -125,17 +130,30 @@ pub(crate) fn fnv1a_from(hash: u64, bytes: &[u8]) -> u64 {
     bytes.iter().fold(hash, |hash, b| (hash ^ u64::from(*b)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
+/// Effects of a scenario's or study's truth.
 pub(crate) fn read_effects(file: &Table<'_>) -> Vec<EffectValues> {
+    effect_tables(file, Acts::Lander, &[], false).into_iter().map(|(_, values)| values).collect()
+}
+
+/// Effects that a campaign declares, with the names of its run inputs.
+pub(crate) fn declared_effects(file: &Table<'_>, acts: Acts, inputs: &[String]) -> Vec<(&'static Effect, Vec<f64>)> {
+    let all = effect_tables(file, acts, inputs, true);
+    all.into_iter().map(|(effect, e)| (effect, e.values.into_iter().map(|v| v.1).collect())).collect()
+}
+
+/// `starting`: values are starting points, for which a shape may be left out, not a truth.
+fn effect_tables(file: &Table<'_>, acts: Acts, inputs: &[String], starting: bool) -> Vec<(&'static Effect, EffectValues)> {
     if !file.has("effects") {
         return Vec::new();
     }
-    let Some(outer) = file.table("effects", &keys::EFFECTS) else { return Vec::new() };
-    let families: Vec<&str> = CATALOGUE.iter().filter(|e| e.acts == Acts::Lander).map(|e| e.family).collect();
+    let spec = if starting { &keys::CAMPAIGN_EFFECTS } else { &keys::EFFECTS };
+    let Some(outer) = file.table("effects", spec) else { return Vec::new() };
+    let families: Vec<&str> = CATALOGUE.iter().filter(|e| e.acts == acts).map(|e| e.family).collect();
     let mut all = Vec::new();
     for (family, body) in outer.entries() {
         let name = family.get_ref().as_ref();
         let table = body.get_ref().as_table();
-        match (effects::find(name, Acts::Lander), table) {
+        match (effects::find(name, acts), table) {
             (None, _) => outer.unknown(family, body, &families),
             (_, None) => {
                 let what = "must be a table of parameter = value";
@@ -148,15 +166,16 @@ pub(crate) fn read_effects(file: &Table<'_>) -> Vec<EffectValues> {
                 );
             }
             (Some(effect), Some(table)) => {
-                let t = Table::new(file.source, &format!("effects.{name}"), table, body.span(), &keys::EFFECTS);
-                all.push(EffectValues { family: name.to_owned(), values: effect_values(&t, table, &(effect.parameters)(&[])) });
+                let t = Table::new(file.source, &format!("effects.{name}"), table, body.span(), spec);
+                let values = effect_values(&t, table, &(effect.parameters)(inputs), starting);
+                all.push((effect, EffectValues { family: name.to_owned(), values }));
             }
         }
     }
     all
 }
 
-fn effect_values(t: &Table<'_>, table: &DeTable<'_>, parameters: &[effects::Parameter]) -> Vec<(String, f64)> {
+fn effect_values(t: &Table<'_>, table: &DeTable<'_>, parameters: &[effects::Parameter], starting: bool) -> Vec<(String, f64)> {
     let names: Vec<&str> = parameters.iter().map(|p| p.name.as_str()).collect();
     for (key, value) in t.entries().filter(|(k, _)| !names.contains(&k.get_ref().as_ref())) {
         t.unknown(key, value, &names);
@@ -176,7 +195,7 @@ fn effect_values(t: &Table<'_>, table: &DeTable<'_>, parameters: &[effects::Para
                 f64::NAN
             }
         },
-        None if p.role == Role::Strength => p.null,
+        None if p.role == Role::Strength || (starting && matches!(p.role, Role::Shape(_))) => p.null,
         None => {
             let what = format!("is missing ({}); only strengths may be left out", allowed_range([p.low, p.high], p.unit));
             t.source.fault(t.at(&p.name), t.full(&p.name), "", what, format!("{} = {}", p.name, p.null));
@@ -186,16 +205,26 @@ fn effect_values(t: &Table<'_>, table: &DeTable<'_>, parameters: &[effects::Para
     parameters.iter().map(|p| (p.name.clone(), one(p))).collect()
 }
 
+/// Effects in one run must name one of those that there are.
 pub(crate) fn runs_exist(source: &Source<'_>, effects: &[EffectValues], flights: usize) {
     for e in effects {
         let parameters = effects::find(&e.family, Acts::Lander).map(|f| (f.parameters)(&[])).unwrap_or_default();
-        for (p, (name, value)) in parameters.iter().zip(&e.values).filter(|(p, _)| p.role == Role::Run) {
-            if value.is_finite() && (value.fract() != 0.0 || *value >= flights as f64) {
-                let what = format!("must be the number of a flight, 0 to {}", flights.saturating_sub(1));
-                source.fault(None, format!("[effects.{}] {name}", e.family), value.to_string(), what, format!("{} = 0", p.name));
-            }
+        for (p, (_, value)) in parameters.iter().zip(&e.values).filter(|(p, _)| p.role == Role::Run) {
+            run_exists(source, &e.family, p, *value, flights, "flight");
         }
     }
+}
+
+pub(crate) fn run_exists(source: &Source<'_>, family: &str, p: &effects::Parameter, value: f64, runs: usize, what: &str) {
+    if value.is_finite() && (value.fract() != 0.0 || value >= runs as f64) {
+        let allowed = format!("must be the number of a {what}, 0 to {}", runs.saturating_sub(1));
+        source.fault(None, format!("[effects.{family}] {}", p.name), value.to_string(), allowed, format!("{} = 0", p.name));
+    }
+}
+
+/// What a run or flight is for; a wrong word is a fault.
+pub(crate) fn used(t: &Table<'_>) -> Use {
+    t.choice("use").map_or(Use::Identify, |place| Use::ALL[place])
 }
 
 /// What all flights of a file share.
@@ -253,7 +282,7 @@ fn flight(t: &Table<'_>, common: &Common) -> Option<Flight> {
     Some(Flight {
         name,
         kind: t.text("kind"),
-        hold_out: t.choice("use") == Some(1),
+        used: used(t),
         duration_s,
         rate_hz,
         sensor_noise: t.bool("sensor_noise"),

@@ -190,7 +190,7 @@ fn flight(t: &Table<'_>, section: Option<TestSection>, [ps_pa, ts_k]: [f64; 2]) 
     Some(Flight {
         name: String::new(),
         kind: "unperturbed".to_owned(),
-        hold_out: false,
+        used: windfall_model::Use::Identify,
         duration_s,
         rate_hz,
         sensor_noise: true,

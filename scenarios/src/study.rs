@@ -7,9 +7,9 @@ use crate::scenario::{EffectValues, ScenarioFile, fnv1a, read_effects, runs_exis
 use crate::table::{Source, Table, allowed_range, nearest};
 use std::path::{Path, PathBuf};
 use windfall_model::study::{
-    Distribution, Histories, Keep, QUANTITIES, Quantity, Root, Setting, Steps, Stop, Study, StudyEffect, Vary,
+    Distribution, FLIGHT_QUANTITIES, Histories, Keep, Quantity, Root, Setting, Steps, Stop, Study, StudyEffect, Vary,
 };
-use windfall_model::{Acts, Campaign, Data, Flight, Numerics, Release, Role, TunnelSpeed, Use, effects};
+use windfall_model::{Acts, Campaign, Data, Flight, Given, Numerics, PLANT_NUMBERS, Release, Role, TunnelSpeed, effects};
 
 /// Draws in a part when the file does not say.
 const PART_DRAWS: u64 = 256;
@@ -60,7 +60,7 @@ fn stand_in(run: &windfall_model::Run) -> Flight {
     Flight {
         name: run.name.clone(),
         kind: run.kind.clone(),
-        hold_out: run.used == Use::HoldOut,
+        used: run.used,
         duration_s: 1.0,
         rate_hz: 1.0,
         release: Release { position_m: [0.0; 3], velocity_m_s: [0.0; 3], attitude_rad: [0.0; 3], rates_rad_s: [0.0; 3] },
@@ -216,9 +216,9 @@ fn merged(scenario: &[EffectValues], study: Vec<EffectValues>) -> Vec<EffectValu
 
 /// The study before its own tables are read.
 fn bare(base: &Base, all_effects: &[EffectValues], flights: Vec<Flight>) -> Option<Study> {
-    let (plant, declared) = match (&base.scenario, &base.campaign) {
-        (Some(s), _) => (s.declared_plant.clone(), s.declared.clone()),
-        (_, Some(c)) => (c.plant.clone(), c.declared.clone()),
+    let (plant, declared, knowledge) = match (&base.scenario, &base.campaign) {
+        (Some(s), _) => (s.declared_plant.clone(), s.declared.clone(), s.knowledge.clone()),
+        (_, Some(c)) => (c.plant.clone(), c.declared.clone(), c.knowledge.clone()),
         _ => return None,
     };
     let find =
@@ -231,6 +231,7 @@ fn bare(base: &Base, all_effects: &[EffectValues], flights: Vec<Flight>) -> Opti
         declared_plant: plant.clone(),
         plant,
         declared,
+        knowledge,
         effects: all_effects.iter().enumerate().filter_map(find).collect(),
         effect_values: all_effects.iter().map(|e| e.values.iter().map(|v| v.1).collect()).collect(),
         flights,
@@ -362,13 +363,18 @@ fn quantity(t: &Table<'_>, name: &str, study: &Study, all_effects: &[EffectValue
             return Some((Quantity::Effect(i, j), [p.low, high]));
         }
     }
+    let declared = || PLANT_NUMBERS.iter().filter(|n| n.given == Given::Declared);
+    if let Some(n) = declared().find(|n| n.name() == name) {
+        return Some((Quantity::Plant(n), n.range));
+    }
     let full = |(path, component, _): &(&str, &str, Quantity)| {
         if component.is_empty() { (*path).to_owned() } else { format!("{path}.{component}") }
     };
-    if let Some(entry) = QUANTITIES.iter().find(|q| full(q) == name) {
+    if let Some(entry) = FLIGHT_QUANTITIES.iter().find(|q| full(q) == name) {
         return Some((entry.2, key_range(entry.0)));
     }
-    let mut all: Vec<String> = QUANTITIES.iter().map(full).collect();
+    let mut all: Vec<String> = declared().map(windfall_model::PlantNumber::name).collect();
+    all.extend(FLIGHT_QUANTITIES.iter().map(full));
     all.extend(structure.parameters.iter().map(|p| format!("aero.{p}")));
     for e in all_effects {
         all.extend(e.values.iter().map(|(p, _)| format!("effects.{}.{p}", e.family)));

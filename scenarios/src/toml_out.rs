@@ -6,7 +6,9 @@ use crate::write::text_atomically;
 use std::fmt::Write as _;
 use std::path::Path;
 use windfall_model::frames::{Axes, Vec3};
-use windfall_model::{Aero, Factor, Flight, Method, Plant, Sensors, Structure, TunnelSpeed, Use};
+use windfall_model::{
+    Aero, Factor, Flight, Knowledge, Method, PLANT_NUMBERS, Plant, PlantNumber, Sensors, Structure, TunnelSpeed, Use,
+};
 
 /// One run of a campaign that is written.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,7 +78,7 @@ fn degrees_of(rad: f64) -> f64 {
     [short, d, d.next_up(), d.next_down()].into_iter().find(back).unwrap_or(d)
 }
 
-fn plant_tables(t: &mut Toml, plant: &Plant, air: Option<[f64; 2]>) {
+fn plant_tables(t: &mut Toml, plant: &Plant, knowledge: &Knowledge, air: Option<[f64; 2]>) {
     let v = &plant.vehicle;
     t.table("vehicle");
     t.number("mass_kg", v.mass_kg);
@@ -100,15 +102,43 @@ fn plant_tables(t: &mut Toml, plant: &Plant, air: Option<[f64; 2]>) {
         t.number("static_pressure_pa", ps_pa);
         t.number("static_temperature_k", ts_k);
     }
-    sensor_table(t, &plant.sensors);
+    sensor_table(t, &plant.sensors, knowledge.exact_noise);
+    uncertainty_tables(t, &plant.aero.structure, knowledge);
 }
 
-fn sensor_table(t: &mut Toml, s: &Sensors) {
+fn sensor_table(t: &mut Toml, s: &Sensors, exact_noise: bool) {
     t.table("sensors");
     t.number("position_std_m", s.position_std_m);
     t.degrees("roll_std_deg", s.roll_std_rad);
     t.degrees("pitch_yaw_std_deg", s.pitch_yaw_std_rad);
     t.number("wind_std_m_s", s.wind_std_m_s);
+    if exact_noise {
+        t.text("noise", "exact");
+    }
+}
+
+/// Standard uncertainties in the shapes of the numbers that they belong to; those of inertia under dotted keys.
+fn uncertainty_tables(t: &mut Toml, structure: &Structure, knowledge: &Knowledge) {
+    let known = |n: &PlantNumber| knowledge.constants.iter().find(|c| (c.key, c.component) == (n.key, n.component));
+    let (mut table, mut last) = ("", "");
+    for n in PLANT_NUMBERS.iter().filter(|n| knowledge.constants.iter().any(|c| c.key == n.key)) {
+        let (head, key) = n.key.split_once('.').unwrap_or(("", n.key));
+        if head != table {
+            t.table(&format!("uncertainty.{head}"));
+            table = head;
+        }
+        if n.key == last {
+            continue;
+        }
+        last = n.key;
+        let std = |n: &PlantNumber| known(n).map_or(0.0, |c| if n.angle { degrees_of(c.std) } else { c.std });
+        let all: Vec<f64> = PLANT_NUMBERS.iter().filter(|o| o.key == n.key).map(std).collect();
+        if all.len() == 1 { t.number(key, all[0]) } else { t.numbers(key, &all) }
+    }
+    if !knowledge.priors.is_empty() {
+        t.table(&format!("uncertainty.aero.{}", bare(&structure.name)));
+        knowledge.priors.iter().for_each(|(i, std)| t.number(&bare(&structure.parameters[*i]), *std));
+    }
 }
 
 fn structure_name(structure: &Structure) -> String {
@@ -145,7 +175,7 @@ fn flight_table(t: &mut Toml, f: &Flight) {
     let _ = write!(t.0, "\n[[flight]]\n");
     t.text("name", &f.name);
     t.text("kind", &f.kind);
-    t.text("use", if f.hold_out { "hold-out" } else { "identify" });
+    t.text("use", f.used.name());
     t.number("duration_s", f.duration_s);
     t.number("rate_hz", f.rate_hz);
     t.raw("sensor_noise", if f.sensor_noise { "true" } else { "false" });
@@ -194,7 +224,7 @@ fn scenario_text(file: &ScenarioFile) -> String {
     t.text("input", &file.input);
     t.text("input_hash", &file.input_hash);
     let first = s.flights.first();
-    plant_tables(&mut t, &file.declared_plant, first.map(|f| [f.ps_pa, f.ts_k]));
+    plant_tables(&mut t, &file.declared_plant, &file.knowledge, first.map(|f| [f.ps_pa, f.ts_k]));
     aero_table(&mut t, &file.declared_plant.aero, &file.declared, file.own_structure);
     for e in &file.effects {
         t.table(&format!("effects.{}", e.family));
@@ -232,13 +262,13 @@ pub fn write_campaign_toml(path: &Path, file: &ScenarioFile, runs: &[RunLine]) -
     t.0.push_str("[campaign]\n");
     t.text("name", &file.scenario.name);
     t.text("note", &format!("simulated from {} with seed {}", file.input, file.scenario.seed));
-    plant_tables(&mut t, &file.declared_plant, None);
+    plant_tables(&mut t, &file.declared_plant, &file.knowledge, None);
     aero_table(&mut t, &file.declared_plant.aero, &file.declared, file.own_structure);
     for run in runs {
         let _ = write!(t.0, "\n[[run]]\n");
         t.text("file", &run.file);
         t.text("kind", &run.kind);
-        t.text("use", if run.used == Use::HoldOut { "hold-out" } else { "identify" });
+        t.text("use", run.used.name());
     }
     write_own_structure(path, file)?;
     text_atomically(path, &t.0)

@@ -35,7 +35,16 @@ fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
 /// # Errors
 /// [`WriteError`] when the result is not representable or the system refuses.
 pub fn write_json_atomically<T: serde::Serialize + ?Sized>(path: &Path, value: &T) -> Result<(), WriteError> {
-    let mut text = serde_json::to_string_pretty(value).map_err(|reason| WriteError::Json { path: path.to_owned(), reason })?;
-    text.push('\n');
+    let text = json_text(value).map_err(|reason| WriteError::Json { path: path.to_owned(), reason })?;
     text_atomically(path, &text)
+}
+
+/// The text of a result: indented JSON with an end of line, the same in files, on standard output and in Python.
+///
+/// # Errors
+/// A result that is not representable.
+pub fn json_text<T: serde::Serialize + ?Sized>(value: &T) -> Result<String, serde_json::Error> {
+    let mut text = serde_json::to_string_pretty(value)?;
+    text.push('\n');
+    Ok(text)
 }

@@ -79,7 +79,16 @@ fn record(seconds: f64) -> Record {
     ];
     let vw_m_s = series(&|t| 7.43 + 0.05 * (0.7 * t).sin(), 2.57e-3);
     let qw_pa = Some(vw_m_s.iter().map(|v| 0.5 * 101_325.0 / (287.05287 * 299.084) * v * v).collect());
-    Record { position_m, attitude_rad, ps_pa: vec![101_325.0; n], ts_k: vec![299.084; n], vw_m_s, qw_pa, t_s }
+    Record {
+        position_m,
+        attitude_rad,
+        ps_pa: vec![101_325.0; n],
+        ts_k: vec![299.084; n],
+        vw_m_s,
+        qw_pa,
+        t_s,
+        bridged: Vec::new(),
+    }
 }
 
 struct Folder(tempfile::TempDir);
@@ -152,6 +161,7 @@ fn law_a_valid_campaign_is_read() {
     let (campaign, warnings) = Folder::with(same, keep).read().expect("valid");
     assert_eq!(warnings, Vec::<String>::new());
     assert_eq!(tunnel(&campaign, 0).len(), 1501);
+    assert!(tunnel(&campaign, 0).bridged.is_empty(), "all was measured");
 }
 
 #[test]
@@ -221,6 +231,10 @@ fn law_short_dropouts_are_bridged_and_counted() {
     }
     let all = warnings.join("\n");
     assert!(all.contains("Ry_deg: 25 samples bridged") && all.contains("VW_m_s: 11 samples bridged"), "{all}");
+    // Lines 500-514, 700 and 800 of the file, which has a header, and ten rows that are gone.
+    let filled: Vec<usize> = (0..r.len()).filter(|i| !r.is_measured(*i)).collect();
+    let expected: Vec<usize> = (498..513).chain([698, 798]).chain(899..909).collect();
+    assert_eq!(filled, expected);
 }
 
 #[test]

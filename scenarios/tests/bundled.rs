@@ -76,6 +76,7 @@ fn law_a_written_campaign_is_read() {
         ps_pa: vec![101_325.0; t_s.len()],
         ts_k: vec![299.0; t_s.len()],
         qw_pa: None,
+        bridged: Vec::new(),
         t_s,
     };
     let lines: Vec<RunLine> = file
@@ -84,8 +85,7 @@ fn law_a_written_campaign_is_read() {
         .iter()
         .map(|f| {
             write_record_csv(&folder.path().join(format!("{}.csv", f.name)), &record).expect("writable");
-            let used = if f.hold_out { windfall_model::Use::HoldOut } else { windfall_model::Use::Identify };
-            RunLine { file: format!("{}.csv", f.name), kind: f.kind.clone(), used }
+            RunLine { file: format!("{}.csv", f.name), kind: f.kind.clone(), used: f.used }
         })
         .collect();
     write_campaign_toml(&folder.path().join("campaign.toml"), &file, &lines).expect("writable");

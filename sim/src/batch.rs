@@ -205,6 +205,12 @@ fn ready<'a>(order: &Order<'a>, index: usize, stepping: Stepping) -> Result<(Kin
     if terms.layout.force_needs_rates() {
         return Err(SimError::NotInBatch { what: "a force that depends on the rate of a wind angle" });
     }
+    if order.plant.flow.steady_at_m_s != 0.0 {
+        return Err(SimError::NotInBatch { what: "lateral flow that does not follow the tunnel speed" });
+    }
+    if order.plant.vehicle.apparent.unturned != 0.0 {
+        return Err(SimError::NotInBatch { what: "apparent inertia in body axes alone" });
+    }
     if order.plant.vehicle.loose.is_some() {
         return Err(SimError::NotInBatch { what: "a loose mass" });
     }
@@ -235,6 +241,7 @@ fn parts(setup: &Setup<'_>) -> Parts {
     let i = plant.vehicle.inertia;
     Parts {
         tether: plant.tether.is_some(),
+        swivel: plant.tether.as_ref().is_some_and(|t| t.swivel_n_m != 0.0),
         line_rate: plant.tether.as_ref().is_some_and(|t| t.line_rate_n_s_m != 0.0),
         flow: plant.flow != windfall_model::MeanFlow::default(),
         apparent: setup.apparent,

@@ -36,13 +36,20 @@ pub enum SimError {
         /// Time of the run, s.
         t_s: f64,
     },
-    /// Too many steps.
-    #[error("more than {steps} steps at t = {t_s} s; try a larger tolerance or a shorter flight")]
+    /// The budget of steps is used up before the flight's end.
+    #[error(
+        "given up after {steps} steps, t = {t_s:.3e} s reached: the {what} changes by itself at {rate_per_s:.1e} 1/s there; look for a \
+         parameter out of range that acts on it, or try a larger tolerance"
+    )]
     TooManySteps {
         /// Steps taken.
         steps: u32,
         /// Time of the run, s.
         t_s: f64,
+        /// Which part of the state departs fastest.
+        what: &'static str,
+        /// How fast it grows or decays by itself, 1/s.
+        rate_per_s: f64,
     },
     /// The body spins faster and faster.
     #[error("body rate above {limit_rad_s} rad/s at t = {t_s} s; look for a damping parameter of the wrong sign or size")]

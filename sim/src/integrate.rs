@@ -14,8 +14,14 @@ use windfall_model::{Flight, Method, TestSection};
 
 /// The end lies this part of a sample interval beyond the last sample.
 const BEYOND: f64 = 1e-3;
-/// Steps at most.
-const STEPS_MAX: u32 = 50_000_000;
+/// Steps at most for any flight, and for each second of it beyond: a body at the rate at which a flight is given up turns 160 times a
+/// second, and the higher method takes some 60 steps a turn at the default tolerance. Landers take a hundred a second.
+const STEPS: f64 = 1e5;
+const STEPS_PER_S: f64 = 1e4;
+/// Steps at most for each of those that inputs ask for at least.
+const STEPS_PER_INPUT: f64 = 10.0;
+/// Part of a state, beside one unit, by which it is moved to see how it changes by itself: the root of rounding.
+const NUDGE: f64 = 1e-8;
 
 /// Body rate, rad/s, at which a flight is given up: 160 turns a second are no lander's, and steps would shrink without end.
 pub(crate) const RUNAWAY_RAD_S: f64 = 1000.0;
@@ -59,6 +65,12 @@ pub(crate) fn outside(s: &TestSection, p: [f64; 3]) -> bool {
     p[0] < s.top_x_m || p[0] > s.bottom_x_m || p[1].hypot(p[2]) > s.radius_m
 }
 
+/// Steps after which a flight of this length is given up: bounded whatever the plant.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive; saturates at the largest count")]
+pub(crate) fn budget(end_s: f64, step_max_s: f64) -> u32 {
+    (STEPS + end_s * STEPS_PER_S + STEPS_PER_INPUT * end_s / step_max_s) as u32
+}
+
 /// Number of samples of a flight: from release to its duration, both included.
 pub(crate) fn samples(flight: &Flight) -> usize {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "duration and rate are checked positive")]
@@ -81,6 +93,7 @@ pub(crate) fn integrate<const N: usize, T>(
     let dt = 1.0 / flight.rate_hz;
     let end = ((count - 1) as f64 + BEYOND) * dt;
     let h_max = setup.step_max_s.min(end);
+    let steps_max = budget(end, h_max);
     let (rtol, atol) = (n.relative_tolerance, n.absolute_tolerance);
     let dense = OutputType::Dense;
     // The remaining numbers are the defaults of the library (Hairer's); stiffness is not tested.
@@ -100,12 +113,12 @@ pub(crate) fn integrate<const N: usize, T>(
                 10.0,
                 h_max,
                 0.0,
-                STEPS_MAX,
+                steps_max,
                 u32::MAX,
                 dense,
             );
             let outcome = solver.integrate();
-            finished(outcome, solver.y_out(), &fault, look)
+            finished(setup, outcome, solver.y_out(), &fault, look)
         }
         Method::Dop853 => {
             let mut solver = Dop853::from_param(
@@ -122,23 +135,24 @@ pub(crate) fn integrate<const N: usize, T>(
                 6.0,
                 h_max,
                 0.0,
-                STEPS_MAX,
+                steps_max,
                 u32::MAX,
                 dense,
             );
             let outcome = solver.integrate();
-            finished(outcome, solver.y_out(), &fault, look)
+            finished(setup, outcome, solver.y_out(), &fault, look)
         }
     }
 }
 
 fn finished<const N: usize, T>(
+    setup: &Setup<'_>,
     outcome: Result<Stats, IntegrationError>,
     states: &[SVector<f64, N>],
     fault: &Fault,
     look: impl FnOnce(&[SVector<f64, N>]) -> T,
 ) -> Result<(T, u64), SimError> {
-    let stats = outcome.map_err(|e| explain(&e, fault))?;
+    let stats = outcome.map_err(|e| explain(setup, &e, states.last(), fault))?;
     if let Some(t_s) = fault.runaway.get() {
         return Err(SimError::Runaway { limit_rad_s: RUNAWAY_RAD_S, t_s });
     }
@@ -149,17 +163,44 @@ fn finished<const N: usize, T>(
     Err(SimError::NotFinite { what, t_s })
 }
 
-fn explain(e: &IntegrationError, fault: &Fault) -> SimError {
+fn explain<const N: usize>(setup: &Setup<'_>, e: &IntegrationError, last: Option<&SVector<f64, N>>, fault: &Fault) -> SimError {
     match (fault.first.get(), e) {
         (Some((what, t_s)), _) => SimError::NotFinite { what, t_s },
-        (None, IntegrationError::MaxNumStepReached { x, n_step }) => SimError::TooManySteps { steps: *n_step, t_s: *x },
+        (None, IntegrationError::MaxNumStepReached { x, n_step }) => {
+            let (what, rate_per_s) = last.map_or(("state", f64::INFINITY), |y| setup.fastest(y));
+            SimError::TooManySteps { steps: *n_step, t_s: *x, what, rate_per_s }
+        }
         (None, IntegrationError::StepSizeUnderflow { x } | IntegrationError::StiffnessDetected { x }) => {
             SimError::StepTooSmall { t_s: *x }
         }
     }
 }
 
+/// Parts of the state, in its order; beyond them operator and loose part.
+const PARTS: [(&str, std::ops::Range<usize>); 4] =
+    [("position", 0..3), ("velocity", 3..6), ("attitude", 6..10), ("body rate", 10..13)];
+
 impl Setup<'_> {
+    /// The part of the state that changes fastest by itself at `y`, and how fast, 1/s: the largest slope of a rate by its own state.
+    #[cold]
+    fn fastest<const N: usize>(&self, y: &SVector<f64, N>) -> (&'static str, f64) {
+        let rate = |y: &SVector<f64, N>| {
+            let mut dy = SVector::<f64, N>::zeros();
+            self.rate(y, &mut dy);
+            dy
+        };
+        let here = rate(y);
+        let slope = |k: usize| {
+            let step = NUDGE * (1.0 + y[k].abs());
+            let mut moved = *y;
+            moved[k] += step;
+            ((rate(&moved)[k] - here[k]) / step).abs()
+        };
+        let others = ("state of operator or loose part", crate::dynamics::BASE..N);
+        let parts = PARTS.into_iter().chain([others]);
+        let all = parts.map(|(name, range)| (name, range.map(slope).fold(0.0, f64::max)));
+        all.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or(("state", 0.0))
+    }
     /// Names what is not finite, in the order in which one thing follows from another.
     #[cold]
     fn not_finite<const N: usize>(&self, y: &SVector<f64, N>, dy: &SVector<f64, N>) -> &'static str {

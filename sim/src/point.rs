@@ -46,11 +46,13 @@ pub fn fly_point(
             return Err(SimError::Setup { what: "step to the next sample time, s", value: step_s, allowed: "zero or more" });
         }
         if step_s > 0.0 {
-            let a = plant.point_acceleration(Vec3::new(state[3], state[4], state[5]), density_kg_m3);
+            let v = Vec3::new(state[3], state[4], state[5]);
+            let a = plant.point_acceleration(v, density_kg_m3);
             if !a.is_finite() {
                 return Err(SimError::NotFinite { what: "acceleration of the point mass", t_s: before });
             }
-            state = advance(Point { plant, density_kg_m3 }, state, step_s).map_err(|e| explain(&e, before))?;
+            let rate_per_s = a.norm() / v.norm();
+            state = advance(Point { plant, density_kg_m3 }, state, step_s).map_err(|e| explain(&e, before, rate_per_s))?;
         }
         if !state.sum().is_finite() {
             return Err(SimError::NotFinite { what: "state of the point mass", t_s });
@@ -69,9 +71,12 @@ fn advance(point: Point<'_>, state: Vector6<f64>, step_s: f64) -> Result<Vector6
     Ok(solver.y_out().last().copied().unwrap_or(state))
 }
 
-fn explain(e: &IntegrationError, t_s: f64) -> SimError {
+/// `rate_per_s`: how fast the velocity changes by itself where the step began.
+fn explain(e: &IntegrationError, t_s: f64, rate_per_s: f64) -> SimError {
     match e {
-        IntegrationError::MaxNumStepReached { n_step, .. } => SimError::TooManySteps { steps: *n_step, t_s },
+        IntegrationError::MaxNumStepReached { n_step, .. } => {
+            SimError::TooManySteps { steps: *n_step, t_s, what: "velocity", rate_per_s }
+        }
         _ => SimError::StepTooSmall { t_s },
     }
 }

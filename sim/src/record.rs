@@ -5,9 +5,10 @@
 //!    quaternion with their true rates, before the first (after the last) sample by a Taylor step of second order from it;
 //! 2. position of the geometric origin `p_cm − R r_cm`, with the true attitude of that instant;
 //! 3. attitude `R · Rx·Ry·Rz(misalignment)` as angles, roll unwrapped;
-//! 4. tunnel speed at t − wind delay (held before the first sample), times 1 + wind scale;
-//! 5. noise on the seven channels, each from its own stream, when the flight asks for it;
-//! 6. dynamic pressure ½ρV_W² of the recorded tunnel speed; static pressure and temperature as they are.
+//! 4. that position times 1 + length scale; times of all samples times 1 + time base;
+//! 5. tunnel speed at t − wind delay (held before the first sample), times 1 + wind scale;
+//! 6. noise on the seven channels, each from its own stream, when the flight asks for it;
+//! 7. dynamic pressure ½ρV_W² of the recorded tunnel speed; static pressure and temperature as they are.
 
 use crate::fly::{angles, hermite};
 use crate::seed::{Channel, Seed};
@@ -32,7 +33,7 @@ pub fn record(plant: &Plant, flight: &Flight, truth: &Truth, seed: Seed) -> Reco
         let e = angles(r_tunnel_body * misalignment, roll);
         roll = e[0];
         for axis in 0..3 {
-            position_m[axis].push(p_origin.xyz[axis]);
+            position_m[axis].push(p_origin.xyz[axis] * (1.0 + s.length_scale));
             attitude_rad[axis].push(e[axis]);
         }
     }
@@ -50,13 +51,14 @@ pub fn record(plant: &Plant, flight: &Flight, truth: &Truth, seed: Seed) -> Reco
     }
     let density = plant.environment.density_kg_m3(flight.ps_pa, flight.ts_k);
     Record {
-        t_s: truth.t_s.clone(),
+        t_s: truth.t_s.iter().map(|t| t * (1.0 + s.time_base)).collect(),
         position_m,
         attitude_rad,
         qw_pa: Some(vw_m_s.iter().map(|v| dynamic_pressure_pa(density, *v)).collect()),
         vw_m_s,
         ps_pa: vec![flight.ps_pa; n],
         ts_k: vec![flight.ts_k; n],
+        bridged: Vec::new(),
     }
 }
 

@@ -26,7 +26,7 @@ fn counted(plant: &Plant, method: Method, relative_tolerance: f64) -> (usize, u6
     let order = Flight {
         name: "test".into(),
         kind: "perturbed".into(),
-        hold_out: false,
+        used: windfall_model::Use::Identify,
         duration_s: 5.0,
         rate_hz: 100.0,
         release: Release { position_m: [0.0; 3], velocity_m_s: [0.0; 3], attitude_rad: [0.0, 0.3, 0.2], rates_rad_s: [0.0; 3] },
@@ -50,7 +50,7 @@ fn counted(plant: &Plant, method: Method, relative_tolerance: f64) -> (usize, u6
 #[test]
 fn law_no_allocation_per_step() {
     let mut crowded = plant();
-    crowded.vehicle.apparent = ApparentMass { axial_kg: 0.1, radial_kg: 0.1, transverse_kg_m2: 0.001 };
+    crowded.vehicle.apparent = ApparentMass { axial_kg: 0.1, radial_kg: 0.1, transverse_kg_m2: 0.001, unturned: 0.0 };
     crowded.vehicle.loose = Some(LooseMass { mass_kg: 0.05, frequency_hz: 2.0, damping_ratio: 0.1, x_cm_m: 0.1 });
     for plant in [plant(), crowded] {
         for method in [Method::Dop853, Method::Dopri5] {

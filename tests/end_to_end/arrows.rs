@@ -5,11 +5,12 @@ use std::collections::BTreeMap;
 use std::process::Command;
 
 /// Room and what it may see. `cli` and `tests` may see all.
-const ARROWS: [(&str, &[&str]); 6] = [
+const ARROWS: [(&str, &[&str]); 7] = [
     ("windfall-model", &[]),
     ("windfall-sim", &["windfall-model"]),
     ("windfall-pid", &["windfall-model"]),
-    ("windfall-verify", &["windfall-model", "windfall-sim", "windfall-pid"]),
+    ("windfall-likelihood", &["windfall-model", "windfall-pid"]),
+    ("windfall-verify", &["windfall-model", "windfall-sim", "windfall-pid", "windfall-likelihood"]),
     ("windfall-scenarios", &["windfall-model"]),
     ("windfall-report", &["windfall-model", "windfall-verify"]),
 ];

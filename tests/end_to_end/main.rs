@@ -3,8 +3,10 @@
 mod arrows;
 mod capsule;
 mod commands;
+mod gusts;
 mod knowledge;
 mod loop_closes;
+mod one_identify;
 mod plan;
 mod program;
 mod structure;

@@ -7,7 +7,7 @@
 //! cannot show.
 
 use crate::VerifyError;
-use crate::resimulate::{Replay, estimate, identified_plant};
+use crate::resimulate::{Replay, estimate};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use windfall_model::{Campaign, Data, Plant, Release, Use};
@@ -68,8 +68,7 @@ pub fn bootstrap(
     draws: usize,
 ) -> Result<Bootstrap, VerifyError> {
     let set = found.data_set("combined").ok_or(VerifyError::NoDataSet)?;
-    let mut plant = identified_plant(campaign, set)?;
-    turbulence(&mut plant, set);
+    let plant = set.plant(&campaign.plant)?;
     let flown: Vec<(usize, Replay, Release)> = campaign
         .runs
         .par_iter()
@@ -121,22 +120,6 @@ fn draw_priors(priors: &mut [Prior], plant: &Plant, chance: u64) {
     for prior in priors {
         let flown = plant.aero.value(&prior.name).unwrap_or(prior.mean);
         prior.mean = flown + prior.std * normals.next().unwrap_or(0.0);
-    }
-}
-
-/// Gusts as the identification has them.
-fn turbulence(plant: &mut Plant, set: &DataSet) {
-    let value = |name: &str| set.get("turbulence", name).map(|p| p.estimate);
-    let t = &mut plant.turbulence;
-    for (name, own) in [
-        ("axial_rms_m_s", &mut t.axial_rms_m_s),
-        ("lateral_rms_m_s", &mut t.lateral_rms_m_s),
-        ("axial_scale_m", &mut t.axial_scale_m),
-        ("lateral_scale_m", &mut t.lateral_scale_m),
-    ] {
-        if let Some(v) = value(name) {
-            *own = v;
-        }
     }
 }
 

@@ -14,17 +14,30 @@ use windfall_model::{Acts, CATALOGUE, Campaign, Plant, Use};
 
 mod figures;
 mod lead;
+mod likely;
 mod rehearse;
 mod result;
 
 pub use figures::{Figure, Role, Series, Topic, figures};
 pub use result::{
-    After, Bound, CandidateLine, ChannelResidual, Closing, EffectLine, HeldOut, ParameterLine, Shift, Unexplained, Verdict,
+    After, Bound, CandidateLine, ChannelResidual, Check, Closing, ConstantLine, EffectLine, Form, HeldOut, HeldOutTrajectory,
+    NoiseLine, ParameterLine, SetLine, Shift, Unexplained, Verdict,
 };
+
+/// How effects are searched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Search {
+    /// One effect after another, on spectra of coefficients; the studies of `docs/studies/closing.md` are of this search.
+    Rounds,
+    /// Sets of effects, by the one likelihood of what was measured; runs with attitude only.
+    Sets,
+}
 
 /// Error rates and effort.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
+    /// How effects are searched.
+    pub search: Search,
     /// Chance of naming any effect in a campaign that has none, per round.
     pub false_alarm: f64,
     /// Odds below which a family that explains less is still a rival.
@@ -43,7 +56,16 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { false_alarm: 0.005, rival_odds: 20.0, most_effects: 4, copies: 48, shortlist: 6, seed: 1, flights: 8 }
+        Self {
+            search: Search::Rounds,
+            false_alarm: 0.005,
+            rival_odds: 20.0,
+            most_effects: 4,
+            copies: 48,
+            shortlist: 6,
+            seed: 1,
+            flights: 8,
+        }
     }
 }
 
@@ -72,6 +94,15 @@ fn runs_of(campaign: &Campaign, used: Use) -> Vec<usize> {
 /// # Errors
 /// No run to identify on, runs too short, or a declared model that cannot be fitted.
 pub fn close(campaign: &Campaign, options: &Options) -> Result<Closing, VerifyError> {
+    if campaign.is_point_mass() || options.search == Search::Rounds {
+        close_by_rounds(campaign, options)
+    } else {
+        likely::close(campaign, options)
+    }
+}
+
+/// Closing by rounds: the only way for flights without attitude.
+fn close_by_rounds(campaign: &Campaign, options: &Options) -> Result<Closing, VerifyError> {
     let indices = runs_of(campaign, Use::Identify);
     if indices.is_empty() {
         return Err(VerifyError::NoRuns { what: "identify" });
@@ -130,6 +161,9 @@ pub fn close(campaign: &Campaign, options: &Options) -> Result<Closing, VerifyEr
         verdict,
         residual: result::Residuals { per_channel: residual },
         residual_after: result::Residuals { per_channel: left },
+        noise: Vec::new(),
+        constants: Vec::new(),
+        sets: Vec::new(),
         effects: effect_lines(&fit, &added),
         candidates: first.unwrap_or_default().iter().map(CandidateLine::of).collect(),
         bounds: bounds(&weighed, &problem, &fit),
@@ -300,6 +334,8 @@ fn effect_lines(fit: &Fit, added: &[Added]) -> Vec<EffectLine> {
                 })
                 .collect(),
             p_value: why.p_value,
+            probability: None,
+            form: None,
             rivals: why.rivals.clone(),
             held_out_gain: why.held_out_gain,
             physics: e.effect.physics.to_owned(),

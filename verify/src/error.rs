@@ -58,6 +58,14 @@ pub enum VerifyError {
         /// The use that is missing.
         what: &'static str,
     },
+    /// The search for what a campaign lacks found no model that can be followed.
+    #[error("{campaign}: {words}; check axes, units and starting values of the declared parameters")]
+    NoEnd {
+        /// Campaign.
+        campaign: String,
+        /// Why, in words.
+        words: String,
+    },
     /// A fit that has no answer.
     #[error("the declared model cannot be fitted to `{campaign}`: {reason}; check units, or declare fewer parameters")]
     Fit {
@@ -86,14 +94,20 @@ pub enum VerifyError {
     /// An identification without result.
     #[error("the identification has no data set; identify the campaign again")]
     NoDataSet,
-    /// An estimate that the campaign's structure does not know.
-    #[error(
-        "the identification has parameter `{name}`, which is not one of the campaign's structure: {allowed}; give the identification of this campaign"
-    )]
+    /// Knowledge of a parameter that the structure does not have.
+    #[error("{what} {name}: no parameter of this structure; parameters: {allowed}")]
     UnknownParameter {
+        /// What was asked for: `hold`, `tie` or `prior`.
+        what: &'static str,
         /// The parameter.
         name: String,
         /// Parameters of the structure.
         allowed: String,
+    },
+    /// A parameter held at two values.
+    #[error("hold {name}: given twice; give one value")]
+    HeldTwice {
+        /// The parameter.
+        name: String,
     },
 }

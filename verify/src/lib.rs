@@ -4,6 +4,7 @@ mod bootstrap;
 mod checks;
 pub mod close;
 mod error;
+mod identify;
 mod recovery;
 mod resimulate;
 pub mod statistics;
@@ -14,8 +15,9 @@ pub mod trace;
 pub use bootstrap::{Bootstrap, BootstrapLine, bootstrap};
 pub use checks::{Bound, Check, Kind, Setups, Verdict, all_pass, checks};
 pub use error::VerifyError;
+pub use identify::{Identified, Identify, Tie, identify};
 pub use recovery::{Reconstructed, Recovered, Recovery, TABLE_C_1, campaign_of, recover};
 pub use resimulate::{
     Band, FlownParameter, HoldOut, Initial, InitialStop, Replay, Resimulation, RunComparison, Statistic, Swing, TrajectoryError,
-    estimate_initial, fly_like, hold_out, identified_plant, resimulate, resimulate_with_draws,
+    estimate_initial, fly_like, hold_out, resimulate, resimulate_with_draws,
 };

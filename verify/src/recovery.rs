@@ -4,7 +4,7 @@
 use crate::VerifyError;
 use serde::{Deserialize, Serialize};
 use windfall_model::frames::{Rotation, Vec3};
-use windfall_model::{AirState, Campaign, Data, Flight, FlowState, Motion, Plant, Record, Run, Use};
+use windfall_model::{AirState, Campaign, Data, Flight, FlowState, Knowledge, Motion, Plant, Record, Run};
 use windfall_pid::coefficients::coefficients;
 use windfall_pid::smooth::smooth;
 use windfall_pid::states::{State, states};
@@ -104,7 +104,7 @@ pub fn campaign_of(plant: &Plant, flights: &[(&Flight, Record)]) -> Campaign {
     let run = |(flight, record): &(&Flight, Record)| Run {
         name: flight.name.clone(),
         kind: flight.kind.clone(),
-        used: if flight.hold_out { Use::HoldOut } else { Use::Identify },
+        used: flight.used,
         inputs: Vec::new(),
         data: Data::Tunnel(record.clone()),
         notes: Vec::new(),
@@ -115,6 +115,7 @@ pub fn campaign_of(plant: &Plant, flights: &[(&Flight, Record)]) -> Campaign {
         plant: declared,
         inputs: Vec::new(),
         runs: flights.iter().map(run).collect(),
+        knowledge: Knowledge::default(),
     }
 }
 

@@ -14,9 +14,9 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use statistics::{Squares, table_5_6};
 use windfall_model::frames::Vec3;
-use windfall_model::{Campaign, Data, Plant, Run, Use, wrench_at_cm};
+use windfall_model::{Campaign, Data, Plant, Run, wrench_at_cm};
 use windfall_pid::coefficients::coefficients;
-use windfall_pid::{DataSet, Identification, rates_and_angles};
+use windfall_pid::{Identification, rates_and_angles};
 use windfall_sim::Seed;
 
 pub use bands::Band;
@@ -29,11 +29,11 @@ pub(crate) use statistics::{instant_errors, mean_median_std};
 /// A parameter's value as flown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FlownParameter {
-    /// Name in the structure.
+    /// Name in the structure, or of a size or scale of the gusts.
     pub name: String,
     /// Value. The static moment, which C_m and C_n give apart, is their mean weighted by inverse variance: the plant has one.
     pub value: f64,
-    /// False where the identification has no estimate and the campaign's own value was flown.
+    /// False where the identification has no estimate, and a held value or the campaign's own was flown.
     pub identified: bool,
 }
 
@@ -53,8 +53,8 @@ pub struct RunComparison {
     /// Table 5.6 of this run.
     pub statistics: Vec<Statistic>,
     /// Mean of squared pose residuals over sensor variances, in the span that the initial state was estimated on: 1 for a right
-    /// model.
-    pub misfit: f64,
+    /// model; none where the flight fails before the run's end, so that nothing was estimated.
+    pub misfit: Option<f64>,
     /// That span from the first sample, s: the run's duration for a model that follows the run to the end.
     pub initial_span_s: f64,
     /// How the estimation of the initial state ended.
@@ -134,41 +134,33 @@ pub fn resimulate_with_draws(
     seeds: usize,
     draws: usize,
 ) -> Result<Resimulation, VerifyError> {
-    let set = combined(identification)?;
-    let plant = identified_plant(campaign, set)?;
+    let set = identification.combined().ok_or(VerifyError::NoDataSet)?;
+    let plant = set.plant(&campaign.plant)?;
     let all: Vec<usize> = (0..campaign.runs.len()).collect();
     let plants = if draws > 0 { bands::drawn(&plant, set, draws)? } else { Vec::new() };
     let joined = join(compared(campaign, &plant, &all, seeds, &plants)?);
     let structure = &plant.aero.structure;
-    let parameters: Vec<FlownParameter> = structure
+    let mut parameters: Vec<FlownParameter> = structure
         .parameters
         .iter()
         .zip(&plant.aero.values)
         .map(|(name, &value)| FlownParameter { name: name.clone(), value, identified: set.value(name).is_some() })
         .collect();
-    let warnings = warnings(campaign, &parameters, &joined.runs);
+    let mut warnings = warnings(campaign, &parameters, &joined.runs);
+    let not_flown = set.not_flown();
+    if !not_flown.is_empty() {
+        warnings.push(format!(
+            "random moments ({}) are no part of a plant and not flown: statistics lack what they make; windfall close may name what they \
+             stand for",
+            not_flown.join(", ")
+        ));
+    }
+    let estimated = |name: &str| set.parameters.iter().any(|p| p.name == name);
+    let gust = |(name, value): (&str, f64)| FlownParameter { name: name.to_owned(), value, identified: estimated(name) };
+    parameters.extend(set.gusts().into_iter().map(gust));
     let HoldOut { trajectory, statistics, runs, .. } = joined;
     let (method, data_set) = (identification.method.clone(), set.name.clone());
     Ok(Resimulation { method, data_set, parameters, seeds: seeds.max(1), trajectory, statistics, runs, warnings })
-}
-
-fn combined(identification: &Identification) -> Result<&DataSet, VerifyError> {
-    identification.data_set("combined").or(identification.data_sets.last()).ok_or(VerifyError::NoDataSet)
-}
-
-/// The campaign's plant with the estimates of a data set put in. A parameter that two coefficients give (the static moment, from
-/// C_m and from C_n) gets their mean weighted by inverse variance; one without estimate keeps the campaign's value.
-///
-/// # Errors
-/// [`VerifyError::UnknownParameter`] when the data set is of another structure.
-pub fn identified_plant(campaign: &Campaign, set: &DataSet) -> Result<Plant, VerifyError> {
-    let structure = &campaign.plant.aero.structure;
-    if let Some(p) = set.parameters.iter().find(|p| structure.index(&p.name).is_none()) {
-        return Err(VerifyError::UnknownParameter { name: p.name.clone(), allowed: structure.parameters.join(", ") });
-    }
-    let mut plant = campaign.plant.clone();
-    plant.aero.values = set.values(structure, &plant.aero.values);
-    Ok(plant)
 }
 
 fn warnings(campaign: &Campaign, parameters: &[FlownParameter], runs: &[RunComparison]) -> Vec<String> {
@@ -271,14 +263,15 @@ fn compare(campaign: &Campaign, plant: &Plant, index: usize, seeds: usize, drawn
     let draws = draws(&replay, &initial, index, seeds)?;
     let test = swing(&measured);
     let (specific_force_rms, specific_moment_rms) = specific_residual(&replay, plant);
-    let (statistics, misfit, initial_span_s) = (table_5_6(&test, &draws), initial.misfit.min(f64::MAX), initial.span_s);
+    let (statistics, misfit, initial_span_s) =
+        (table_5_6(&test, &draws), Some(initial.misfit).filter(|m| m.is_finite()), initial.span_s);
     let (initial_stop, base) = (initial.stop, (replay, initial));
     let of_draws = if drawn.is_empty() { None } else { Some(bands::of_run(campaign, index, drawn, &base, &test)?) };
     let (bands, drawn) = of_draws.map_or_else(Default::default, |b| (b.bands, b.draws));
     let comparison = RunComparison {
         name: run.name.clone(),
         kind: run.kind.clone(),
-        used: if run.used == Use::Identify { "identify" } else { "hold-out" }.to_owned(),
+        used: run.used.name().to_owned(),
         trajectory: squares.error(),
         trajectory_from_first_sample: from_first.error(),
         statistics: with_intervals(statistics, &drawn),

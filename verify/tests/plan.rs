@@ -1,6 +1,6 @@
 //! verify tests: what a plan promises is what flying it brings.
 
-use windfall_model::{Campaign, Data, Flight, Run, Use};
+use windfall_model::{Campaign, Data, Flight, Knowledge, Run, Use};
 use windfall_pid::output_error::{self, Options};
 use windfall_pid::plan::{Target, Wanted, plan};
 use windfall_scenarios::read_bundled;
@@ -26,6 +26,7 @@ fn recover_the_error_that_was_planned() {
         plant: scenario.plant.clone(),
         inputs: Vec::new(),
         runs: vec![fly_run(&scenario.flights[0], 0), fly_run(&scenario.flights[1], 1)],
+        knowledge: Knowledge::default(),
     };
     let options = Options { combined_only: true, ..Options::default() };
     let error = |campaign: &Campaign| {

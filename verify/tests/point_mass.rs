@@ -5,7 +5,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use std::path::PathBuf;
 use windfall_model::effects::find;
-use windfall_model::{Acts, Campaign, Data, Plant, PointRecord, Run, Use};
+use windfall_model::{Acts, Campaign, Data, Knowledge, Plant, PointRecord, Run, Use};
 use windfall_scenarios::read_campaign;
 use windfall_sim::fly_point;
 use windfall_verify::close::{Options, close};
@@ -181,7 +181,14 @@ fn planted(plant: &Plant, truth: &Plant, inputs: &[f64], axes: [bool; 3], seed: 
         }
     };
     let runs: Vec<Run> = inputs.iter().enumerate().map(launch).collect();
-    Campaign { name: "planted".to_owned(), plant: plant.clone(), declared: vec![true], inputs: vec!["spin".to_owned()], runs }
+    Campaign {
+        name: "planted".to_owned(),
+        plant: plant.clone(),
+        declared: vec![true],
+        inputs: vec!["spin".to_owned()],
+        runs,
+        knowledge: Knowledge::default(),
+    }
 }
 
 /// A light ball with declared drag 0.45.

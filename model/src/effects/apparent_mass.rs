@@ -13,11 +13,13 @@ pub(super) static EFFECT: Effect = Effect {
             Parameter::positive("axial_kg", "kg", 0.3),
             Parameter::positive("radial_kg", "kg", 0.3),
             Parameter::positive("transverse_kg_m2", "kg m2", 0.01),
+            Parameter::shape("unturned", "-", 0.0, 1.0, 0.0, &[0.0, 1.0]),
         ]
     },
     apply: |plant, v| {
         plant.vehicle.apparent.axial_kg += v[0];
         plant.vehicle.apparent.radial_kg += v[1];
         plant.vehicle.apparent.transverse_kg_m2 += v[2];
+        plant.vehicle.apparent.unturned = v[3];
     },
 };

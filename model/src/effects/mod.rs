@@ -2,40 +2,18 @@
 //!
 //! An effect is a family name, its parameters, a paragraph of physics with a source, and what it changes in the plant. From
 //! that one file follow simulating it, its signature, tracing, estimating, its bound, and its line in the report; nothing else
-//! in the program knows a family by name. Adding an effect is adding a file and its line in [`CATALOGUE`].
+//! in the program knows a family by name. Adding an effect is adding a file and its name to the list that makes [`CATALOGUE`].
 
 use crate::plant::Plant;
 
-mod apparent_mass;
-mod apparent_mass_point;
-mod asymmetry;
-mod axial_shape;
-mod axial_speed;
-mod buoyancy;
-mod center_of_mass;
-mod constant_acceleration;
-mod contact;
-mod cross_flow;
-mod damping_shape;
-mod drag;
-mod flow_profile;
-mod inertia;
-mod loose_mass;
-mod magnus;
-mod pose_delay;
-mod pose_misalignment;
-mod rate_force;
-mod roll_damping_shape;
-mod roll_periodic;
-mod spin_lift;
-mod swirl;
-mod tether_geometry;
-mod tether_length;
-mod tether_line_rate;
-mod turbulence;
-mod wake_shedding;
-mod wind_delay;
-mod wind_scale;
+/// Makes the list from the names of the files.
+macro_rules! catalogue {
+    [$($file:ident),* $(,)?] => {
+        $(mod $file;)*
+        /// All effects, alphabetical by file.
+        pub static CATALOGUE: [&Effect; [$(stringify!($file)),*].len()] = [$(&$file::EFFECT),*];
+    };
+}
 
 /// Which bodies an effect can act on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,6 +35,12 @@ pub enum Role {
     Instant,
     /// Index of the run in which the effect acts: every run is tried.
     Run,
+}
+
+/// Tunnel speed of [`crate::MeanFlow::steady_at_m_s`] for a lateral flow that is steady (1) or follows the tunnel speed (0): near the
+/// SAGE model's trim in the tunnel, m/s.
+fn steady_at_m_s(steady: f64) -> f64 {
+    if steady > 0.5 { 7.5 } else { 0.0 }
 }
 
 /// One parameter of an effect.
@@ -127,44 +111,54 @@ pub struct Effect {
     pub separate_by: &'static str,
 }
 
+/// Two are the same when family and bodies are.
+impl PartialEq for Effect {
+    fn eq(&self, other: &Self) -> bool {
+        (self.family, self.acts) == (other.family, other.acts)
+    }
+}
+
 impl std::fmt::Debug for Effect {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Effect({})", self.family)
     }
 }
 
-/// All effects, alphabetical by file.
-pub static CATALOGUE: [&Effect; 30] = [
-    &apparent_mass::EFFECT,
-    &apparent_mass_point::EFFECT,
-    &asymmetry::EFFECT,
-    &axial_shape::EFFECT,
-    &axial_speed::EFFECT,
-    &buoyancy::EFFECT,
-    &center_of_mass::EFFECT,
-    &constant_acceleration::EFFECT,
-    &contact::EFFECT,
-    &cross_flow::EFFECT,
-    &damping_shape::EFFECT,
-    &drag::EFFECT,
-    &flow_profile::EFFECT,
-    &inertia::EFFECT,
-    &loose_mass::EFFECT,
-    &magnus::EFFECT,
-    &pose_delay::EFFECT,
-    &pose_misalignment::EFFECT,
-    &rate_force::EFFECT,
-    &roll_damping_shape::EFFECT,
-    &roll_periodic::EFFECT,
-    &spin_lift::EFFECT,
-    &swirl::EFFECT,
-    &tether_geometry::EFFECT,
-    &tether_length::EFFECT,
-    &tether_line_rate::EFFECT,
-    &turbulence::EFFECT,
-    &wake_shedding::EFFECT,
-    &wind_delay::EFFECT,
-    &wind_scale::EFFECT,
+catalogue![
+    apparent_mass,
+    apparent_mass_point,
+    asymmetry,
+    axial_shape,
+    axial_speed,
+    buoyancy,
+    center_of_mass,
+    constant_acceleration,
+    contact,
+    cross_flow,
+    damping_shape,
+    drag,
+    flow_profile,
+    inertia,
+    length_scale,
+    loose_mass,
+    magnus,
+    mass,
+    pose_delay,
+    pose_misalignment,
+    rate_force,
+    roll_damping_shape,
+    roll_periodic,
+    spin_lift,
+    swirl,
+    swivel_friction,
+    tether_geometry,
+    tether_length,
+    tether_line_rate,
+    time_base,
+    turbulence,
+    wake_shedding,
+    wind_delay,
+    wind_scale,
 ];
 
 /// The effect of that family for that kind of body.

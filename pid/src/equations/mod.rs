@@ -3,18 +3,20 @@
 //!
 //! Written apart from the simulator, which uses quaternions and vectors: a slip in one cannot hide in the other.
 
+mod local;
 mod number;
 mod terms;
 mod transition;
 
 use crate::PidError;
+pub use local::{ADDED, Local, MOTION};
 pub(crate) use number::{Dual, Number};
 use terms::Terms;
 pub(crate) use transition::{Drive, INPUTS, Segment, Transition};
 use windfall_model::{Plant, VARIABLES, Variable};
 
 /// Number of states: c.m. position (m) and Euler angles (rad), then c.m. velocity in tunnel axes (m/s) and body rates (rad/s).
-pub(crate) const STATES: usize = 12;
+pub const STATES: usize = 12;
 
 /// Velocity squared, m²/s², added to that across the body so that the clock angle has a slope at zero angle: 1e-13 of an
 /// airspeed of 7 m/s, and terms that vanish there keep theirs exactly.
@@ -22,11 +24,15 @@ const ACROSS_M2_S2: f64 = 1e-24;
 
 /// The air at one instant, as known.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Air {
-    pub(crate) t_s: f64,
-    pub(crate) density_kg_m3: f64,
-    pub(crate) vw_m_s: f64,
-    pub(crate) vw_rate_m_s2: f64,
+pub struct Air {
+    /// Time from the run's first sample, s.
+    pub t_s: f64,
+    /// Density, kg/m³.
+    pub density_kg_m3: f64,
+    /// Tunnel speed, m/s, upward positive.
+    pub vw_m_s: f64,
+    /// Its rate, m/s².
+    pub vw_rate_m_s2: f64,
 }
 
 /// What may come on top: air velocity and its rate (tunnel axes) and increments of the six coefficients. Directions of
@@ -47,13 +53,25 @@ impl<S: Number> Default for Extra<S> {
 
 /// A plant made ready for integration.
 #[derive(Clone, Debug)]
-pub(crate) struct Craft<'a> {
+pub struct Craft<'a> {
     pub(crate) plant: &'a Plant,
     pub(crate) terms: Terms,
+    /// Mass that resists acceleration along each body axis: the vehicle's and that of the air it drags along, kg.
+    inert_kg: [f64; 3],
     inertia: [[f64; 3]; 3],
+    /// Of inertia with apparent inertia.
     inertia_inverse: [[f64; 3]; 3],
     still: bool,
+    /// Rounds in which forces and the accelerations that they depend on are found: one where they do not.
+    rounds: usize,
 }
+
+/// Rounds for forces that depend on accelerations: each leaves at most the ratio of such a force to inertia, which is 1e-2 for damping
+/// forces and under 0.1 for a loose tenth of the mass.
+const ROUNDS: usize = 8;
+
+/// Number of states of a loose mass: displacement and rate along body y and z, m and m/s.
+pub const LOOSE: usize = 4;
 
 impl<'a> Craft<'a> {
     /// # Errors
@@ -70,22 +88,74 @@ impl<'a> Craft<'a> {
         if let Some((what, _)) = left_out.iter().find(|l| l.1) {
             return Err(PidError::NotIntegrable { what });
         }
-        let inertia = plant.vehicle.inertia.matrix();
-        let inverse = inertia.try_inverse().ok_or(PidError::NotIntegrable { what: "an inertia that has no inverse" })?;
+        Self::complete(plant)
+    }
+
+    /// With everything that a plant can have; the loose mass' states are then the caller's, who also sees to what instruments do.
+    ///
+    /// # Errors
+    /// [`PidError::NotIntegrable`] for an inertia that has no inverse.
+    pub fn complete(plant: &'a Plant) -> Result<Self, PidError> {
+        let (vehicle, apparent) = (&plant.vehicle, &plant.vehicle.apparent);
+        let inertia = vehicle.inertia.matrix();
+        let transverse = nalgebra::Matrix3::from_diagonal(&nalgebra::Vector3::new(0.0, 1.0, 1.0)) * apparent.transverse_kg_m2;
+        let inverse = (inertia + transverse).try_inverse();
+        let inverse = inverse.ok_or(PidError::NotIntegrable { what: "an inertia that has no inverse" })?;
         let rows = |m: nalgebra::Matrix3<f64>| [0, 1, 2].map(|i| [m[(i, 0)], m[(i, 1)], m[(i, 2)]]);
+        let terms = Terms::new(&plant.aero);
+        let rounds = if terms.late_forces || vehicle.loose.is_some() { ROUNDS } else { 1 };
         Ok(Self {
             plant,
-            terms: Terms::new(&plant.aero),
+            inert_kg: [apparent.axial_kg, apparent.radial_kg, apparent.radial_kg].map(|a| vehicle.mass_kg + a),
             inertia: rows(inertia),
             inertia_inverse: rows(inverse),
             still: plant.flow == windfall_model::MeanFlow::default(),
+            rounds,
+            terms,
         })
+    }
+
+    /// The plant that these equations are of.
+    #[must_use]
+    pub fn plant(&self) -> &Plant {
+        self.plant
+    }
+
+    /// Coefficient and parameter (none of an effect's) of each term, in the order in which values of terms are left.
+    #[must_use]
+    pub fn acts(&self) -> &[(usize, Option<usize>)] {
+        &self.terms.acts
+    }
+
+    /// Slopes of the rates of velocity (tunnel axes) and body rates by a force and a moment in body axes.
+    pub fn by_wrench(&self, x: &[f64; STATES]) -> [[f64; 6]; 6] {
+        let ((sx, cx), (sy, cy), (sz, cz)) = (x[3].sin_cos(), x[4].sin_cos(), x[5].sin_cos());
+        let t = matrix(sx, cx, sy, cy, sz, cz);
+        let mut gain = [[0.0; 6]; 6];
+        for i in 0..3 {
+            for k in 0..3 {
+                gain[i][k] = t[i][k] / self.inert_kg[k];
+                gain[3 + i][3 + k] = self.inertia_inverse[i][k];
+            }
+        }
+        gain
     }
 
     /// Velocity (m/s) and rate (m/s²) of the air per unit of tunnel speed and of its rate, at a place and velocity: the wind is
     /// linear in both.
     pub(crate) fn wind_per_speed(&self, x: &[f64; STATES]) -> WindShape<f64> {
-        self.wind_shape([x[1], x[2]], [x[7], x[8]])
+        let mut shape = self.wind_shape([x[1], x[2]], [x[7], x[8]]);
+        if self.plant.flow.steady_at_m_s != 0.0 {
+            (shape.along[1], shape.along[2], shape.rate[1], shape.rate[2]) = (0.0, 0.0, 0.0, 0.0);
+        }
+        shape
+    }
+
+    /// Speed to which lateral flow is in proportion, and its rate.
+    #[inline(always)]
+    fn across(&self, vw: f64, vw_rate: f64) -> (f64, f64) {
+        let steady = self.plant.flow.steady_at_m_s;
+        if steady == 0.0 { (vw, vw_rate) } else { (steady, 0.0) }
     }
 
     #[inline(always)]
@@ -113,6 +183,20 @@ impl<'a> Craft<'a> {
         parameters: &[f64],
         term_values: &mut [f64],
     ) -> Option<[S; STATES]> {
+        self.motion(x, &[S::real(0.0); LOOSE], air, extra, parameters, term_values).map(|(rate, _)| rate)
+    }
+
+    /// [`Craft::rate`] with a loose mass at displacement and rate `[y, z, ẏ, ż]`, and the loose mass' acceleration.
+    #[inline(always)]
+    pub(crate) fn motion<S: Number>(
+        &self,
+        x: &[S; STATES],
+        loose: &[S; LOOSE],
+        air: Air,
+        extra: &Extra<S>,
+        parameters: &[f64],
+        term_values: &mut [f64],
+    ) -> Option<([S; STATES], [S; 2])> {
         let [px, py, pz, rx, ry, rz, vx, vy, vz, p, q, r] = *x;
         let (v, w) = ([vx, vy, vz], [p, q, r]);
         let ((sx, cx), (sy, cy), (sz, cz)) = (rx.sin_cos(), ry.sin_cos(), rz.sin_cos());
@@ -120,9 +204,13 @@ impl<'a> Craft<'a> {
         // Air (B.37-B.41).
         let shape = self.wind_shape([py, pz], [vy, vz]);
         let (vw, vw_rate) = (air.vw_m_s, air.vw_rate_m_s2);
-        let wind = each(|k| shape.along[k] * vw + extra.velocity[k]);
-        let wind_rate = each(|k| shape.along[k] * vw_rate + shape.rate[k] * vw + extra.acceleration[k]);
-        let u = transposed(&t, each(|k| v[k] - wind[k]));
+        let across = self.across(vw, vw_rate);
+        let steady = each(|k| shape.along[k] * if k == 0 { vw } else { across.0 });
+        let steady_rate = each(|k| {
+            let (u, u_rate) = if k == 0 { (vw, vw_rate) } else { across };
+            shape.along[k] * u_rate + shape.rate[k] * u
+        });
+        let u = transposed(&t, each(|k| v[k] - (steady[k] + extra.velocity[k])));
         let vehicle = &self.plant.vehicle;
         let mut f = self.flow(u, w, vehicle.diameter_m);
         let speed = f[Variable::Speed as usize];
@@ -130,36 +218,105 @@ impl<'a> Craft<'a> {
             return None;
         }
         let q_pa = speed * speed * (0.5 * air.density_kg_m3);
-        let mut c = extra.coefficients;
-        self.terms.add_early(&f, parameters, &mut c, term_values);
-        // Forces, body axes (B.11-B.36).
+        let mut early = extra.coefficients;
+        self.terms.add_early(&f, parameters, &mut early, term_values);
+        // Forces without aerodynamics, body axes (B.27-B.36), and those that inertia stands against.
         let qs = q_pa * vehicle.area_m2();
-        let aero = [-(qs * c[0]), qs * c[1], -(qs * c[2])];
+        let qsd = qs * vehicle.diameter_m;
         let (pull, pull_moment) = self.tether(&t, [px, py, pz], v, w, q_pa);
         let (hit, hit_moment) = self.contacts(air.t_s);
-        let force = each(|k| aero[k] + pull[k] + hit[k]);
-        let mut a = times(&t, each(|k| force[k] * (1.0 / vehicle.mass_kg)));
-        a[0] = a[0] + self.plant.environment.gravity_m_s2;
-        // Moments, the wind-angle rates now known (B.49-B.50, B.8-B.10 and B.62-B.66).
-        if self.terms.needs_rates() {
-            let turning = cross(w, u);
-            let inertial = transposed(&t, each(|k| a[k] - wind_rate[k]));
-            damping(&mut f, u, each(|k| inertial[k] - turning[k]), w, vehicle.diameter_m);
-            self.terms.add_late(&f, parameters, &mut c, term_values);
-        }
-        let qsd = qs * vehicle.diameter_m;
-        let shift = crossed_by(aero, vehicle.p_origin_cm.to_array());
+        let apparent = self.apparent(&t, each(|k| v[k] - steady[k]), steady_rate, w);
+        let gravity = self.plant.environment.gravity_m_s2 * vehicle.mass_kg;
         let momentum = each(|i| w[0] * self.inertia[i][0] + w[1] * self.inertia[i][1] + w[2] * self.inertia[i][2]);
         let gyroscopic = cross(w, momentum);
-        let m = each(|k| qsd * c[3 + k] + shift[k] + pull_moment[k] + hit_moment[k] - gyroscopic[k]);
-        let inverse = &self.inertia_inverse;
-        let w_rate = each(|i| m[0] * inverse[i][0] + m[1] * inverse[i][1] + m[2] * inverse[i][2]);
+        let other = each(|k| pull[k] + hit[k] + apparent.0[k] + t[0][k] * gravity);
+        let other_moment = each(|k| pull_moment[k] + hit_moment[k] + apparent.1[k] - gyroscopic[k]);
+        let accelerations = |aero: &[S; 3], part: &[S; 3]| each(|k| (aero[k] + other[k] + part[k]) * (1.0 / self.inert_kg[k]));
+        // Accelerations, body axes, with the wind-angle rates (B.49-B.50) and a loose mass that depend on them.
+        let (turning, blown) = (cross(w, u), transposed(&t, each(|k| steady_rate[k] + extra.acceleration[k])));
+        let zero = S::real(0.0);
+        let force = |c: &[S; 6]| [-(qs * c[0]), qs * c[1], -(qs * c[2])];
+        let mut c = early;
+        let mut part = ([zero; 3], [zero; 3], [zero; 2]);
+        let mut aero = force(&c);
+        let mut a = accelerations(&aero, &part.0);
+        let mut w_rate = [zero; 3];
+        for round in 0..self.rounds {
+            if round > 0 {
+                aero = force(&c);
+                a = accelerations(&aero, &part.0);
+            }
+            if self.terms.needs_rates() {
+                damping(&mut f, u, each(|k| a[k] - blown[k] - turning[k]), w, vehicle.diameter_m);
+                c = early;
+                self.terms.add_late(&f, parameters, &mut c, term_values);
+            }
+            // Eqs B.8-B.10 and B.62-B.66.
+            let shift = crossed_by(aero, vehicle.p_origin_cm.to_array());
+            let m = each(|k| qsd * c[3 + k] + shift[k] + other_moment[k] + part.1[k]);
+            let inverse = &self.inertia_inverse;
+            w_rate = each(|i| m[0] * inverse[i][0] + m[1] * inverse[i][1] + m[2] * inverse[i][2]);
+            if self.rounds > 1 {
+                part = self.loose(&t, loose, a, w, w_rate);
+            }
+        }
         // Eq. 3.20 solved for the Euler rates.
         let rx_rate = (p * cz - q * sz) * cy.recip();
         let euler_rate = [rx_rate, p * sz + q * cz, r - sy * rx_rate];
         let [e0, e1, e2] = euler_rate;
         let [w0, w1, w2] = w_rate;
-        Some([vx, vy, vz, e0, e1, e2, a[0], a[1], a[2], w0, w1, w2])
+        let a = times(&t, a);
+        Some(([vx, vy, vz, e0, e1, e2, a[0], a[1], a[2], w0, w1, w2], part.2))
+    }
+
+    /// Reaction of the air that is dragged along, less what the enlarged inertia on the left side carries (Lamb 1932, §124): with `u`
+    /// the velocity seen from the steady air, force `M (Ṫᵀ-free rates) − ω × M u` and moment `−ω × J ω − u × M u`, body axes.
+    #[inline(always)]
+    fn apparent<S: Number>(&self, t: &[[S; 3]; 3], v_air: [S; 3], wind_rate: [S; 3], w: [S; 3]) -> ([S; 3], [S; 3]) {
+        let k = &self.plant.vehicle.apparent;
+        let zero = S::real(0.0);
+        if k.is_null() {
+            return ([zero; 3], [zero; 3]);
+        }
+        let mass = [k.axial_kg, k.radial_kg, k.radial_kg];
+        let turning_kg_m2 = k.transverse_kg_m2 * (1.0 - k.unturned);
+        let u = transposed(t, v_air);
+        let carried = transposed(t, wind_rate);
+        let (turning, impulse) = (cross(w, u), each(|i| u[i] * mass[i]));
+        let (spun, munk) = (cross(w, impulse), cross(u, impulse));
+        let stirred = cross(w, [zero, w[1] * turning_kg_m2, w[2] * turning_kg_m2]);
+        (each(|i| (carried[i] + turning[i]) * mass[i] - spun[i]), each(|i| -(stirred[i] + munk[i])))
+    }
+
+    /// Force and moment of the loose mass about the c.m. beyond those of a fixed part, and its acceleration along y and z
+    /// (Den Hartog 1956, §3.2), at accelerations in body axes.
+    #[inline(always)]
+    fn loose<S: Number>(
+        &self,
+        t: &[[S; 3]; 3],
+        state: &[S; LOOSE],
+        a: [S; 3],
+        w: [S; 3],
+        w_rate: [S; 3],
+    ) -> ([S; 3], [S; 3], [S; 2]) {
+        let zero = S::real(0.0);
+        let Some(part) = &self.plant.vehicle.loose else { return ([zero; 3], [zero; 3], [zero; 2]) };
+        let g = self.plant.environment.gravity_m_s2;
+        let x = part.x_cm_m;
+        // Specific force of the mount at (x, 0, 0).
+        let felt = [
+            a[0] - t[0][0] * g - (w[1] * w[1] + w[2] * w[2]) * x,
+            a[1] - t[0][1] * g + (w_rate[2] + w[0] * w[1]) * x,
+            a[2] - t[0][2] * g + (w[0] * w[2] - w_rate[1]) * x,
+        ];
+        let omega = std::f64::consts::TAU * part.frequency_hz;
+        let along = |s: S, rate: S, f: S| -(s * (omega * omega)) - rate * (2.0 * part.damping_ratio * omega) - f;
+        let acceleration = [along(state[0], state[2], felt[1]), along(state[1], state[3], felt[2])];
+        let m = part.mass_kg;
+        let force = [zero, -(acceleration[0] * m), -(acceleration[1] * m)];
+        let displaced = cross([zero, state[0], state[1]], each(|k| -(felt[k] * m)));
+        let moment = [displaced[0], displaced[1] - force[2] * x, displaced[2] + force[1] * x];
+        (force, moment, acceleration)
     }
 
     /// The model's table of flow variables without the two that need accelerations.
@@ -222,7 +379,11 @@ impl<'a> Craft<'a> {
         let size = pull * per_length;
         let force = each(|k| line[k] * size);
         let moment = crossed_by(force, arm);
-        (force, each(|k| -moment[k]))
+        let mut moment = each(|k| -moment[k]);
+        if tether.swivel_n_m != 0.0 {
+            moment[0] = moment[0] - (w[0] * (1.0 / tether.swivel_rate_rad_s)).tanh() * tether.swivel_n_m;
+        }
+        (force, moment)
     }
 
     fn contacts(&self, t_s: f64) -> ([f64; 3], [f64; 3]) {
@@ -300,7 +461,7 @@ fn crossed_by<S: Number>(a: [S; 3], b: [f64; 3]) -> [S; 3] {
 }
 
 /// Position of the geometric origin, m: what the motion capture reports.
-pub(crate) fn origin(x: &[f64; STATES], p_origin_cm: [f64; 3]) -> [f64; 3] {
+pub fn origin(x: &[f64; STATES], p_origin_cm: [f64; 3]) -> [f64; 3] {
     let arm = turned([x[3], x[4], x[5]], p_origin_cm);
     each(|i| x[i] - arm[i])
 }

@@ -63,6 +63,11 @@ pub(crate) trait Number:
         let value = x.cosh().powi(-2);
         self.chain(value, -2.0 * value * x.tanh() / width)
     }
+    #[inline(always)]
+    fn tanh(self) -> Self {
+        let t = self.value().tanh();
+        self.chain(t, 1.0 - t * t)
+    }
     /// Angle of the point (x, self).
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
@@ -91,13 +96,6 @@ impl Number for f64 {
     }
 }
 
-impl<const N: usize> Default for Dual<N> {
-    #[inline(always)]
-    fn default() -> Self {
-        Self::real(0.0)
-    }
-}
-
 /// A value and its derivatives along `N` directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Dual<const N: usize> {
@@ -120,6 +118,13 @@ impl<const N: usize> Dual<N> {
             *s = a * x + b * y;
         }
         Self { value, slopes }
+    }
+}
+
+impl<const N: usize> Default for Dual<N> {
+    #[inline(always)]
+    fn default() -> Self {
+        Self::real(0.0)
     }
 }
 

@@ -24,13 +24,16 @@ pub(crate) struct Terms {
     pub(crate) needed: [bool; VARIABLES],
     /// Coefficient and parameter of each term, in the order of the term values.
     pub(crate) acts: Vec<(usize, Option<usize>)>,
+    /// Whether a force, too, depends on accelerations.
+    pub(crate) late_forces: bool,
 }
 
 impl Terms {
     pub(crate) fn new(aero: &Aero) -> Self {
         let declared = aero.structure.contributions.iter().map(|k| (k.coefficient, Some(k.parameter), 1.0, &k.term));
         let extra = aero.extra.iter().map(|(c, value, term)| (*c, None, *value, term));
-        let mut terms = Self { early: Vec::new(), late: Vec::new(), needed: [false; VARIABLES], acts: Vec::new() };
+        let mut terms =
+            Self { early: Vec::new(), late: Vec::new(), needed: [false; VARIABLES], acts: Vec::new(), late_forces: false };
         for (index, (coefficient, parameter, value, term)) in declared.chain(extra).enumerate() {
             for factor in &term.factors {
                 terms.needed[factor.variable() as usize] = true;
@@ -43,8 +46,12 @@ impl Terms {
                 index,
             };
             terms.acts.push((product.coefficient, parameter));
-            let step = if term.factors.iter().any(|f| f.needs_rates()) { &mut terms.late } else { &mut terms.early };
-            step.push(product);
+            if term.factors.iter().any(|f| f.needs_rates()) {
+                terms.late_forces |= product.coefficient < 3;
+                terms.late.push(product);
+            } else {
+                terms.early.push(product);
+            }
         }
         terms
     }

@@ -30,6 +30,7 @@ fn plant() -> Plant {
             gradient_per_m: [0.02, -0.03],
             swirl_rad_per_m: 0.05,
             angularity_rad: [0.01, 0.02],
+            steady_at_m_s: 0.0,
         },
         turbulence: Turbulence::default(),
         shedding: WakeShedding::default(),
@@ -100,7 +101,8 @@ fn drive() -> Drive {
 }
 
 /// Derivatives of the map against central differences of the map, to the order of the method (differences: rounding 1e-16 of states of
-/// size 10, over 2e-5, and a third derivative of order 100 times h²/6; RK4: (λh)⁵/120 a step for the fastest motion, 5 rad/s); tied parameters share a column, held ones have none.
+/// size 10, over 2e-5, and a third derivative of order 100 times h²/6; RK4: (λh)⁵/120 a step for the fastest motion, 5 rad/s).
+/// Tied parameters share a column, held ones have none.
 #[test]
 fn exact_variational_equations_are_the_derivatives_of_the_map() {
     let plant = plant();

@@ -163,7 +163,7 @@ impl Segment<'_> {
         }
         (0..STATES).for_each(|i| w.slopes[i * stride + i] = 1.0);
         // In an unresolved gust, whose side changes from step to step, an end is not the next step's start.
-        let shared = self.spread_m_s.iter().all(|s| *s == 0.0);
+        let shared = !self.is_spread();
         let mut x = x;
         for step in 0..self.steps {
             let mut next = x;
@@ -253,11 +253,15 @@ impl Segment<'_> {
         true
     }
 
+    fn is_spread(&self) -> bool {
+        self.spread_m_s.iter().any(|s| *s != 0.0)
+    }
+
     /// Inputs with the unresolved gust on either side, and how many of them count: one without such a gust. Signs change from step to
     /// step so that its axes do not mix.
     #[inline(always)]
     fn sides(&self, step: usize, inputs: [f64; INPUTS]) -> ([[f64; INPUTS]; 2], usize) {
-        if self.spread_m_s.iter().all(|s| *s == 0.0) {
+        if !self.is_spread() {
             return ([inputs; 2], 1);
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the number of a sample")]

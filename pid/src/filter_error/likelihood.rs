@@ -2,9 +2,10 @@
 
 use super::filter::{Filter, Pass, Seen};
 use super::point::{Point, RANDOM, SIZES};
-use super::search::{SCALE_PRIOR, START_SCALE_M};
+use super::search::SCALE_PRIOR;
 use crate::equations::Transition;
 use crate::output_error::{CHANNELS, Columns};
+use crate::plant::START_SCALE_M;
 use nalgebra::{DMatrix, DVector};
 
 /// Difference of a logarithm.

@@ -20,6 +20,5 @@ mod search;
 
 pub(crate) use filter::{Filter, Random};
 pub(crate) use linear::linearised;
-pub(crate) use report::{PROCESS_NOISE, TURBULENCE};
+pub(crate) use search::NONE_M_S;
 pub use search::identify;
-pub(crate) use search::{NONE_M_S, START_SCALE_M};

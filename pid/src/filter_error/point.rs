@@ -2,8 +2,9 @@
 //! with some taken for none.
 
 use super::filter::Random;
-use super::search::{NONE_M_S, START_SCALE_M};
+use super::search::NONE_M_S;
 use crate::output_error::Unknowns;
+use crate::plant::START_SCALE_M;
 use nalgebra::DVector;
 use windfall_model::Turbulence;
 

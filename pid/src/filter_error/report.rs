@@ -4,22 +4,20 @@
 use super::filter::Filter;
 use super::likelihood::Local;
 use super::point::{Point, RANDOM, SIZES};
-use super::search::{SCALE_PRIOR, START_SCALE_M};
-use crate::identification::{CoefficientFit, DataSet, Estimate, NORMAL_95};
+use super::search::SCALE_PRIOR;
+use crate::identification::{CoefficientFit, DataSet, Estimate, Held, NORMAL_95, relative_percent};
 use crate::output_error::{CHANNELS, NOT_NOISE, aligned, estimates, low_frequency_p, spread};
+use crate::plant::{Gust, PROCESS_NOISE, START_SCALE_M, TURBULENCE};
 use nalgebra::DMatrix;
 use realfft::RealFftPlanner;
 use windfall_model::Campaign;
 
-/// Under what the random drive is reported.
-pub(crate) const TURBULENCE: &str = "turbulence";
-pub(crate) const PROCESS_NOISE: &str = "process-noise";
 /// Coefficient and name of what drives the runs at random.
 const NAMES: [(&str, &str); RANDOM] = [
-    (TURBULENCE, "axial_rms_m_s"),
-    (TURBULENCE, "lateral_rms_m_s"),
-    (TURBULENCE, "axial_scale_m"),
-    (TURBULENCE, "lateral_scale_m"),
+    (TURBULENCE, Gust::AxialRms.name()),
+    (TURBULENCE, Gust::LateralRms.name()),
+    (TURBULENCE, Gust::AxialScale.name()),
+    (TURBULENCE, Gust::LateralScale.name()),
     (PROCESS_NOISE, "roll_rad_s1_5"),
     (PROCESS_NOISE, "across_rad_s1_5"),
 ];
@@ -100,8 +98,15 @@ pub(super) fn data_set(
         fits,
         condition_number: (eigen.max() / eigen.min().max(f64::MIN_POSITIVE)).sqrt(),
         n_samples: filters.iter().map(|f| f.run.record.len()).sum(),
-        held: Vec::new(),
+        held: held_scales(point),
     }
+}
+
+/// Scales at which gusts were taken, where these were not estimated.
+fn held_scales(point: &Point) -> Vec<Held> {
+    let free = point.unknowns.free();
+    let scales = (2..4).filter(|&k| point.held(free + k) && point.untold[k - 2].is_none());
+    scales.map(|k| Held { name: NAMES[k].1.to_owned(), value: point.random[k].exp() }).collect()
 }
 
 /// Sizes and scales of what drives the runs at random; intervals are those of the logarithms.
@@ -113,7 +118,7 @@ fn random_estimates(point: &Point, covariance: &DMatrix<f64>) -> Vec<Estimate> {
             name: (*name).to_owned(),
             estimate,
             std_error,
-            rse_percent: if estimate > 0.0 { 100.0 * std_error / estimate } else { f64::MAX },
+            rse_percent: relative_percent(std_error, estimate),
             ci95,
             std_error_white: std_error,
         };

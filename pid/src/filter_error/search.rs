@@ -13,12 +13,11 @@ use crate::equations::Transition;
 use crate::identifiability::of_runs;
 use crate::identification::{DataSet, Identification};
 use crate::output_error::{CHANNELS, Options, Run, StopReason, Unknowns, kinds, ready, run_plants};
+use crate::plant::START_SCALE_M;
 use nalgebra::{DMatrix, DVector};
 use windfall_model::Campaign;
 
 pub(super) const METHOD: &str = "filter-error";
-/// Scale at which the search starts, three model diameters (m).
-pub(crate) const START_SCALE_M: f64 = 0.6;
 /// Sizes tried for a start, m/s: from 1 % of the tunnel speed by this factor, up or down, within these bounds.
 const START_SIZE_M_S: f64 = 0.08;
 const SIZE_FACTOR: f64 = 3.0;

@@ -7,7 +7,7 @@ use super::unknowns::{Options, Unknowns};
 use crate::PidError;
 use crate::compatibility;
 use crate::identifiability::{examine, of_runs};
-use crate::identification::{CoefficientFit, DataSet, Estimate, Identification, NORMAL_95};
+use crate::identification::{CoefficientFit, DataSet, Estimate, Identification, NORMAL_95, relative_percent};
 use nalgebra::DMatrix;
 use windfall_model::{Campaign, Coefficient, Data, Plant, Use};
 
@@ -226,7 +226,7 @@ pub(crate) fn estimates(
                 name: name.clone(),
                 estimate,
                 std_error,
-                rse_percent: (100.0 * std_error / estimate.abs()).min(f64::MAX),
+                rse_percent: relative_percent(std_error, estimate),
                 ci95: [estimate - NORMAL_95 * std_error, estimate + NORMAL_95 * std_error],
                 std_error_white: white[(column, column)].max(0.0).sqrt(),
             });

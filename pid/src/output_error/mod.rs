@@ -24,6 +24,6 @@ pub use problem::{Solution, StopReason};
 pub use residual::ChannelFit;
 pub(crate) use residual::{channel_fits, coloured, low_frequency_p, spread};
 pub(crate) use run::{CHANNELS, Columns, NODE, Run, SPEED};
-pub(crate) use speed::{Liveliness, liveliness};
+pub use speed::{Liveliness, liveliness};
 pub(crate) use unknowns::Unknowns;
 pub use unknowns::{Handling, Options, Prior};

@@ -145,10 +145,12 @@ pub(crate) fn solve_from(
         return Outcome::Stopped(StopReason::FlightFails);
     };
     let mut pace = Pace::default();
-    let (mut first, mut before_last) = (None, 0.0);
+    let (mut first, mut before_last) = (DMatrix::default(), 0.0);
     for iteration in 1..=iterations.max(1) {
         let Some(linear) = search.linearise() else { return Outcome::Stopped(StopReason::FlightFails) };
-        first.get_or_insert_with(|| sensitivities(&linear, search.unknowns.free()));
+        if iteration == 1 {
+            first = sensitivities(&linear, search.unknowns.free());
+        }
         let normal = match Normal::new(&linear, &search.unknowns) {
             Ok(normal) => normal,
             Err((column, rank)) => return Outcome::Undetermined { column, rank },
@@ -158,7 +160,7 @@ pub(crate) fn solve_from(
         let Some((next, fraction)) = search.descend(&linear, &normal, &misfits, whole) else {
             if largest < 30.0 * STEP {
                 // Rounding is all that is left.
-                return search.finish(&normal, first.unwrap_or_default(), misfits, iteration, StopReason::Converged);
+                return search.finish(&normal, first, misfits, iteration, StopReason::Converged);
             }
             return Outcome::Stopped(StopReason::NoDescent);
         };
@@ -173,10 +175,10 @@ pub(crate) fn solve_from(
         let left = if ratio < MOST_SHRUNK { largest * ratio / (1.0 - ratio) } else { largest };
         before_last = largest;
         if left < STEP && settled && fraction >= MOST_SHORT && gaps < 1e-3 {
-            return search.finish(&normal, first.unwrap_or_default(), misfits, iteration, StopReason::Converged);
+            return search.finish(&normal, first, misfits, iteration, StopReason::Converged);
         }
         if iteration >= iterations && largest < NEARLY && gaps < 1e-3 {
-            return search.finish(&normal, first.unwrap_or_default(), misfits, iteration, StopReason::Nearly);
+            return search.finish(&normal, first, misfits, iteration, StopReason::Nearly);
         }
     }
     Outcome::Stopped(StopReason::Iterations)

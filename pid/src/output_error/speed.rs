@@ -8,11 +8,11 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Liveliness of a tunnel-speed record.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Liveliness {
+pub struct Liveliness {
     /// Intensity q of the wandering second derivative, (m/s³)²/s.
-    pub(crate) intensity: f64,
+    pub intensity: f64,
     /// Standard deviation of the sensor's noise, m/s.
-    pub(crate) noise_std: f64,
+    pub noise_std: f64,
 }
 
 /// Decades of q/σ² (per s⁵) searched, and the width at which the search ends.
@@ -20,7 +20,7 @@ const DECADES: [f64; 2] = [-6.0, 10.0];
 const WIDTH: f64 = 0.02;
 
 /// Most likely liveliness of a record sampled every `interval_s`.
-pub(crate) fn liveliness(speed_m_s: &[f64], interval_s: f64) -> Liveliness {
+pub fn liveliness(speed_m_s: &[f64], interval_s: f64) -> Liveliness {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     let value = |x: f64| filter(speed_m_s, interval_s, 10.0_f64.powf(x)).0;
     let [mut a, mut b] = DECADES;

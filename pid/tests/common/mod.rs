@@ -86,6 +86,7 @@ pub(crate) fn read_run(path: &Path) -> Option<Record> {
         ps_pa: take("ps_Pa")?,
         ts_k: take("Ts_K")?,
         qw_pa: take("qW_Pa"),
+        bridged: Vec::new(),
     })
 }
 
@@ -115,6 +116,7 @@ pub(crate) fn campaign_of(name: &str, runs: Vec<(String, String, Use, Record)>) 
                 notes: Vec::new(),
             })
             .collect(),
+        knowledge: windfall_model::Knowledge::default(),
     }
 }
 

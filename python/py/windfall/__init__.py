@@ -77,12 +77,35 @@ def _campaign(source: Campaign | Path) -> Campaign:
     return source if isinstance(source, Campaign) else campaign(source)
 
 
-def identify(campaign: Campaign | Path, *, method: str | None = None, threads: int = 0) -> dict[str, Any]:
-    """Parameters with intervals: the content of identification.json.
+def identify(
+    campaign: Campaign | Path,
+    *,
+    method: str | None = None,
+    combined: bool = False,
+    hold: Mapping[str, float] | None = None,
+    tie: Mapping[str, str] | None = None,
+    prior: Mapping[str, tuple[float, float]] | None = None,
+    bootstrap: int | None = None,
+    threads: int = 0,
+) -> dict[str, Any]:
+    """Parameters with intervals: the content of identification.json, as `windfall identify` writes it.
 
     Methods: thesis, equation-error, output-error, filter-error; without one, the one that is right for these data, with the reason.
+    `combined=True`: only all runs together. `hold={"Cl_0": 0.0125}` keeps a parameter at a value, `tie={"Cn_1": "Cm_1"}` makes one equal
+    to another, `prior={"Cl_p": (-5.7, 0.3)}` is a mean and a standard deviation from elsewhere. `bootstrap=40` checks the stated errors
+    by so many copies.
     """
-    found: dict[str, Any] = json.loads(_windfall.identify(_campaign(campaign), method, threads))
+    text = _windfall.identify(
+        _campaign(campaign),
+        method,
+        combined,
+        list((hold or {}).items()),
+        list((tie or {}).items()),
+        [(name, mean, std) for name, (mean, std) in (prior or {}).items()],
+        bootstrap,
+        threads,
+    )
+    found: dict[str, Any] = json.loads(text)
     return found
 
 

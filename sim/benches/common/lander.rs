@@ -18,7 +18,7 @@ pub(crate) fn flight(duration_s: f64, rate_hz: f64, method: Method, relative_tol
     Flight {
         name: "bench".into(),
         kind: "perturbed".into(),
-        hold_out: false,
+        used: windfall_model::Use::Identify,
         duration_s,
         rate_hz,
         release: Release {

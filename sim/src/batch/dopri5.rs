@@ -10,6 +10,7 @@ use super::lane::Lanes;
 use super::terms::ROOM;
 use super::track::{LANES_MAX, Tracks};
 use crate::error::SimError;
+use crate::integrate::budget;
 use pulp::Simd;
 
 const C: [f64; 7] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
@@ -61,6 +62,9 @@ struct Clock {
     error_before: [f64; LANES_MAX],
     rejected: [bool; LANES_MAX],
     next: [usize; LANES_MAX],
+    /// Steps tried, and how many may be.
+    tried: [u32; LANES_MAX],
+    budget: [u32; LANES_MAX],
 }
 
 impl Clock {
@@ -119,6 +123,8 @@ pub(super) fn fly<S: Simd, const N: usize>(
         error_before: [1e-4; LANES_MAX],
         rejected: [false; LANES_MAX],
         next: [1; LANES_MAX],
+        tried: [0; LANES_MAX],
+        budget: [0; LANES_MAX],
     };
     let mut k = [[Lanes::zero(simd); N]; 7];
     let mut argument = y;
@@ -154,6 +160,8 @@ pub(super) fn fly<S: Simd, const N: usize>(
             for lane in 0..used {
                 clock.h_s[lane] = if tracks.lanes[lane].end.is_some() { 0.0 } else { 0.01 * size[lane] / speed[lane].max(1e-10) };
                 clock.step_max_s[lane] = wishes[lane].step_max_s;
+                let end_s = (samples - 1) as f64 / rate_hz;
+                clock.budget[lane] = budget(end_s, wishes[lane].step_max_s.min(end_s));
                 clock.cap(lane);
             }
             first_stage = 1;
@@ -173,11 +181,18 @@ pub(super) fn fly<S: Simd, const N: usize>(
         for lane in 0..used {
             let track = &mut tracks.lanes[lane];
             if track.end.is_none() {
+                let h_s = clock.h_s[lane];
+                clock.tried[lane] += 1;
                 if clock.judge(lane, errors[lane]) {
                     accepted[lane] = 1.0;
                     track.steps += 1;
                 } else if clock.h_s[lane] <= UNDERFLOW * clock.t_s[lane].max(1e-3) {
                     track.end = Some(Err(SimError::StepTooSmall { t_s: clock.t_s[lane] }));
+                }
+                if clock.tried[lane] >= clock.budget[lane] && track.end.is_none() {
+                    let (steps, t_s) = (clock.tried[lane], clock.t_s[lane]);
+                    // What changes is not looked at here; how fast follows from the step that it allows.
+                    track.end = Some(Err(SimError::TooManySteps { steps, t_s, what: "state", rate_per_s: 1.0 / h_s }));
                 }
             }
         }

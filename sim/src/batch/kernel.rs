@@ -24,6 +24,8 @@ const STILL_AIR_M2_S2: f64 = 1e-20;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Parts {
     pub(super) tether: bool,
+    /// The tether's swivel resists roll.
+    pub(super) swivel: bool,
     /// The tether's pull depends on the rate of its length.
     pub(super) line_rate: bool,
     /// Speed varies over the section.
@@ -64,6 +66,9 @@ pub(super) struct Constants<S: Simd> {
     pub(super) size: Lanes<S>,
     pub(super) size_per_m: Lanes<S>,
     pub(super) line_rate: Lanes<S>,
+    /// Coulomb torque of the swivel, N m, and 1 over the roll rate over which it grows, s/rad.
+    pub(super) swivel: Lanes<S>,
+    pub(super) per_swivel_rate: Lanes<S>,
     pub(super) profile: Lanes<S>,
     pub(super) gradient: [Lanes<S>; 2],
     pub(super) swirl: Lanes<S>,
@@ -231,6 +236,9 @@ impl<S: Simd> Kernel<'_, S> {
             let pull = self.pull(&s, y, flow.q);
             f = plus(f, pull);
             m = plus(m, cross(c.p_cm_hook, pull));
+            if self.parts.swivel {
+                m[0] = m[0] - c.swivel * (w[0] * c.per_swivel_rate).tanh();
+            }
         }
         if let Some(first) = self.parts.channels.contacts() {
             f = plus(f, three(simd, row, first));
@@ -454,6 +462,8 @@ impl<S: Simd> Constants<S> {
             size: tether(&|t| 1.0 + t.pull_excess - t.length_per_m * (t.p_tunnel_ring.norm() - t.p_origin_hook.norm())),
             size_per_m: tether(&|t| t.length_per_m),
             line_rate: tether(&|t| t.line_rate_n_s_m),
+            swivel: tether(&|t| t.swivel_n_m),
+            per_swivel_rate: tether(&|t| 1.0 / t.swivel_rate_rad_s),
             profile: flow(&|f| f.profile_per_m2),
             gradient: [flow(&|f| f.gradient_per_m[0]), flow(&|f| f.gradient_per_m[1])],
             swirl: flow(&|f| f.swirl_rad_per_m),

@@ -170,6 +170,14 @@ impl<S: Simd> Lanes<S> {
         let power = simd.transmute_f64s_u64s(simd.mul_u64s(exponent, simd.splat_u64s(1 << 52)));
         p * self.with(power)
     }
+
+    /// tanh x = ±(1 − e^(−2|x|))/(1 + e^(−2|x|)): to an absolute error of two ulp of 1.
+    #[inline(always)]
+    pub(super) fn tanh(self) -> Self {
+        let e = self.abs().scale(-2.0).exp_of_negative();
+        let size = (self.like(1.0) - e) * e.plus(1.0).recip();
+        self.where_above(0.0, size, -size)
+    }
 }
 
 const PI: f64 = std::f64::consts::PI;

@@ -26,7 +26,7 @@ fn plant(apparent: bool, loose: bool) -> Plant {
             p_origin_cm: Vec3::new(0.01, -0.02, 0.015),
             diameter_m: 0.2125,
             apparent: if apparent {
-                ApparentMass { axial_kg: 0.05, radial_kg: 0.08, transverse_kg_m2: 0.002 }
+                ApparentMass { axial_kg: 0.05, radial_kg: 0.08, transverse_kg_m2: 0.002, unturned: 0.0 }
             } else {
                 ApparentMass::default()
             },
@@ -39,6 +39,7 @@ fn plant(apparent: bool, loose: bool) -> Plant {
             gradient_per_m: [0.2, -0.1],
             swirl_rad_per_m: 0.25,
             angularity_rad: [0.03, -0.02],
+            steady_at_m_s: 0.0,
         },
         turbulence: Turbulence::default(),
         shedding: WakeShedding::default(),
@@ -59,7 +60,7 @@ fn flight(speed: TunnelSpeed) -> Flight {
     Flight {
         name: "test".into(),
         kind: "perturbed".into(),
-        hold_out: false,
+        used: windfall_model::Use::Identify,
         duration_s: 1.0,
         rate_hz: 150.0,
         release: Release { position_m: [0.0; 3], velocity_m_s: [0.0; 3], attitude_rad: [0.0; 3], rates_rad_s: [0.0; 3] },

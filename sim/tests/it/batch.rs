@@ -40,14 +40,21 @@ fn crowded() -> Plant {
     plant.vehicle.inertia.xy = 1e-4;
     plant.vehicle.inertia.xz = -2e-4;
     plant.vehicle.inertia.yz = 3e-4;
-    plant.vehicle.apparent = ApparentMass { axial_kg: 0.12, radial_kg: 0.07, transverse_kg_m2: 0.0011 };
+    plant.vehicle.apparent = ApparentMass { axial_kg: 0.12, radial_kg: 0.07, transverse_kg_m2: 0.0011, unturned: 0.0 };
     let tether = plant.tether.as_mut().expect("a tether");
     tether.line_rate_n_s_m = 0.02;
     tether.length_per_m = 0.1;
     tether.pull_excess = 0.2;
     tether.ring_shift_m = [0.05, -0.1];
-    plant.flow =
-        MeanFlow { profile_per_m2: -0.01, gradient_per_m: [0.01, -0.02], swirl_rad_per_m: 0.01, angularity_rad: [0.005, -0.004] };
+    tether.swivel_n_m = 0.002;
+    tether.swivel_rate_rad_s = 0.3;
+    plant.flow = MeanFlow {
+        profile_per_m2: -0.01,
+        gradient_per_m: [0.01, -0.02],
+        swirl_rad_per_m: 0.01,
+        angularity_rad: [0.005, -0.004],
+        steady_at_m_s: 0.0,
+    };
     let terms: [(Coefficient, f64, &[Factor]); 9] = [
         (Coefficient::CA, 0.3, &[Factor::Power(Variable::AlphaT, 2)]),
         (Coefficient::CA, 0.01, &[Factor::Power(Variable::Speed, 1)]),
@@ -330,4 +337,32 @@ fn law_still_air_and_axial_flow() {
     let mut quiet = lander();
     quiet.aero.values[3] = 0.0;
     assert!(error(&quiet, &flight(1.0, 100.0, 7.4, REST), 8) < 1e-9);
+}
+
+/// Roll damping beyond anything a body has, either way: a flight that would take 10¹⁵ steps, or grows beyond numbers within the first,
+/// ends after a bounded number of them, with the part of the state that departs.
+#[test]
+fn law_a_plant_that_cannot_be_followed_is_given_up() {
+    let order = wandering(5.0, 150.0);
+    for method in [Method::Dop853, Method::Dopri5] {
+        let order = Flight { numerics: Numerics { method, ..Numerics::default() }, ..order.clone() };
+        let fly_with = |damping: f64| {
+            let mut plant = lander();
+            plant.aero.values[4] = damping;
+            let released = Flight { release: Release { rates_rad_s: [0.1, 0.0, 0.0], ..order.release }, ..order.clone() };
+            let orders = [Order { plant: &plant, flight: &released, seed: Seed::default() }];
+            let batch = fly_truth_batch(&orders, Stepping::Dopri5).remove(0).map(|_| ());
+            (fly_truth(&plant, &released, Seed::default()).map(|_| ()), batch)
+        };
+        let (alone, batch) = fly_with(-1e16);
+        let Err(SimError::TooManySteps { steps, t_s, what: "body rate", rate_per_s }) = alone else { panic!("{alone:?}") };
+        // Ten thousand a second and a hundred thousand more; inputs ask for a few hundred.
+        assert!((150_000..151_000).contains(&steps) && t_s < 1e-6 && rate_per_s > 1e12, "{steps} {t_s} {rate_per_s}");
+        assert!(matches!(batch, Err(SimError::TooManySteps { .. })), "{batch:?}");
+        let (alone, batch) = fly_with(1e16);
+        assert!(alone.is_err() && batch.is_err(), "{alone:?} {batch:?}");
+        // What a lander takes is far inside.
+        let flown = fly(&lander(), &order, Seed::default()).expect("flies");
+        assert!(flown.steps < 5_000, "{}", flown.steps);
+    }
 }

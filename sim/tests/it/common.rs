@@ -25,7 +25,7 @@ pub(crate) fn flight(duration_s: f64, rate_hz: f64, vw_m_s: f64, release: Releas
     Flight {
         name: "test".into(),
         kind: "perturbed".into(),
-        hold_out: false,
+        used: windfall_model::Use::Identify,
         duration_s,
         rate_hz,
         release,

@@ -154,6 +154,33 @@ fn exact_wind_scale_and_delay() {
     }
 }
 
+/// Positions are longer and times later by their factors, noise is not; nothing else changes.
+#[test]
+fn exact_length_scale_and_time_base() {
+    let mut plant = lander();
+    plant.vehicle.p_origin_cm = Vec3::new(0.02, -0.01, 0.03);
+    let clean = recorded(&plant);
+    let mut noisy = order();
+    noisy.sensor_noise = true;
+    plant.sensors.position_std_m = 7.5e-4;
+    let with_noise = |plant: &Plant| fly(plant, &noisy, Seed::default()).expect("flies").record;
+    let before = with_noise(&plant);
+    (plant.sensors.length_scale, plant.sensors.time_base) = (0.02, -0.01);
+    let (long, after) = (recorded(&plant), with_noise(&plant));
+    for axis in 0..3 {
+        let expected: Vec<f64> = clean.position_m[axis].iter().map(|x| 1.02 * x).collect();
+        assert!(worst(&long.position_m[axis], &expected) < 1e-15);
+        let noise =
+            |noisy: &Record, clean: &[f64]| noisy.position_m[axis].iter().zip(clean).map(|(a, b)| a - b).collect::<Vec<_>>();
+        assert!(worst(&noise(&after, &expected), &noise(&before, &clean.position_m[axis])) < 1e-15);
+    }
+    for c in 3..7 {
+        assert!(worst(long.channels()[c], clean.channels()[c]) < 1e-15);
+    }
+    let times: Vec<f64> = clean.t_s.iter().map(|t| 0.99 * t).collect();
+    assert!(worst(&long.t_s, &times) < 1e-15);
+}
+
 /// Recorded attitude is true attitude times Rx·Ry·Rz of the misalignment; the tracked origin stays where it is.
 #[test]
 fn exact_misalignment() {

@@ -154,6 +154,29 @@ fn exact_drop_in_still_air() {
     }
 }
 
+/// Roll against the swivel alone, `I p' = −T tanh(p/p₀)`: `sinh(p/p₀)` decays as `exp(−T t/(I p₀))`, straight down first, then as
+/// a slow roll does.
+#[test]
+fn exact_swivel_stops_a_roll() {
+    let inertia = Inertia { xx: 0.02113, yy: 0.0138, zz: 0.0138, ..Inertia::default() };
+    let mut plant = torque_free(inertia);
+    let mut tether = lander().tether.expect("a tether");
+    (tether.drag_area_m2, tether.weight_n, tether.swivel_n_m) = (0.0, 0.0, 0.004);
+    let slow = tether.swivel_rate_rad_s;
+    plant.tether = Some(tether);
+    for start in [0.3, -0.3] {
+        let release = Release { rates_rad_s: [start, 0.0, 0.0], ..REST };
+        let truth = flown(&plant, &tight(flight(3.0, 20.0, 7.43, release)));
+        for k in 0..truth.len() {
+            let s = (start / slow).sinh() * (-0.004 * truth.t_s[k] / (0.02113 * slow)).exp();
+            let [p, q, r] = truth.w_tunnel_body[k];
+            assert!((p - slow * s.asinh()).abs() < 1e-11, "{p} at {} s", truth.t_s[k]);
+            assert!(q.abs() + r.abs() < 1e-15);
+        }
+        assert!(truth.w_tunnel_body[truth.len() - 1][0].abs() < 0.01 * start.abs());
+    }
+}
+
 /// A pulse gives its impulses exactly, `Δv = J/m`, `Δω = I⁻¹ A`, however long the steps could be. Time enters only through the
 /// state that carries it: without that the eighth-order method gives nonsense.
 #[test]

@@ -74,7 +74,7 @@ fn law_dimensionless_histories_coincide() {
 fn law_dimensionless_histories_coincide_with_every_effect() {
     let mut plant = lander();
     plant.vehicle.p_origin_cm = Vec3::new(0.003, -0.002, 0.001);
-    plant.vehicle.apparent = ApparentMass { axial_kg: 0.05, radial_kg: 0.03, transverse_kg_m2: 0.001 };
+    plant.vehicle.apparent = ApparentMass { axial_kg: 0.05, radial_kg: 0.03, transverse_kg_m2: 0.001, unturned: 0.0 };
     plant.vehicle.loose = Some(LooseMass { mass_kg: 0.05, frequency_hz: 2.0, damping_ratio: 0.1, x_cm_m: 0.05 });
     plant.turbulence = Turbulence { axial_rms_m_s: 0.03, lateral_rms_m_s: 0.03, axial_scale_m: 1.2, lateral_scale_m: 1.2 };
     plant.shedding = WakeShedding { moment_rms: 0.01, strouhal: 0.04, bandwidth: 0.3 };
@@ -87,6 +87,7 @@ fn law_dimensionless_histories_coincide_with_every_effect() {
         t.length_per_m = 0.5;
         t.pull_excess = 0.2;
         t.ring_shift_m = [0.2, -0.1];
+        t.swivel_n_m = 0.001;
     }
     plant.contacts = vec![Contact {
         run: 0,
@@ -98,6 +99,8 @@ fn law_dimensionless_histories_coincide_with_every_effect() {
     plant.sensors = crate::instruments::sensors();
     plant.sensors.pose_delay_s = 0.013;
     plant.sensors.wind_delay_s = 0.05;
+    plant.sensors.length_scale = 0.02;
+    plant.sensors.time_base = -0.01;
     let mut order = order(TunnelSpeed::Operator(Operator {
         trim_m_s: Some(trim_speed(&plant, DENSITY)),
         height_gain_per_s: 0.5,

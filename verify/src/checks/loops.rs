@@ -4,7 +4,7 @@
 use super::{Bound, Check, Kind, Setups};
 use crate::VerifyError;
 use crate::recovery::campaign_of;
-use crate::resimulate::{HoldOut, hold_out, identified_plant};
+use crate::resimulate::{HoldOut, hold_out};
 use rayon::prelude::*;
 use windfall_model::{Campaign, Data, Flight, Plant, Record, Use};
 use windfall_pid::coefficients::Row;
@@ -23,7 +23,7 @@ pub(super) fn checks(setups: &Setups<'_>) -> Result<Vec<Check>, VerifyError> {
     let campaign = fly_all(setups)?;
     let found = identify(&campaign, Method::EquationError)?;
     let set = found.data_set("combined").ok_or(VerifyError::NoDataSet)?;
-    let plant = identified_plant(&campaign, set)?;
+    let plant = set.plant(&campaign.plant)?;
     let held_out: Vec<usize> = (0..campaign.runs.len()).filter(|&i| campaign.runs[i].used == Use::HoldOut).collect();
     let mut all = static_curves(truth, &plant, set);
     all.extend(prediction(&campaign, truth, &plant, &held_out)?);

@@ -1,7 +1,7 @@
 //! verify: series for the figures of a closing. In: a campaign and its closing. Out: plain series: residual spectra against noise,
 //! residual over the variable that it follows, held-out runs flown again before and after, residual tracks of point masses.
 
-use super::{Closing, Options, ParameterLine, runs_of};
+use super::{Closing, Options, ParameterLine, Verdict, runs_of};
 use crate::VerifyError;
 use crate::resimulate::{Replay, TrajectoryError, estimate_initial, instant_errors};
 use crate::trace::{BIN, Cov, Evidence, LeadTable, PointEvidence, Residual, TunnelEvidence, acts};
@@ -235,21 +235,36 @@ fn spectra(proof: &mut TunnelEvidence, sides: &Sides) -> Vec<Figure> {
 
 /// The channels beyond noise, highest first, each over the variable that its slow part follows best.
 fn over_variables(proof: &dyn Evidence, sides: &Sides, closing: &Closing) -> Vec<Figure> {
-    let mut channels: Vec<(usize, f64)> = closing
+    // Of a lander the residual's channels are those of the instruments; forces and moments are shown, the largest share first.
+    let tunnel = closing.residual.per_channel.len() > proof.lead_table(&sides.before).residuals.len();
+    let mut channels: Vec<(usize, f64, String)> = closing
         .residual
         .per_channel
         .iter()
         .enumerate()
-        .filter(|(_, c)| c.p_value < closing.false_alarm_rate)
-        .map(|(k, c)| (k, c.rms / c.expected_rms))
+        .filter(|(_, c)| !tunnel && c.p_value < closing.false_alarm_rate)
+        .map(|(k, c)| (k, c.rms / c.expected_rms, c.channel.clone()))
         .collect();
+    if tunnel && closing.verdict != Verdict::Consistent {
+        let table = slow(proof.lead_table(&sides.before));
+        channels = Coefficient::ALL
+            .iter()
+            .enumerate()
+            .filter_map(|(k, c)| {
+                let r = table.residuals.get(k)?;
+                let share = table.variables.iter().filter_map(|(_, x)| Some(means(x, r)?.share)).fold(0.0, f64::max);
+                Some((k, share, c.name().to_owned()))
+            })
+            .collect();
+    }
     channels.sort_by(|a, b| b.1.total_cmp(&a.1));
     let tables: Vec<(Role, LeadTable)> = sides.each().map(|(role, plant)| (role, slow(proof.lead_table(plant)))).collect();
     let Some((_, first)) = tables.first() else { return Vec::new() };
     channels
         .iter()
         .take(CHANNELS)
-        .filter_map(|&(k, _)| {
+        .filter_map(|(k, _, channel)| {
+            let k = *k;
             let residual = first.residuals.get(k)?;
             let shares = first.variables.iter().enumerate().filter_map(|(v, (_, x))| Some((v, means(x, residual)?.share)));
             let (v, _) = shares.max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -257,7 +272,7 @@ fn over_variables(proof: &dyn Evidence, sides: &Sides, closing: &Closing) -> Vec
                 let m = means(&t.variables.get(v)?.1, t.residuals.get(k)?)?;
                 Some(thinned(*role, &m.x, &m.y))
             });
-            let (channel, name) = (&closing.residual.per_channel[k].channel, &first.variables[v].0);
+            let name = &first.variables[v].0;
             Some(Figure {
                 topic: Topic::Variable,
                 title: format!("residual of {channel} over {name}"),

@@ -3,6 +3,7 @@
 use crate::resimulate::{HoldOut, Statistic, TrajectoryError};
 use crate::trace::Candidate;
 use serde::{Deserialize, Serialize};
+use windfall_pid::relative_percent;
 
 /// What closing concludes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -64,7 +65,7 @@ impl ParameterLine {
             estimate,
             std_error,
             ci95: std_error.map(|s| [estimate - 1.96 * s, estimate + 1.96 * s]),
-            rse_percent: std_error.map(|s| 100.0 * s / estimate.abs()),
+            rse_percent: std_error.and_then(|s| relative_percent(s, estimate)),
             unit: unit.to_owned(),
         }
     }
@@ -79,8 +80,14 @@ pub struct EffectLine {
     pub parameters: Vec<ParameterLine>,
     /// Chance of such a find anywhere in the catalogue from noise alone.
     pub p_value: f64,
+    /// Probability that it is part of the set, given the data and the catalogue.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub probability: Option<f64>,
     /// Families that these data cannot tell from it.
     pub rivals: Vec<String>,
+    /// Whether its form holds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub form: Option<Form>,
     /// Gain of log-likelihood on runs not used; none for an effect that lives in one run.
     pub held_out_gain: Option<f64>,
     /// What happens.
@@ -89,6 +96,67 @@ pub struct EffectLine {
     pub source: String,
     /// Additional run that would separate it from its rivals.
     pub separate_by: String,
+}
+
+/// Whether the form of a named effect holds against generic alternatives.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Form {
+    /// False where something generic gains beside it.
+    pub ok: bool,
+    /// What was held against it.
+    pub checks: Vec<Check>,
+}
+
+/// One check of a form.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Check {
+    /// What was tried.
+    pub what: String,
+    /// Odds of it against nothing, turned over; at most one.
+    pub p_value: f64,
+}
+
+/// Noise of a channel, learnt beside declared.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NoiseLine {
+    /// Channel.
+    pub channel: String,
+    /// Declared standard deviation, in the channel's unit.
+    pub declared_std: f64,
+    /// Learnt standard deviation.
+    pub learnt_std: f64,
+    /// Correlation of the coloured part from one sample to the next; zero for white noise.
+    pub colour: f64,
+    /// Share of the coloured part in the variance.
+    pub coloured_share: f64,
+    /// Samples that were missing, all runs.
+    pub missing: usize,
+}
+
+/// A declared constant with an uncertainty, found beside declared.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ConstantLine {
+    /// Key with component.
+    pub key: String,
+    /// Declared value.
+    pub declared: f64,
+    /// Its standard uncertainty.
+    pub uncertainty: f64,
+    /// Estimate.
+    pub estimate: f64,
+    /// Standard error; at most the uncertainty.
+    pub std_error: Option<f64>,
+    /// Unit.
+    pub unit: String,
+}
+
+/// A set of effects with its probability.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SetLine {
+    /// Families; none for the declared model.
+    pub families: Vec<String>,
+    /// Given the data and the catalogue.
+    pub probability: f64,
 }
 
 /// A family as weighed in the first round.
@@ -143,6 +211,27 @@ pub struct Shift {
     pub std_error_after: f64,
 }
 
+/// rms differences of simulation and measurement over runs that were not used. A body without attitude has none of it and of rates.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HeldOutTrajectory {
+    /// Angle of the rotation between measured and simulated attitude, deg.
+    pub attitude_rms_deg: Option<f64>,
+    /// Distance of the geometric origins, m; along the measured axes for a point mass.
+    pub position_rms_m: f64,
+    /// Length of the difference of body rates, both smoothed alike, deg/s.
+    pub rate_rms_deg_s: Option<f64>,
+}
+
+impl HeldOutTrajectory {
+    fn of_tunnel(t: &TrajectoryError) -> Self {
+        Self {
+            attitude_rms_deg: Some(t.attitude_rms_deg),
+            position_rms_m: t.position_rms_m,
+            rate_rms_deg_s: Some(t.rate_rms_deg_s),
+        }
+    }
+}
+
 /// Errors on runs that were not used.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HeldOut {
@@ -150,8 +239,8 @@ pub struct HeldOut {
     pub specific_force_rms: Option<[f64; 3]>,
     /// Moment residual over inertia, body axes, rad/s².
     pub specific_moment_rms: Option<[f64; 3]>,
-    /// Re-simulated trajectory against the measured one.
-    pub trajectory: Option<TrajectoryError>,
+    /// Re-simulated trajectory against the measured one; none where a run cannot be flown.
+    pub trajectory: Option<HeldOutTrajectory>,
     /// Position error of point masses, m.
     pub position_rms_m: Option<f64>,
     /// Table 5.6's statistics.
@@ -166,16 +255,17 @@ impl HeldOut {
             specific_force_rms: Some(h.specific_force_rms),
             specific_moment_rms: Some(h.specific_moment_rms),
             position_rms_m: Some(h.trajectory.position_rms_m),
-            trajectory: Some(h.trajectory),
+            trajectory: Some(HeldOutTrajectory::of_tunnel(&h.trajectory)),
             statistics: h.statistics,
             log_likelihood,
         }
     }
     pub(crate) fn of_points(rms_m: Option<f64>, log_likelihood: Option<f64>) -> Self {
+        let rms_m = rms_m.filter(|m| m.is_finite());
         Self {
             specific_force_rms: None,
             specific_moment_rms: None,
-            trajectory: None,
+            trajectory: rms_m.map(|m| HeldOutTrajectory { attitude_rms_deg: None, position_rms_m: m, rate_rms_deg_s: None }),
             position_rms_m: rms_m,
             statistics: Vec::new(),
             log_likelihood,
@@ -203,6 +293,15 @@ pub struct Closing {
     pub residual: Residuals,
     /// Residual with the effects added.
     pub residual_after: Residuals,
+    /// Noise learnt beside noise declared.
+    #[serde(default)]
+    pub noise: Vec<NoiseLine>,
+    /// Constants found beside constants declared.
+    #[serde(default)]
+    pub constants: Vec<ConstantLine>,
+    /// Sets of effects, most probable first.
+    #[serde(default)]
+    pub sets: Vec<SetLine>,
     /// Effects in the order added.
     pub effects: Vec<EffectLine>,
     /// Every family as weighed against the declared model.
@@ -219,4 +318,26 @@ pub struct Closing {
     pub after: After,
     /// Stated chance of naming an effect in a campaign without one, per round.
     pub false_alarm_rate: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The contract's `hold_out.trajectory` of a body without attitude: what there is of it, and back; nothing where it cannot be flown.
+    #[test]
+    fn law_a_point_mass_has_a_trajectory_too() {
+        let held = HeldOut::of_points(Some(0.012), Some(-3.0));
+        let json = serde_json::to_value(&held).expect("serialises");
+        let expected = serde_json::json!({"attitude_rms_deg": null, "position_rms_m": 0.012, "rate_rms_deg_s": null});
+        assert_eq!(json["trajectory"], expected);
+        assert_eq!(serde_json::from_value::<HeldOut>(json).expect("reads back"), held);
+        assert_eq!(HeldOut::of_points(Some(f64::NAN), None).trajectory, None);
+    }
+
+    #[test]
+    fn law_a_zero_has_no_relative_error() {
+        let of = |estimate| ParameterLine::new("", "rms", estimate, 0.5, "m/s").rse_percent;
+        assert_eq!((of(0.0), of(-2.0)), (None, Some(25.0)));
+    }
 }

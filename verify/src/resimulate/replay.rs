@@ -10,8 +10,8 @@ use windfall_sim::{Flown, Seed, SimError, fly};
 
 /// A run that can be flown again.
 ///
-/// Tunnel speed: the recorded V_W, smoothed with the other channels (knots by cross-validation), its delay and scale undone as
-/// the plant's sensors have them. Raw samples will not do: their noise has a derivative that would act through α̇ and apparent
+/// Tunnel speed: the recorded V_W, smoothed with the other channels (knots by cross-validation), its delay and scale and the error of
+/// the clock undone as the plant's sensors have them. Raw samples will not do: their noise has a derivative that would act through α̇ and apparent
 /// mass. Static pressure and temperature are the means of the record.
 #[derive(Clone, Debug)]
 pub struct Replay {
@@ -35,7 +35,7 @@ impl Replay {
         let mut plant = plant.clone();
         plant.sensors = measured_noise(&smoothed, &plant.sensors);
         let still = Plant { turbulence: windfall_model::Turbulence::default(), shedding: Default::default(), ..plant.clone() };
-        let flight = order(record, &states, first);
+        let flight = order(record, &states, first, 1.0 + plant.sensors.time_base);
         // The knots that cross-validation found, so that a simulated run goes through the same smoothing.
         let smoother = Smoother::Spline { knot_s: 0.5 / smoothed.bandwidth_hz[0] };
         Ok(Self { plant, still, flight, first, smoother, states })
@@ -140,13 +140,14 @@ fn release(s: &State) -> Release {
     Release { position_m: s.p_tunnel_cm, velocity_m_s: s.v_tunnel_cm, attitude_rad: s.euler_rad, rates_rad_s: s.pqr }
 }
 
-fn order(record: &Record, states: &[State], release: Release) -> Flight {
+/// `ticks`: recorded seconds per true one.
+fn order(record: &Record, states: &[State], release: Release, ticks: f64) -> Flight {
     let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
-    let interval_s = record.interval_s();
+    let interval_s = record.interval_s() / ticks;
     Flight {
         name: String::new(),
         kind: String::new(),
-        hold_out: false,
+        used: windfall_model::Use::Identify,
         duration_s: interval_s * (record.len() - 1) as f64,
         rate_hz: 1.0 / interval_s,
         release,

@@ -4,7 +4,7 @@ use super::closing::close_draw;
 use super::columns::{FLIGHT, TRAJECTORY, columns};
 use crate::VerifyError;
 use crate::recovery::campaign_of;
-use crate::resimulate::{Replay, estimate, hold_out, identified_plant, mean_median_std};
+use crate::resimulate::{Replay, estimate, hold_out, mean_median_std};
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -178,7 +178,7 @@ fn unknown(name: &str) -> VerifyError {
 fn resimulated(method: Method, campaign: &Campaign, set: &DataSet, out: &mut Cells<'_>) -> Result<(), VerifyError> {
     let held: Vec<usize> = (0..campaign.runs.len()).filter(|&i| campaign.runs[i].used == Use::HoldOut).collect();
     let runs = if held.is_empty() { (0..campaign.runs.len()).collect() } else { held };
-    let t = hold_out(campaign, &identified_plant(campaign, set)?, &runs, 1)?.trajectory;
+    let t = hold_out(campaign, &set.plant(&campaign.plant)?, &runs, 1)?.trajectory;
     for (name, x) in TRAJECTORY.iter().zip([t.attitude_rms_deg, t.position_rms_m, t.rate_rms_deg_s]) {
         out.number(&format!("{}.resimulate.{name}", method.name()), x);
     }
@@ -252,6 +252,7 @@ fn made_campaign(study: &Study, declared: &Plant, flights: &[Flight], records: V
     campaign.name.clone_from(&study.name);
     campaign.plant.clone_from(declared);
     campaign.declared.clone_from(&study.declared);
+    campaign.knowledge.clone_from(&study.knowledge);
     campaign
 }
 
@@ -260,8 +261,7 @@ fn flights_like(campaign: &Campaign, plant: &Plant) -> Result<Vec<Flight>, Verif
         let Data::Tunnel(record) = &run.data else { return Err(VerifyError::NotTunnel { run: run.name.clone() }) };
         let replay = Replay::new(record, &campaign.plant_for(plant, i))?;
         let initial = estimate(&replay, record, &plant.sensors)?;
-        let hold_out = run.used == Use::HoldOut;
-        Ok(Flight { name: run.name.clone(), kind: run.kind.clone(), hold_out, ..replay.order(initial.release) })
+        Ok(Flight { name: run.name.clone(), kind: run.kind.clone(), used: run.used, ..replay.order(initial.release) })
     };
     campaign.runs.iter().enumerate().map(one).collect()
 }

@@ -44,6 +44,11 @@ impl Instance {
     pub fn shapes(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.values.len()).filter(|&i| matches!(self.parameters[i].role, Role::Shape(_) | Role::Instant))
     }
+    /// Shortest of its shapes that are times, s: how long a pulse lasts; infinite where it has none.
+    pub(crate) fn shape_duration_s(&self) -> f64 {
+        let is_time = |p: &Parameter| matches!(p.role, Role::Shape(_)) && p.unit == "s";
+        self.parameters.iter().zip(&self.values).filter(|(p, _)| is_time(p)).map(|(_, v)| *v).fold(f64::INFINITY, f64::min)
+    }
     /// True when the effect lives in one run only.
     #[must_use]
     pub fn is_local(&self) -> bool {

@@ -128,7 +128,9 @@ impl<'a> Weighing<'a> {
     fn forms(&self, null: &Instance) -> Vec<Instance> {
         let (runs, durations) = (self.problem.evidence.run_indices(), self.problem.evidence.durations_s());
         let mut forms = vec![null.clone()];
-        for (i, p) in null.parameters.iter().enumerate() {
+        // Instants last: how far they are apart depends on the pulse.
+        let (instants, others): (Vec<_>, Vec<_>) = null.parameters.iter().enumerate().partition(|(_, p)| p.role == Role::Instant);
+        for (i, p) in others.into_iter().chain(instants) {
             let values = |form: &Instance| -> Vec<f64> {
                 match p.role {
                     Role::Strength => vec![form.values[i]],
@@ -137,10 +139,7 @@ impl<'a> Weighing<'a> {
                     Role::Instant => {
                         let run = null.parameters.iter().position(|q| q.role == Role::Run);
                         let index = run.and_then(|r| place(&runs, form.values[r]));
-                        let margin_s = self.problem.evidence.margin_s();
-                        let end_s = index.map_or(0.0, |k| durations[k]) - margin_s - 2.0 * INSTANT_STEP_S;
-                        let at = |k: i32| margin_s + f64::from(k) * INSTANT_STEP_S;
-                        (0..).map(at).take_while(|t| *t < end_s).collect()
+                        instants_s(form, index.map_or(0.0, |k| durations[k]), self.problem.evidence.margin_s())
                     }
                 }
             };
@@ -261,5 +260,45 @@ fn place(runs: &[usize], index: f64) -> Option<usize> {
     runs.iter().position(|r| (*r as f64 - index).abs() < 0.5)
 }
 
-/// Spacing of instants tried, s: half the shortest pulse of the catalogue.
-const INSTANT_STEP_S: f64 = 0.2;
+/// Instants at which a form's pulse is tried in a run: half its own duration apart, so that none falls between two, from `margin_s` to
+/// where the pulse ends that far before the run does.
+fn instants_s(form: &Instance, duration_s: f64, margin_s: f64) -> Vec<f64> {
+    let pulse_s = form.shape_duration_s();
+    let end_s = duration_s - margin_s - pulse_s;
+    (0..).map(|k: i32| margin_s + 0.5 * f64::from(k) * pulse_s).take_while(|t| *t < end_s).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use windfall_model::CATALOGUE;
+
+    /// For every pulse of the catalogue and every duration that is tried of it.
+    #[test]
+    fn law_no_pulse_falls_between_two_instants() {
+        let mut pulses = 0;
+        for effect in CATALOGUE {
+            let parameters = (effect.parameters)(&[]);
+            let values: Vec<f64> = parameters.iter().map(|p| p.null).collect();
+            let random = vec![false; values.len()];
+            let null = Instance { effect, parameters, values, random };
+            if null.parameters.iter().all(|p| p.role != Role::Instant) {
+                continue;
+            }
+            for (i, p) in null.parameters.iter().enumerate() {
+                let (Role::Shape(tried), "s") = (p.role, p.unit) else { continue };
+                for &pulse_s in tried {
+                    let mut form = null.clone();
+                    form.values[i] = pulse_s;
+                    let at = instants_s(&form, 10.0, 0.5);
+                    let (first, last) = (at[0], at[at.len() - 1]);
+                    assert!((first - 0.5).abs() < 1e-12 && last + pulse_s < 9.5, "{first} {last}");
+                    assert!(last + 1.5 * pulse_s + 1e-9 >= 9.5, "the end of the run is tried, too: {last}");
+                    assert!(at.windows(2).all(|w| w[1] - w[0] <= 0.5 * pulse_s + 1e-12), "pulse of {pulse_s} s");
+                    pulses += 1;
+                }
+            }
+        }
+        assert!(pulses > 1, "the catalogue has a pulse, of more than one duration");
+    }
+}

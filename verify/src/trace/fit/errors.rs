@@ -5,7 +5,7 @@ use super::super::evidence::{BIN, Cov, Residual};
 use super::super::hypothesis::{Free, Hypothesis, Instance};
 use super::super::likelihood::{Whitening, one_step, total};
 use super::normal::{Normal, Whitened, dot, scaled_back};
-use super::{Columns, Fit, Problem, minus};
+use super::{Fit, Problem, minus};
 use nalgebra::{DMatrix, DVector, SVector};
 use rayon::prelude::*;
 
@@ -67,17 +67,12 @@ impl Problem<'_> {
             return;
         }
         let at = self.point(&h.plant(self.base));
-        let mut columns = self.columns(h, &free, &at, &fit.sigma);
+        let columns = self.columns(h, &free, &at, &fit.sigma);
         // A whole number (of a harmonic) is known when it is held.
-        let live: Vec<bool> = columns.a.iter().map(|a| a.iter().any(|x| *x != 0.0)).collect();
-        free = kept(free, &live);
-        columns = Columns {
-            a: kept(columns.a, &live),
-            da: columns.da.into_iter().map(|d| kept(d, &live)).collect(),
-            looped: kept(columns.looped, &live),
-        };
-        let mut normal = Normal::new(&at.whitened(w), &Whitened::new(w, &columns));
-        for (i, f) in free.iter().enumerate().skip(fit.free.len()) {
+        let live: Vec<usize> = (0..free.len()).filter(|&i| columns.a[i].iter().any(|x| *x != 0.0)).collect();
+        let mut normal = Normal::new(&at.whitened(w), &Whitened::new(w, &columns)).some(&live);
+        free = live.into_iter().map(|i| free[i]).collect();
+        for (i, f) in free.iter().enumerate().filter(|(_, f)| !fit.free.contains(f)) {
             let Free::Effect(e, k) = *f else { continue };
             let p = &h.effects[e].parameters[k];
             let prior = 12.0 / (p.high - p.low).powi(2);
@@ -153,9 +148,4 @@ impl Problem<'_> {
 /// Every bin of `z` times its covariance.
 fn times(all: &[Cov], z: &[f64]) -> Residual {
     all.iter().zip(z.chunks_exact(BIN)).flat_map(|(m, z)| (m * SVector::<f64, BIN>::from_column_slice(z)).data.0[0]).collect()
-}
-
-/// Those marked.
-fn kept<T>(all: Vec<T>, marked: &[bool]) -> Vec<T> {
-    all.into_iter().zip(marked).filter(|(_, m)| **m).map(|(x, _)| x).collect()
 }

@@ -1,0 +1,155 @@
+//! likelihood: what would say that a form is wrong. In: a fitted model. Out: what generic alternatives would still gain, beside the effects of
+//! the catalogue in one contest, and lines in the innovations' spectra.
+//!
+//! Generic alternatives are smooth functions of time, run, speed, height, angle, roll angle and the sign of rates in every force and moment
+//! coefficient, and drifts of every channel of the instruments. They have priors and cost like effects; one that is in the best set says that no
+//! effect of the catalogue accounts for what it does.
+
+use crate::columns::{Basis, CHANNEL_NAMES, LOADS};
+use crate::discover::{Contest, contest};
+use crate::engine::Engine;
+use crate::model::Model;
+use crate::run::POSE;
+use realfft::RealFftPlanner;
+
+/// A group of generic columns: functions of one variable in one load or channel.
+#[derive(Clone, Debug)]
+pub(crate) struct Alternative {
+    /// Error of an instrument's channel, or a load.
+    pub(crate) error: bool,
+    /// Its place among loads or channels.
+    pub(crate) place: usize,
+    /// The functions.
+    pub(crate) bases: Vec<Basis>,
+    /// Prior standard deviation of each, in the coefficient's or the channel's unit.
+    pub(crate) prior: f64,
+}
+
+/// Something that nothing in the catalogue accounts for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lead {
+    /// Coefficient or channel.
+    pub channel: String,
+    /// What it varies with.
+    pub variable: String,
+    /// Gain of log-likelihood, costs taken off.
+    pub gain: f64,
+    /// Frequency of a line, Hz.
+    pub line_hz: Option<f64>,
+    /// Amplitudes of the functions, in their order.
+    pub amplitudes: Vec<f64>,
+}
+
+/// Prior sizes of coefficients that vary: of forces, of the roll moment, of pitch and yaw moments.
+const FORCE: f64 = 0.05;
+const ROLL: f64 = 0.005;
+const MOMENT: f64 = 0.02;
+/// Prior sizes of drifts, in standard deviations of a sample's noise.
+const DRIFT: f64 = 5.0;
+
+/// All alternatives of an engine's runs.
+pub(crate) fn alternatives(engine: &Engine) -> Vec<Alternative> {
+    let mut all = Vec::new();
+    let runs: Vec<usize> = engine.runs.iter().map(|r| r.index).collect();
+    for place in 0..LOADS.len() {
+        let prior = if place < 3 {
+            FORCE
+        } else if place == 3 {
+            ROLL
+        } else {
+            MOMENT
+        };
+        let mut add = |bases: Vec<Basis>| all.push(Alternative { error: false, place, bases, prior });
+        add((1..=6).map(Basis::Time).collect());
+        if runs.len() > 1 {
+            add(runs[1..].iter().map(|r| Basis::Run(*r)).collect());
+        }
+        add(vec![Basis::Speed(1), Basis::Speed(2)]);
+        add(vec![Basis::Height(1), Basis::Height(2)]);
+        add(vec![Basis::Roll(1, false), Basis::Roll(1, true), Basis::Roll(2, false), Basis::Roll(2, true)]);
+        match place {
+            0 | 3 => add([2, 4, 6].map(Basis::TotalAngle).to_vec()),
+            // Normal force and pitch moment in the plane of α, side force and yaw moment in that of β, and across.
+            1 | 5 => add(vec![Basis::Angle(2, true), Basis::Angle(5, true), Basis::Angle(1, false), Basis::Angle(3, false)]),
+            _ => add(vec![Basis::Angle(2, false), Basis::Angle(5, false), Basis::Angle(1, true), Basis::Angle(3, true)]),
+        }
+        let axis = match place {
+            0 | 3 => 0,
+            1 | 5 => 2,
+            _ => 1,
+        };
+        add(vec![Basis::Hysteresis(axis, false), Basis::Hysteresis(axis, true)]);
+    }
+    for place in 0..POSE {
+        let prior = DRIFT * engine.noise[place].std();
+        all.push(Alternative { error: true, place, bases: vec![Basis::Drift, Basis::Time(1), Basis::Time(2)], prior });
+        if runs.len() > 1 {
+            let bases = runs.iter().map(|r| Basis::Step(*r, f64::NEG_INFINITY)).collect();
+            all.push(Alternative { error: true, place, bases, prior });
+        }
+    }
+    all
+}
+
+/// Effects and generic alternatives in one contest at a fitted model.
+#[must_use]
+pub(crate) fn with_alternatives(engine: &Engine, model: &Model) -> Option<Contest> {
+    contest(engine, model, &alternatives(engine))
+}
+
+impl Alternative {
+    pub(crate) fn lead(&self, gain: f64, amplitudes: Vec<f64>) -> Lead {
+        let channel = if self.error { CHANNEL_NAMES[self.place] } else { LOADS[self.place] };
+        let variable = self.bases.first().map_or_else(String::new, |b| b.words());
+        let run = matches!(self.bases.first(), Some(Basis::Step(..)));
+        Lead {
+            channel: channel.to_owned(),
+            variable: if run { "run".to_owned() } else { variable },
+            gain,
+            line_hz: None,
+            amplitudes,
+        }
+    }
+}
+
+/// Lines in the spectra of the whitened innovations beyond what noise has, strongest first: power of a line in nats, the number of
+/// frequencies looked at taken off.
+#[must_use]
+pub(crate) fn lines(engine: &Engine, model: &Model) -> Vec<Lead> {
+    let Ok(sum) = engine.sum(model, &[], &[]) else { return Vec::new() };
+    let mut all = Vec::new();
+    let looked: f64 = sum.runs.iter().map(|r| (r.whitened.len() / 2 * POSE) as f64).sum();
+    for (run, seen) in engine.runs.iter().zip(&sum.runs) {
+        let skip = 20.min(seen.whitened.len());
+        let n = seen.whitened.len() - skip;
+        if n < 64 {
+            continue;
+        }
+        let window: Vec<f64> = (0..n).map(|i| 0.5 - 0.5 * (std::f64::consts::TAU * (i as f64 + 0.5) / n as f64).cos()).collect();
+        let power: f64 = window.iter().map(|w| w * w).sum();
+        for c in 0..POSE {
+            let mut input: Vec<f64> = seen.whitened[skip..].iter().zip(&window).map(|(w, h)| w[c] * h).collect();
+            let plan = RealFftPlanner::new().plan_fft_forward(n);
+            let mut output = plan.make_output_vec();
+            if plan.process(&mut input, &mut output).is_err() {
+                continue;
+            }
+            let peak =
+                output.iter().enumerate().skip(2).map(|(k, z)| (k, z.norm_sqr() / power)).max_by(|a, b| a.1.total_cmp(&b.1));
+            if let Some((k, p)) = peak {
+                let gain = p - looked.max(1.0).ln();
+                if gain > 0.0 {
+                    all.push(Lead {
+                        channel: CHANNEL_NAMES[c].to_owned(),
+                        variable: format!("a line in the spectrum of {}", run.name),
+                        gain,
+                        line_hz: Some(k as f64 / (n as f64 * run.step_s())),
+                        amplitudes: Vec::new(),
+                    });
+                }
+            }
+        }
+    }
+    all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    all
+}

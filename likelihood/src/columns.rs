@@ -1,0 +1,183 @@
+//! likelihood: columns, directions in which the model may be changed. In: numbers of a plant, or forces and errors over a variable. Out:
+//! what each does to the rates of motion and to what is measured, at one instant.
+
+use crate::run::{CHANNELS, POSE};
+use windfall_model::Plant;
+
+/// What a column is a change of.
+#[derive(Clone, Debug)]
+pub(crate) enum Column {
+    /// A parameter of the aerodynamic structure, by its terms.
+    Declared(usize),
+    /// The plant with one number a small step away, and that step.
+    Plant(Box<Plant>, f64),
+    /// A coefficient of body force or moment (X, Y, Z, roll, pitch, yaw) over a variable.
+    Load(usize, Basis),
+    /// An error of a channel over a variable, in that channel's unit.
+    Error(usize, Basis),
+}
+
+/// A function of what is known along a run; each is of order one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Basis {
+    /// cos or sin of whole turns of half the run's duration: 1, 2, … .
+    Time(u8),
+    /// One in a run, zero in the others.
+    Run(usize),
+    /// Power of the airspeed's excess over its mean, of a tenth of it.
+    Speed(i32),
+    /// Power of the height X, of 0.3 m.
+    Height(i32),
+    /// Power of the total angle of attack, of 0.3 rad, along the plane of that angle: (power, sine of clock angle or cosine).
+    Angle(i32, bool),
+    /// Even power of the total angle of attack, of 0.3 rad.
+    TotalAngle(i32),
+    /// Harmonic of the roll angle in the tunnel: cosine or sine.
+    Roll(u8, bool),
+    /// Sign of a body rate: 0 roll, 1 pitch, 2 yaw; and the same times the angle in its plane, of 0.3 rad.
+    Hysteresis(usize, bool),
+    /// sin² pulse in one run: run, start, duration.
+    Pulse(usize, f64, f64),
+    /// One after an instant in one run.
+    Step(usize, f64),
+    /// Straight line over time in every run, from -1 to 1.
+    Drift,
+}
+
+/// What a basis may look at.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct View {
+    pub(crate) run: usize,
+    pub(crate) t_s: f64,
+    pub(crate) duration_s: f64,
+    pub(crate) speed_m_s: f64,
+    pub(crate) mean_speed_m_s: f64,
+    pub(crate) height_m: f64,
+    pub(crate) roll_rad: f64,
+    /// Angle of attack and sideslip, rad, and body rates.
+    pub(crate) alpha_rad: f64,
+    pub(crate) beta_rad: f64,
+    pub(crate) rates_rad_s: [f64; 3],
+}
+
+impl Basis {
+    pub(crate) fn value(self, v: &View) -> f64 {
+        use std::f64::consts::PI;
+        match self {
+            Self::Time(k) => {
+                let turn = PI * f64::from(k.div_ceil(2)) * v.t_s / v.duration_s.max(1e-9);
+                if k % 2 == 1 { turn.cos() } else { turn.sin() }
+            }
+            Self::Run(i) => f64::from(u8::from(i == v.run)),
+            Self::Speed(n) => ((v.speed_m_s / v.mean_speed_m_s - 1.0) / 0.1).powi(n),
+            Self::Height(n) => (v.height_m / 0.3).powi(n),
+            Self::Angle(n, across) => {
+                let total = v.alpha_rad.hypot(v.beta_rad).max(1e-9);
+                (total / 0.3).powi(n) * if across { v.beta_rad / total } else { v.alpha_rad / total }
+            }
+            Self::Roll(n, sine) => {
+                let turn = f64::from(n) * v.roll_rad;
+                if sine { turn.sin() } else { turn.cos() }
+            }
+            Self::TotalAngle(n) => (v.alpha_rad.hypot(v.beta_rad) / 0.3).powi(n),
+            Self::Hysteresis(axis, by_angle) => {
+                let sign = (v.rates_rad_s[axis] / 0.1).tanh();
+                let angle = if axis == 2 { v.beta_rad } else { v.alpha_rad };
+                if by_angle { sign * angle.abs() / 0.3 } else { sign }
+            }
+            Self::Pulse(run, start_s, duration_s) => {
+                let x = (v.t_s - start_s) / duration_s;
+                if run == v.run && (0.0..=1.0).contains(&x) { 2.0 * (PI * x).sin().powi(2) / duration_s } else { 0.0 }
+            }
+            Self::Step(run, at_s) => f64::from(u8::from(run == v.run && v.t_s >= at_s)),
+            Self::Drift => 2.0 * v.t_s / v.duration_s.max(1e-9) - 1.0,
+        }
+    }
+
+    /// In words of a report.
+    #[must_use]
+    pub fn words(self) -> String {
+        match self {
+            Self::Time(_) => "time".to_owned(),
+            Self::Run(_) => "run".to_owned(),
+            Self::Speed(_) => "airspeed".to_owned(),
+            Self::Height(_) => "height X".to_owned(),
+            Self::Angle(..) | Self::TotalAngle(_) => "angle of attack".to_owned(),
+            Self::Roll(..) => "roll angle".to_owned(),
+            Self::Hysteresis(..) => "sign of the body rates (hysteresis)".to_owned(),
+            Self::Pulse(_, start_s, duration_s) => format!("a pulse of {duration_s} s at {start_s:.2} s"),
+            Self::Step(_, at_s) => format!("a step at {at_s:.2} s"),
+            Self::Drift => "time (a drift)".to_owned(),
+        }
+    }
+}
+
+/// Names of the body loads.
+pub(crate) const LOADS: [&str; 6] = ["CA", "CY", "CN", "Cl", "Cm", "Cn"];
+/// Names of the channels.
+pub const CHANNEL_NAMES: [&str; CHANNELS] = ["X_m", "Y_m", "Z_m", "Rx_deg", "Ry_deg", "Rz_deg", "VW_m_s"];
+
+/// What a channel shows at one node.
+pub(crate) type Shown = [f64; CHANNELS];
+
+/// What instruments make of a state: c.m. position, Euler angles, velocity, rates and their derivatives, tunnel speed with two
+/// derivatives; each channel's mean over the node's samples, which lie about the node by `pose` and `wind` (mean time and mean
+/// square, s and s²), instruments' own delays on top.
+pub(crate) fn shown(
+    plant: &Plant,
+    x: &[f64],
+    rate: &[f64],
+    wind: [f64; 3],
+    pose: [f64; 2],
+    speed: [f64; 2],
+    taken_s: f64,
+) -> Shown {
+    let s = &plant.sensors;
+    let arm = plant.vehicle.p_origin_cm.to_array();
+    // Value at t - delay, in the mean over the samples: first and second moments of the time from the node.
+    let moments = |[tau, tau2]: [f64; 2], delay: f64| (tau - delay, 0.5 * (tau2 - 2.0 * tau * delay + delay * delay));
+    let (first, second) = moments(pose, s.pose_delay_s);
+    let (e, w) = ([x[3], x[4], x[5]], [x[9], x[10], x[11]]);
+    let euler_rate = |e: [f64; 3], w: [f64; 3]| {
+        let ((sy, cy), (sz, cz)) = (e[1].sin_cos(), e[2].sin_cos());
+        let rx = (w[0] * cz - w[1] * sz) / cy;
+        [rx, w[0] * sz + w[1] * cz, w[2] - sy * rx]
+    };
+    let e1 = euler_rate(e, w);
+    // Second derivative of the angles along the motion, by a difference: it only curves a block of samples.
+    const STEP_S: f64 = 1e-4;
+    let ahead = euler_rate(std::array::from_fn(|k| e[k] + STEP_S * e1[k]), std::array::from_fn(|k| w[k] + STEP_S * rate[9 + k]));
+    let mut angles: [f64; 3] = std::array::from_fn(|k| e[k] + first * e1[k] + second * (ahead[k] - e1[k]) / STEP_S);
+    let t = body_to_tunnel(angles);
+    let place: [f64; 3] = std::array::from_fn(|k| {
+        let cm = x[k] + first * x[6 + k] + second * rate[6 + k];
+        (cm - (t[k][0] * arm[0] + t[k][1] * arm[1] + t[k][2] * arm[2])) * (1.0 + s.length_scale)
+    });
+    if s.misalignment_rad.iter().any(|a| *a != 0.0) {
+        let m = body_to_tunnel(s.misalignment_rad);
+        let r = |i: usize, j: usize| t[i][0] * m[0][j] + t[i][1] * m[1][j] + t[i][2] * m[2][j];
+        let near = |angle: f64, to: f64| angle + std::f64::consts::TAU * ((to - angle) / std::f64::consts::TAU).round();
+        angles = [
+            near((-r(1, 2)).atan2(r(2, 2)), angles[0]),
+            r(0, 2).clamp(-1.0, 1.0).asin(),
+            near((-r(0, 1)).atan2(r(0, 0)), angles[2]),
+        ];
+    }
+    let (first, second) = moments(speed, s.wind_delay_s - taken_s);
+    let v = (wind[0] + first * wind[1] + second * wind[2]) * (1.0 + s.wind_scale);
+    let mut out = [0.0; CHANNELS];
+    out[..3].copy_from_slice(&place);
+    out[3..POSE].copy_from_slice(&angles);
+    out[POSE] = v;
+    out
+}
+
+/// Body-to-tunnel matrix of Euler angles (thesis eq. B.14).
+pub(crate) fn body_to_tunnel([rx, ry, rz]: [f64; 3]) -> [[f64; 3]; 3] {
+    let ((sx, cx), (sy, cy), (sz, cz)) = (rx.sin_cos(), ry.sin_cos(), rz.sin_cos());
+    [
+        [cz * cy, -(sz * cy), sy],
+        [cz * sy * sx + sz * cx, cz * cx - sz * sy * sx, -(cy * sx)],
+        [sz * sx - cz * sy * cx, sz * sy * cx + cz * sx, cy * cx],
+    ]
+}

@@ -1,0 +1,699 @@
+//! likelihood: what a declared model lacks. In: a campaign. Out: the set of effects that its runs speak for, with rivals and probabilities.
+//!
+//! Start in wide gusts, where the filter cannot lose the data, and narrow them; at every level all sets are weighed. The best are fitted
+//! in full, random inputs searched together with the set, and all sets weighed again at the new point until the set stays.
+
+use crate::check::{Alternative, Lead, lines, with_alternatives};
+use crate::engine::{Engine, Fit, always};
+use crate::gram::Gram;
+use crate::model::{Id, Member, Model, Number, candidates, catalogue};
+use crate::search::{Set, Unit, search, units};
+use windfall_model::{CATALOGUE, Effect, Role};
+
+/// Most effects in a set.
+const MOST: usize = 4;
+/// Rounds of fitting and weighing again.
+const ROUNDS: usize = 6;
+/// Sizes of a random input that are tried, as shares of the largest plausible (turbulence: 2 m/s).
+const LEVELS: [f64; 5] = [0.15, 0.06, 0.025, 0.01, 0.0035];
+/// Starts that are followed to the end.
+const STARTS: usize = 2;
+
+/// A start this far below the best end, in nats, is not followed: the quadratic errs by less.
+const FAR: f64 = 400.0;
+
+/// A search this far below another's end after two rounds is given up.
+const HOPELESS: f64 = 1500.0;
+
+/// A search's outcome.
+#[derive(Clone, Debug)]
+pub struct Discovery {
+    /// Fit of the declared model alone; none where it departs.
+    pub before: Option<Fit>,
+    /// Why there is none.
+    pub before_fault: Result<(), String>,
+    /// Fit of the best set.
+    pub after: Fit,
+    /// Sets weighed at the end: families, log marginal likelihood over the empty set's.
+    pub sets: Vec<(Vec<&'static str>, f64)>,
+    /// Everything weighed at the end.
+    pub gram: Gram,
+    /// Units of it.
+    pub units: Vec<Unit>,
+    /// Family of each unit, and its form's index (none for a member's own).
+    pub families: Vec<(usize, Option<usize>)>,
+    /// What generic alternatives say beside the effects.
+    pub contest: Option<Contest>,
+    /// Gain of log marginal likelihood of each random member, by its place.
+    pub random_gains: Vec<(usize, f64)>,
+    /// Standard errors of random members' numbers, by place and parameter.
+    pub random_errors: Vec<((usize, usize), f64)>,
+    /// Upper 95 % bounds of random strengths that were not found: family, parameter, bound, unit.
+    pub random_bounds: Vec<(&'static str, String, f64, String)>,
+    /// Lines in the spectra of the innovations.
+    pub lines: Vec<Lead>,
+    /// What was done, for those who look beneath.
+    pub log: Vec<String>,
+}
+
+/// Number of families that a lander may have.
+fn families() -> f64 {
+    catalogue().count() as f64
+}
+
+struct Weighed {
+    gram: Gram,
+    /// Everything, with the places of what every set has and of the others.
+    whole: Gram,
+    base: Vec<usize>,
+    others: Vec<usize>,
+    units: Vec<Unit>,
+    families: Vec<(usize, Option<usize>)>,
+    sets: Vec<Set>,
+    total: f64,
+}
+
+/// Searches for what a campaign's declared model lacks.
+///
+/// # Errors
+/// The words of why not even the declared model can be followed.
+pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
+    let mut log = Vec::new();
+    let declared = Model::declared(&engine.campaign);
+    let noise = engine.noise.map(|n| format!("{:.3e}/{:.2}", n.std(), if n.coloured > 0.0 { n.correlation } else { 0.0 }));
+    log.push(format!("noise {}", noise.join(" ")));
+    // Random inputs that every start may have: none, or one effect in one form at one size.
+    let starts = ladder(engine, &declared, &mut log)?;
+    let mut best: Option<(f64, Fit, Weighed)> = None;
+    // The best starts, and always the one without random inputs: where much is missing, quadratics say little of it.
+    let still = starts.iter().position(|s| s.1.model.members.iter().all(|m| !m.random || m.declared));
+    let chosen: Vec<usize> = (0..starts.len()).filter(|i| *i < STARTS || Some(*i) == still).collect();
+    for i in chosen {
+        let (total, fit, set) = starts[i].clone();
+        let floor = best.as_ref().map_or(f64::NEG_INFINITY, |b| b.0);
+        if total < floor - FAR && Some(i) != still {
+            continue;
+        }
+        log.push(format!("start at {total:.1}: {}", describe(&fit.model)));
+        let Some((fit, weighed)) = polish(engine, fit, set, floor, &mut log) else { continue };
+        let score = fit.total - cost_of(&fit.model, engine);
+        log.push(format!("  ends at {score:.1}: {}", describe(&fit.model)));
+        if best.as_ref().is_none_or(|b| score > b.0) {
+            best = Some((score, fit, weighed));
+        }
+    }
+    // Noise again, by the likelihood of the best model, and the best model in it.
+    if let Some((_, fit, _)) = &best
+        && !engine.campaign.knowledge.exact_noise
+        && engine.refine_noise(&fit.model)
+    {
+        log.push(format!("noise {:?}", engine.noise.map(|n| format!("{:.3e}/{:.2}", n.std(), n.correlation))));
+        let (fit, model) = (fit.clone(), fit.model.clone());
+        if let Some((fit, weighed)) = polish(engine, fit, Some(model), f64::NEG_INFINITY, &mut log) {
+            best = Some((fit.total, fit, weighed));
+        }
+    }
+    let (_, after, weighed) = best.ok_or("no set of effects could be fitted")?;
+    engine.follow(&after.model);
+    let (after, weighed, contest) = against_alternatives(engine, after, weighed, &mut log);
+    let before = declared_alone(engine, &declared, &after);
+    let sets = named(&weighed, &after.model);
+    let (random_gains, random_errors) = (gains(engine, &after), random_errors(engine, &after));
+    let random_bounds = random_bounds(engine, &after);
+    let (before, before_fault) = match before {
+        Ok(fit) => (Some(fit), Ok(())),
+        Err(words) => (None, Err(words)),
+    };
+    let lines = lines(engine, &after.model);
+    Ok(Discovery {
+        before,
+        before_fault,
+        after,
+        sets,
+        gram: weighed.gram,
+        units: weighed.units,
+        families: weighed.families,
+        contest,
+        random_gains,
+        random_errors,
+        random_bounds,
+        lines,
+        log,
+    })
+}
+
+/// The best set held against generic alternatives: members that those make needless are taken out, and the rest fitted again.
+fn against_alternatives(
+    engine: &mut Engine,
+    fit: Fit,
+    weighed: Weighed,
+    log: &mut Vec<String>,
+) -> (Fit, Weighed, Option<Contest>) {
+    let Some(contest) = with_alternatives(engine, &fit.model) else { return (fit, weighed, None) };
+    let keep = |m: &Member| m.declared || m.random || contest.families.contains(&m.effect.family);
+    if contest.leads.is_empty() || fit.model.members.iter().all(keep) {
+        return (fit, weighed, Some(contest));
+    }
+    let mut model = fit.model.clone();
+    model.members.retain(keep);
+    log.push(format!("generic alternatives leave {}", describe(&model)));
+    engine.follow(&model);
+    let fewer = engine.climb(&model, true, 6).ok().and_then(|f| Some((self::weighed(engine, &f.model)?, f)));
+    let Some((w, f)) = fewer else { return (fit, weighed, Some(contest)) };
+    let again = with_alternatives(engine, &f.model).or(Some(contest));
+    (f, w, again)
+}
+
+/// What each random member brings over a model without it.
+fn gains(engine: &Engine, fit: &Fit) -> Vec<(usize, f64)> {
+    let random = (0..fit.model.members.len()).filter(|&k| fit.model.members[k].random);
+    random
+        .map(|k| {
+            let mut without = fit.model.clone();
+            without.members.remove(k);
+            (k, engine.climb(&without, false, 3).map_or(f64::INFINITY, |f| fit.log_likelihood - f.log_likelihood))
+        })
+        .collect()
+}
+
+/// Standard errors from the curvature of the log-likelihood over the logarithm of each number, the rest held.
+fn random_errors(engine: &Engine, fit: &Fit) -> Vec<((usize, usize), f64)> {
+    const STEP: f64 = 0.1;
+    let at = |k: usize, i: usize, factor: f64| {
+        let mut model = fit.model.clone();
+        model.members[k].values[i] *= factor;
+        engine.sum(&model, &[], &[]).map_or(f64::NEG_INFINITY, |s| s.log_likelihood)
+    };
+    crate::engine::random_numbers(&fit.model)
+        .into_iter()
+        .filter_map(|(k, i)| {
+            let bend = (2.0 * at(k, i, 1.0) - at(k, i, STEP.exp()) - at(k, i, (-STEP).exp())) / (STEP * STEP);
+            (bend > 0.0 && bend.is_finite()).then(|| ((k, i), fit.model.members[k].values[i] / bend.sqrt()))
+        })
+        .collect()
+}
+
+/// Sizes of random inputs that are not in the model at which the likelihood has fallen by what 95 % leave (1.92), by bisection.
+fn random_bounds(engine: &Engine, fit: &Fit) -> Vec<(&'static str, String, f64, String)> {
+    let here = fit.log_likelihood;
+    let absent = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random);
+    absent
+        .filter(|m| !fit.model.members.iter().any(|o| o.effect.family == m.effect.family))
+        .flat_map(|null| {
+            let strengths: Vec<usize> = null.strengths().collect();
+            let mut form = null.values.clone();
+            if let Some(middle) = null.forms().get(null.forms().len() / 2) {
+                form.clone_from(middle);
+            }
+            strengths.into_iter().map(move |i| {
+                let falls = |size: f64| {
+                    let mut model = fit.model.clone();
+                    let mut m = Member { values: form.clone(), ..null.clone() };
+                    m.strengths().collect::<Vec<_>>().iter().for_each(|&k| m.values[k] = 0.0);
+                    m.values[i] = size;
+                    model.members.push(m);
+                    engine.sum(&model, &[], &[]).map_or(true, |s| s.log_likelihood < here - 1.92)
+                };
+                let p = &null.parameters[i];
+                let (mut low, mut high) = ((1e-5 * p.high).ln(), p.high.ln());
+                for _ in 0..7 {
+                    let middle = 0.5 * (low + high);
+                    if falls(middle.exp()) { high = middle } else { low = middle }
+                }
+                (null.effect.family, p.name.clone(), high.exp(), p.unit.to_owned())
+            })
+        })
+        .collect()
+}
+
+fn describe(model: &Model) -> String {
+    let words: Vec<String> = model
+        .members
+        .iter()
+        .map(|m| format!("{}({})", m.effect.family, m.values.iter().map(|v| format!("{v:.4}")).collect::<Vec<_>>().join(",")))
+        .collect();
+    words.join(" + ")
+}
+
+/// What the members of a model cost a priori.
+fn cost_of(model: &Model, engine: &Engine) -> f64 {
+    model.members.iter().filter(|m| !m.declared).map(|m| cost(m, engine)).sum()
+}
+
+fn cost(m: &Member, engine: &Engine) -> f64 {
+    let forms = if m.random { 1 } else { Member::null(m.effect, &engine.campaign).forms().len() };
+    families().ln() + (forms as f64).ln()
+}
+
+/// Fits of the declared model at every size and form of every random effect, with the best set at each; best first.
+fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Result<Vec<(f64, Fit, Option<Model>)>, String> {
+    let random: Vec<Member> = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random).collect();
+    let mut all: Vec<(f64, Fit, Option<Model>)> = Vec::new();
+    let mut followed: Option<Model> = None;
+    let mut last = String::new();
+    let air = random.iter().find(|m| {
+        let mut v = m.values.clone();
+        v[0] = 1.0;
+        let mut plant = engine.campaign.plant.clone();
+        (m.effect.apply)(&mut plant, &v);
+        plant.disturbances(1.0).iter().any(|d| matches!(d.entry, windfall_model::Entry::AirVelocity(_)))
+    });
+    // Gusts from wide to none, each starting from the fit before; where gusts are declared they are in every set already.
+    if let Some(air) = air.filter(|a| !declared.members.iter().any(|m| m.effect.family == a.effect.family)) {
+        for (k, level) in LEVELS.iter().enumerate() {
+            let mut model = followed.clone().unwrap_or_else(|| declared.clone());
+            model.members.retain(|m| m.effect.family != air.effect.family);
+            let forms = air.forms();
+            model.members.push(sized(air, *level, &forms[forms.len() / 2]));
+            match engine.climb(&model, false, if k == 0 { 6 } else { 3 }) {
+                Ok(fit) => {
+                    followed = Some(fit.model.clone());
+                    // The likeliest of the lengths; very wide gusts only lead the parameters near.
+                    if k > 0 {
+                        let other = |form: &Vec<f64>| {
+                            let mut model = fit.model.clone();
+                            model.members.pop();
+                            model.members.push(sized(air, *level, form));
+                            engine.climb(&model, false, 1).ok()
+                        };
+                        let best = forms.iter().filter_map(other).max_by(|a, b| a.total.total_cmp(&b.total));
+                        consider(engine, best.filter(|b| b.total > fit.total).unwrap_or(fit), &mut all, log);
+                    }
+                }
+                Err(d) => last = format!("the model departs at {:.2} s of run {}", d.t_s, d.run + 1),
+            }
+        }
+    }
+    // No random input but the declared ones.
+    let mut model = followed.clone().unwrap_or_else(|| declared.clone());
+    if let Some(air) = air {
+        model.members.retain(|m| m.effect.family != air.effect.family || m.declared);
+    }
+    match engine.climb(&model, false, 4) {
+        Ok(fit) => consider(engine, fit, &mut all, log),
+        Err(d) => last = format!("the model departs at {:.2} s of run {}", d.t_s, d.run + 1),
+    }
+    // Other random inputs, in every form, at two sizes.
+    for other in random.iter().filter(|m| air.is_none_or(|a| a.effect.family != m.effect.family)) {
+        let mut here: Vec<(f64, Fit)> = Vec::new();
+        for form in scanned(other) {
+            let mut with = model.clone();
+            with.members.push(sized(other, 0.03, &form));
+            if let Ok(fit) = engine.climb(&with, false, 0) {
+                here.push((fit.total, fit));
+            }
+        }
+        here.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (_, fit) in here.into_iter().take(1) {
+            if let Ok(fit) = engine.climb(&fit.model, false, 3) {
+                consider(engine, fit, &mut all, log);
+            }
+        }
+    }
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // Starts that say the same are followed once.
+    let mut distinct: Vec<(f64, Fit, Option<Model>)> = Vec::new();
+    for one in all {
+        let key = |m: &(f64, Fit, Option<Model>)| {
+            let model = m.2.as_ref().unwrap_or(&m.1.model);
+            let mut f: Vec<&str> = model.members.iter().map(|m| m.effect.family).collect();
+            f.sort_unstable();
+            f.join("+")
+        };
+        if distinct.iter().all(|d| key(d) != key(&one)) {
+            distinct.push(one);
+        }
+    }
+    if distinct.is_empty() { Err(last) } else { Ok(distinct) }
+}
+
+/// Forms of a random input that are scanned: every value of its first shape, the middle ones of the others.
+fn scanned(m: &Member) -> Vec<Vec<f64>> {
+    let shapes: Vec<(usize, &[f64])> = m
+        .parameters
+        .iter()
+        .enumerate()
+        .filter_map(|(i, p)| if let Role::Shape(t) = p.role { Some((i, t)) } else { None })
+        .collect();
+    let Some((first, tried)) = shapes.first() else { return vec![m.values.clone()] };
+    tried
+        .iter()
+        .map(|v| {
+            let mut form = m.values.clone();
+            shapes.iter().for_each(|(i, t)| form[*i] = t[t.len() / 2]);
+            form[*first] = *v;
+            form
+        })
+        .collect()
+}
+
+/// A random member with all strengths at a share of their largest.
+fn sized(null: &Member, level: f64, form: &[f64]) -> Member {
+    let mut m = Member { values: form.to_vec(), ..null.clone() };
+    let strengths: Vec<usize> = m.strengths().collect();
+    for i in strengths {
+        m.values[i] = level * m.parameters[i].high;
+    }
+    m
+}
+
+fn consider(engine: &Engine, fit: Fit, all: &mut Vec<(f64, Fit, Option<Model>)>, log: &mut Vec<String>) {
+    let Some(w) = weighed(engine, &fit.model) else { return };
+    let total = w.total - random_cost(&fit.model, engine);
+    let next = with_set(&fit.model, &w, &w.sets[0], engine);
+    log.push(format!(
+        "  level {}: {total:.1} chi {:.3} {} -> {}",
+        describe(&fit.model),
+        fit.chi,
+        fit.stop.words(),
+        describe(&next)
+    ));
+    all.push((total, fit, Some(next)));
+}
+
+fn random_cost(model: &Model, engine: &Engine) -> f64 {
+    model.members.iter().filter(|m| m.random && !m.declared).map(|m| cost(m, engine)).sum()
+}
+
+/// All candidates weighed at a model.
+fn weighed(engine: &Engine, model: &Model) -> Option<Weighed> {
+    weighed_beside(engine, model, &[])
+}
+
+/// All candidates and generic alternatives weighed at a model.
+fn weighed_beside(engine: &Engine, model: &Model, alternatives: &[Alternative]) -> Option<Weighed> {
+    let mut numbers = model.known(&engine.campaign);
+    numbers.extend(model.of_members(false));
+    numbers.extend(candidates(&engine.campaign, model));
+    let mut generic = Vec::new();
+    let mut group: Vec<usize> = Vec::new();
+    for (k, a) in alternatives.iter().enumerate() {
+        for basis in &a.bases {
+            let id = Id::Generic(generic.len());
+            numbers.push(Number { id, value: 0.0, prior: a.prior, range: [f64::NEG_INFINITY, f64::INFINITY], step: 1.0 });
+            generic.push((a.error, a.place, *basis));
+            group.push(k);
+        }
+    }
+    let sum = engine.sum(model, &numbers, &generic).ok()?;
+    let gram = Gram::new(numbers, sum.g, sum.b, sum.log_likelihood);
+    let base: Vec<usize> = places(&gram.numbers, |n| always(n.id, model));
+    let others: Vec<usize> =
+        places(&gram.numbers, |n| !always(n.id, model) && gram.g[(index(&gram.numbers, n.id), index(&gram.numbers, n.id))] > 0.0);
+    let floor = gram.posterior(&base)?;
+    let left = gram.given(&base, &others)?;
+    let group_of = |id: Id| -> Option<(usize, f64)> {
+        let (family, forms) = match id {
+            Id::Strength(family, ..) => (family, Member::null(CATALOGUE[family], &engine.campaign).forms().len()),
+            Id::Member(m, _) => {
+                let member = &model.members[m];
+                let family = place_of(member.effect)?;
+                (family, Member::null(member.effect, &engine.campaign).forms().len())
+            }
+            Id::Generic(i) => return Some((GENERIC + group[i], families().ln() + (alternatives.len() as f64).ln())),
+            _ => return None,
+        };
+        // Delays of pose and of wind are one thing but for the origin of time: a set has at most one of them.
+        let group = if only_delays(CATALOGUE[family], engine) { DELAYS } else { family };
+        Some((group, families().ln() + (forms as f64).ln()))
+    };
+    let key = |id: Id| match id {
+        Id::Strength(family, form, _) => (family, form + 1),
+        Id::Member(m, _) => (place_of(model.members[m].effect).unwrap_or(0), 0),
+        Id::Generic(i) => (GENERIC + group[i], 0),
+        _ => (usize::MAX, 0),
+    };
+    let all = units(&left.numbers, &group_of, &key);
+    let families = all.iter().map(|u| {
+        let (family, form) = key(left.numbers[u.columns[0]].id);
+        (family, form.checked_sub(1))
+    });
+    let families = families.collect();
+    // What the present members' values have brought is put back into the floor: the likelihood of the empty set.
+    let shift = gram.log_likelihood - quadratic_here(&gram);
+    let sets = search(&left, &all, if alternatives.is_empty() { MOST } else { MOST + 1 });
+    let total = shift + floor.gain + sets[0].gain;
+    Some(Weighed { gram: left, whole: gram, base, others, units: all, families, sets, total })
+}
+
+/// Group of the effects that only delay an instrument.
+const DELAYS: usize = 900;
+
+fn only_delays(effect: &'static Effect, engine: &Engine) -> bool {
+    let null = Member::null(effect, &engine.campaign);
+    let mut values = null.values.clone();
+    null.strengths().for_each(|i| values[i] = null.parameters[i].step);
+    let mut plant = engine.campaign.plant.clone();
+    (effect.apply)(&mut plant, &values);
+    let declared = engine.campaign.plant.sensors;
+    let moved = plant.sensors != declared;
+    (plant.sensors.pose_delay_s, plant.sensors.wind_delay_s) = (declared.pose_delay_s, declared.wind_delay_s);
+    moved && plant == engine.campaign.plant
+}
+
+/// First place of the generic alternatives among families.
+const GENERIC: usize = 1000;
+
+/// Outcome of a contest between effects and generic alternatives.
+#[derive(Clone, Debug)]
+pub struct Contest {
+    /// Families of the best set.
+    pub families: Vec<&'static str>,
+    /// Generic alternatives in it, with what each of them brings to it.
+    pub leads: Vec<Lead>,
+    /// What the best single alternative brings beside the present members.
+    pub strongest: f64,
+}
+
+/// Effects and generic alternatives weighed together at a fitted model.
+pub(crate) fn contest(engine: &Engine, model: &Model, alternatives: &[Alternative]) -> Option<Contest> {
+    let w = weighed_beside(engine, model, alternatives)?;
+    let best = w.sets.first()?;
+    let is_generic = |u: usize| w.families[u].0 >= GENERIC;
+    let leads = best
+        .units
+        .iter()
+        .filter(|&&u| is_generic(u))
+        .map(|&u| {
+            let rest: Vec<usize> = best.units.iter().copied().filter(|&x| x != u).collect();
+            let without = crate::search::weigh(&w.gram, &w.units, &rest).map_or(0.0, |s| s.gain);
+            let amplitudes = best
+                .columns
+                .iter()
+                .zip(&best.estimates)
+                .filter(|(c, _)| w.units[u].columns.contains(c))
+                .map(|(_, e)| *e)
+                .collect();
+            alternatives[w.families[u].0 - GENERIC].lead(best.gain - without, amplitudes)
+        })
+        .collect();
+    let families = best.units.iter().filter(|&&u| !is_generic(u)).map(|&u| CATALOGUE[w.families[u].0].family).collect();
+    let present: Vec<usize> = (0..w.units.len()).filter(|&u| w.families[u].1.is_none() && !is_generic(u)).collect();
+    let floor = if present.is_empty() { Some(0.0) } else { crate::search::weigh(&w.gram, &w.units, &present).map(|s| s.gain) };
+    let strongest = (0..w.units.len())
+        .filter(|&u| is_generic(u))
+        .filter_map(|u| {
+            let mut with = present.clone();
+            with.push(u);
+            Some(crate::search::weigh(&w.gram, &w.units, &with)?.gain - floor?)
+        })
+        .fold(f64::NEG_INFINITY, f64::max);
+    Some(Contest { families, leads, strongest })
+}
+
+/// What the quadratic says that present values gain over nulls.
+fn quadratic_here(gram: &Gram) -> f64 {
+    let v = nalgebra::DVector::from_iterator(gram.numbers.len(), gram.numbers.iter().map(|n| n.value));
+    gram.b_here.dot(&v) + 0.5 * v.dot(&(&gram.g * &v))
+}
+
+fn places(numbers: &[Number], keep: impl Fn(&Number) -> bool) -> Vec<usize> {
+    (0..numbers.len()).filter(|&i| keep(&numbers[i])).collect()
+}
+
+fn index(numbers: &[Number], id: Id) -> usize {
+    numbers.iter().position(|n| n.id == id).unwrap_or(0)
+}
+
+fn place_of(effect: &Effect) -> Option<usize> {
+    CATALOGUE.iter().position(|e| std::ptr::eq(*e, effect))
+}
+
+/// The model with a set's units as members at their estimates; random and declared members stay.
+fn with_set(model: &Model, w: &Weighed, set: &Set, engine: &Engine) -> Model {
+    let mut next = model.clone();
+    next.members.retain(|m| m.random || m.declared);
+    for &u in &set.units {
+        let (family, form) = w.families[u];
+        let mut member = match form {
+            Some(form) => {
+                let null = Member::null(CATALOGUE[family], &engine.campaign);
+                let values = null.forms()[form].clone();
+                Member { values, ..null }
+            }
+            None => match model.members.iter().find(|m| place_of(m.effect) == Some(family)) {
+                Some(m) => m.clone(),
+                None => continue,
+            },
+        };
+        let strengths: Vec<usize> = member.strengths().collect();
+        strengths.iter().for_each(|&i| member.values[i] = 0.0);
+        for (c, estimate) in set.columns.iter().zip(&set.estimates) {
+            if !w.units[u].columns.contains(c) {
+                continue;
+            }
+            if let Id::Strength(_, _, i) | Id::Member(_, i) = w.gram.numbers[*c].id {
+                member.values[i] = *estimate;
+            }
+        }
+        next.members.push(member);
+    }
+    // What every set has moves with the set.
+    let joint: Vec<usize> = w.base.iter().copied().chain(set.columns.iter().map(|&c| w.others[c])).collect();
+    if let Some(p) = w.whole.posterior(&joint) {
+        for (&place, mean) in w.base.iter().zip(p.mean.iter()) {
+            let n = &w.whole.numbers[place];
+            if !matches!(n.id, Id::Member(..)) {
+                next.change(n, mean - n.value);
+            }
+        }
+    }
+    next
+}
+
+/// Fits a set in full and weighs all sets again, until the set stays.
+fn polish(engine: &mut Engine, start: Fit, next: Option<Model>, floor: f64, log: &mut Vec<String>) -> Option<(Fit, Weighed)> {
+    let mut model = next.unwrap_or(start.model);
+    let mut seen: Vec<(String, Fit)> = Vec::new();
+    for round in 0..ROUNDS {
+        engine.follow(&model);
+        let mut fit = climb_down(engine, &model)?;
+        // A long delay moves the record, which lets it move on.
+        for _ in 0..3 {
+            let before = engine.taken_s();
+            engine.follow(&fit.model);
+            if engine.taken_s().to_bits() == before.to_bits() {
+                break;
+            }
+            fit = engine.climb(&fit.model, false, 8).ok()?;
+        }
+        if !crate::engine::random_numbers(&fit.model).is_empty() {
+            fit = engine.settle_random(&fit, if round == 0 { 40 } else { 25 });
+            fit = without_idle(engine, fit);
+        }
+        fit = engine.climb(&fit.model, true, 3).ok()?;
+        let w = weighed(engine, &fit.model)?;
+        let key = names(&fit.model);
+        let again = with_set(&fit.model, &w, &w.sets[0], engine);
+        let (a, b) = (names(&again), key.clone());
+        log.push(format!(
+            "  round {round}: {:.1} chi {:.3} {} | {} -> {a}",
+            fit.total - cost_of(&fit.model, engine),
+            fit.chi,
+            fit.stop.words(),
+            describe(&fit.model)
+        ));
+        if round >= 1 && fit.total < floor - HOPELESS {
+            return None;
+        }
+        let settled = a == b && same_forms(&again, &fit.model) || seen.iter().any(|(k, _)| *k == a && a != b);
+        seen.push((key, fit.clone()));
+        if settled || round + 1 == ROUNDS {
+            // Of the sets that were visited in a circle, the best.
+            let (_, best) = seen
+                .into_iter()
+                .max_by(|x, y| (x.1.total - cost_of(&x.1.model, engine)).total_cmp(&(y.1.total - cost_of(&y.1.model, engine))))?;
+            engine.follow(&best.model);
+            let w = weighed(engine, &best.model)?;
+            return Some((best, w));
+        }
+        model = again;
+    }
+    None
+}
+
+fn names(model: &Model) -> String {
+    let mut all: Vec<&str> = model.members.iter().map(|m| m.effect.family).collect();
+    all.sort_unstable();
+    all.join("+")
+}
+
+fn same_forms(a: &Model, b: &Model) -> bool {
+    a.members.iter().all(|m| {
+        let other = b.members.iter().find(|o| o.effect.family == m.effect.family);
+        other.is_some_and(|o| {
+            m.parameters
+                .iter()
+                .enumerate()
+                .all(|(i, p)| p.role == Role::Strength || m.random || (m.values[i] - o.values[i]).abs() < 0.3 * o.values[i].abs())
+        })
+    })
+}
+
+/// A climb from a set's quadratic estimates; from half of them, and from null, where the model departs there.
+fn climb_down(engine: &Engine, model: &Model) -> Option<Fit> {
+    let mut model = model.clone();
+    for _ in 0..3 {
+        if let Ok(fit) = engine.climb(&model, false, 12) {
+            return Some(fit);
+        }
+        for m in model.members.iter_mut().filter(|m| !m.random) {
+            let strengths: Vec<usize> = m.strengths().collect();
+            strengths.iter().for_each(|&i| m.values[i] *= 0.3);
+        }
+    }
+    None
+}
+
+/// Random members that bring less than they cost are taken out.
+fn without_idle(engine: &Engine, fit: Fit) -> Fit {
+    let mut fit = fit;
+    for k in (0..fit.model.members.len()).rev() {
+        if !fit.model.members[k].random || fit.model.members[k].declared {
+            continue;
+        }
+        let mut without = fit.model.clone();
+        without.members.remove(k);
+        if let Ok(less) = engine.climb(&without, false, 4)
+            && less.total > fit.total - cost(&fit.model.members[k], engine)
+        {
+            fit = less;
+        }
+    }
+    fit
+}
+
+/// The declared model alone, in the noise and the random inputs that were found.
+fn declared_alone(engine: &Engine, declared: &Model, after: &Fit) -> Result<Fit, String> {
+    let mut model = declared.clone();
+    model.declared.clone_from(&after.model.declared);
+    let tries = [model.clone(), declared.clone()];
+    let mut last = String::new();
+    for m in &tries {
+        match engine.climb(m, false, 12) {
+            Ok(fit) => return Ok(fit),
+            Err(d) => last = format!("with these parameters the model departs at {:.2} s of run {}", d.t_s, d.run + 1),
+        }
+    }
+    Err(last)
+}
+
+/// Families of each set, merged over forms, best first.
+fn named(w: &Weighed, model: &Model) -> Vec<(Vec<&'static str>, f64)> {
+    let random: Vec<&'static str> = model.members.iter().filter(|m| m.random && !m.declared).map(|m| m.effect.family).collect();
+    let mut all: Vec<(Vec<&'static str>, f64)> = Vec::new();
+    for set in &w.sets {
+        let mut f: Vec<&'static str> =
+            set.units.iter().map(|&u| CATALOGUE[w.families[u].0].family).chain(random.iter().copied()).collect();
+        f.sort_unstable();
+        match all.iter_mut().find(|(k, _)| *k == f) {
+            Some((_, gain)) => {
+                let (a, b) = (gain.max(set.gain), gain.min(set.gain));
+                *gain = a + (b - a).exp().ln_1p();
+            }
+            None => all.push((f, set.gain)),
+        }
+    }
+    all.sort_by(|a, b| b.1.total_cmp(&a.1));
+    all
+}

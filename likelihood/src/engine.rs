@@ -1,0 +1,404 @@
+//! likelihood: passes over all runs, and climbing to the most likely numbers. In: campaign, model. Out: normal equations, fitted models.
+
+use crate::columns::Basis;
+use crate::filter::{Departed, Seen, Setting, pass};
+use crate::gram::Gram;
+use crate::model::{Id, Model, Number};
+use crate::noise::{ChannelNoise, declared, learn};
+use crate::run::{CHANNELS, POSE, Prepared};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use windfall_model::{Campaign, Constant, Data, Plant, Record, Role};
+
+/// Runs of a campaign made ready, with their noise.
+#[derive(Clone, Debug)]
+pub struct Engine {
+    pub(crate) campaign: Campaign,
+    indices: Vec<usize>,
+    pub(crate) runs: Vec<Prepared>,
+    /// Noise of the pose channels.
+    pub noise: [ChannelNoise; CHANNELS],
+    /// Time by which the tunnel speed's record has been shifted, s.
+    taken_s: f64,
+    node_s: f64,
+}
+
+/// Where a fit is.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The model.
+    pub model: Model,
+    /// Its numbers, their covariance, in the same order.
+    pub numbers: Vec<Number>,
+    /// Covariance of the numbers.
+    pub covariance: DMatrix<f64>,
+    /// Log marginal likelihood by Laplace's approximation.
+    pub total: f64,
+    /// Log-likelihood.
+    pub log_likelihood: f64,
+    /// Sum of whitened squares of the pose over their count.
+    pub chi: f64,
+    /// Per channel: mean square of the innovations, of what is expected of them, of both's ratio, and count.
+    pub channels: [[f64; 4]; CHANNELS],
+    /// Why it ended.
+    pub stop: Stop,
+}
+
+/// Why a climb ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stop {
+    /// The next step is a small part of the standard errors.
+    Converged,
+    /// No shorter step raises the likelihood.
+    NoAscent,
+    /// The number of steps allowed is used up.
+    Iterations,
+    /// With these numbers the model departs in that run at that time, s.
+    Departs {
+        /// Index of the run.
+        run: usize,
+        /// Time in it, s.
+        t_s: f64,
+    },
+}
+
+impl Stop {
+    /// In words.
+    #[must_use]
+    pub fn words(self) -> String {
+        match self {
+            Self::Converged => "converged".to_owned(),
+            Self::NoAscent => "no shorter step raises the likelihood".to_owned(),
+            Self::Iterations => "the number of steps allowed is used up".to_owned(),
+            Self::Departs { run, t_s } => format!("with these parameters the model departs at {t_s:.2} s of run {}", run + 1),
+        }
+    }
+}
+
+/// Key of the instant at which a pose is taken within its sample interval: known to half of that interval where nothing is declared.
+const STAMP: &str = "sensors.pose_delay_s";
+/// Length of a node, s, where the sample interval is shorter: a fiftieth of the pitch mode's period.
+const NODE_S: f64 = 0.02;
+/// A climb ends when no step exceeds this share of its standard error.
+const SMALL: f64 = 0.05;
+/// Longest step, in standard deviations of the prior.
+const LONGEST: f64 = 3.0;
+
+/// Sum over runs.
+pub(crate) struct Summed {
+    pub(crate) g: DMatrix<f64>,
+    pub(crate) b: DVector<f64>,
+    pub(crate) log_likelihood: f64,
+    pub(crate) channels: [[f64; 4]; CHANNELS],
+    pub(crate) runs: Vec<Seen>,
+}
+
+impl Engine {
+    /// Makes these runs of a campaign ready, and learns their noise; `None` without a tunnel run.
+    #[must_use]
+    pub fn new(campaign: &Campaign, indices: &[usize]) -> Option<Self> {
+        let records: Vec<(usize, &Record)> = indices
+            .iter()
+            .filter_map(|&i| match &campaign.runs[i].data {
+                Data::Tunnel(r) if r.len() > 60 => Some((i, r)),
+                _ => None,
+            })
+            .collect();
+        if records.is_empty() {
+            return None;
+        }
+        let sensors = &campaign.plant.sensors;
+        let all: Vec<&Record> = records.iter().map(|(_, r)| *r).collect();
+        let noise = if campaign.knowledge.exact_noise { declared(sensors) } else { learn(&all, sensors) };
+        let mut owned = campaign.clone();
+        let interval_s = records.iter().map(|(_, r)| r.interval_s()).fold(f64::INFINITY, f64::min);
+        if !owned.knowledge.constants.iter().any(|c| c.key == STAMP) {
+            owned.knowledge.constants.push(Constant {
+                key: STAMP,
+                component: "",
+                unit: "s",
+                lens: |p| Some(&mut p.sensors.pose_delay_s),
+                std: 0.5 * interval_s,
+            });
+        }
+        let indices = records.iter().map(|(i, _)| *i).collect();
+        let mut engine = Self { campaign: owned, indices, runs: Vec::new(), noise, taken_s: 0.0, node_s: NODE_S };
+        engine.prepare(sensors.wind_delay_s);
+        Some(engine)
+    }
+
+    /// Runs made ready with the tunnel speed's record taken by a delay, to the next sample.
+    fn prepare(&mut self, wind_delay_s: f64) {
+        let gas = self.campaign.plant.environment.gas_constant_j_kg_k;
+        let records: Vec<(usize, &Record)> = self
+            .indices
+            .iter()
+            .filter_map(|&i| match &self.campaign.runs[i].data {
+                Data::Tunnel(r) => Some((i, r)),
+                Data::Point(_) => None,
+            })
+            .collect();
+        let dt = records.iter().map(|(_, r)| r.interval_s()).fold(f64::INFINITY, f64::min);
+        let taken_s = (wind_delay_s / dt).round() * dt;
+        let (node_s, wind, runs) = (self.node_s, self.noise[POSE], &self.campaign.runs);
+        let ready = records.par_iter().map(|(i, r)| Prepared::new(*i, &runs[*i].name, r, gas, node_s, taken_s, &wind)).collect();
+        (self.runs, self.taken_s) = (ready, taken_s);
+    }
+
+    /// Takes the tunnel speed's record by the model's delay, so that a long delay is not left to a short series.
+    pub(crate) fn follow(&mut self, model: &Model) {
+        let delay = model.plant(&self.campaign).sensors.wind_delay_s;
+        let dt = self.runs.iter().map(|r| r.interval_s).fold(f64::INFINITY, f64::min);
+        if (delay - self.taken_s).abs() > dt {
+            self.prepare(delay);
+        }
+    }
+
+    /// The campaign with what its runs leave uncertain: the instant of a pose within its sample interval.
+    #[must_use]
+    pub fn campaign(&self) -> &Campaign {
+        &self.campaign
+    }
+
+    /// Time by which the tunnel speed's record has been moved, s.
+    pub(crate) fn taken_s(&self) -> f64 {
+        self.taken_s
+    }
+
+    /// Name of the first run.
+    #[must_use]
+    pub fn first_run(&self) -> String {
+        self.runs.first().map_or_else(String::new, |r| r.name.clone())
+    }
+
+    /// Log-likelihood of other runs in the same noise, every number as it is; `None` without such runs or where the model departs.
+    #[must_use]
+    pub fn predict(&self, model: &Model, runs: &[usize]) -> Option<f64> {
+        let mut other = Self::new(&self.campaign, runs)?;
+        other.noise = self.noise;
+        other.follow(model);
+        other.sum(model, &[], &[]).ok().map(|s| s.log_likelihood)
+    }
+
+    /// The same with other noise.
+    #[must_use]
+    pub(crate) fn with_noise(&self, noise: [ChannelNoise; CHANNELS]) -> Self {
+        Self { noise, ..self.clone() }
+    }
+
+    /// Noise by the likelihood of a model that is right: colour and size together where there is colour, and each channel's size by the
+    /// fast part of its whitened innovations, which a missing effect does not reach. True when it changed by more than a hundredth.
+    pub(crate) fn refine_noise(&mut self, model: &Model) -> bool {
+        let before = self.noise;
+        if before.iter().any(|n| n.coloured > 0.0) {
+            let at = |u: &[f64]| {
+                let scale = (0.8 * (u[1] - 0.5)).exp();
+                before.map(|n| {
+                    let odds = n.correlation / (1.0 - n.correlation.min(0.99)) * (2.0 * (u[0] - 0.5)).exp();
+                    ChannelNoise {
+                        white: n.white * scale,
+                        coloured: n.coloured * scale,
+                        correlation: if n.coloured > 0.0 { odds / (1.0 + odds) } else { 0.0 },
+                    }
+                })
+            };
+            let value = |u: &[f64]| self.with_noise(at(u)).sum(model, &[], &[]).map_or(1e300, |s| -s.log_likelihood);
+            let (best, _) = windfall_pid::simplex::minimise(value, &[0.5, 0.5], 0.15, 25);
+            self.noise = at(&best);
+        }
+        if let Ok(sum) = self.sum(model, &[], &[]) {
+            for c in 0..POSE {
+                let (mut squares, mut count) = (0.0, 0.0);
+                for r in &sum.runs {
+                    for w in r.whitened.windows(3).filter(|w| w.iter().all(|x| x[c] != 0.0)) {
+                        squares += (w[0][c] - 2.0 * w[1][c] + w[2][c]).powi(2) / 6.0;
+                        count += 1.0;
+                    }
+                }
+                if count > 100.0 && before[c].coloured == 0.0 {
+                    let ratio = (squares / count).clamp(0.25, 4.0);
+                    self.noise[c].white *= ratio;
+                    self.noise[c].coloured *= ratio;
+                }
+            }
+        }
+        before
+            .iter()
+            .zip(&self.noise)
+            .any(|(a, b)| (b.std() / a.std() - 1.0).abs() > 0.01 || (a.correlation - b.correlation).abs() > 0.005)
+    }
+
+    /// One pass over all runs.
+    pub(crate) fn sum(&self, model: &Model, numbers: &[Number], generic: &[(bool, usize, Basis)]) -> Result<Summed, Departed> {
+        let columns = model.columns(&self.campaign, numbers, generic);
+        let plant = model.plant(&self.campaign);
+        let local = |p: &Plant, run: usize| p.for_run(run, &self.campaign.runs[run].inputs);
+        let seen: Vec<Result<Seen, Departed>> = self
+            .runs
+            .par_iter()
+            .map(|run| {
+                let own = local(&plant, run.index);
+                let columns: Vec<crate::columns::Column> = columns
+                    .iter()
+                    .map(|c| match c {
+                        crate::columns::Column::Plant(p, step) if !p.contacts.is_empty() => {
+                            crate::columns::Column::Plant(Box::new(local(p, run.index)), *step)
+                        }
+                        other => other.clone(),
+                    })
+                    .collect();
+                pass(run, &Setting { plant: &own, noise: &self.noise, columns: &columns, taken_s: self.taken_s })
+            })
+            .collect();
+        let runs: Vec<Seen> = seen.into_iter().collect::<Result<_, _>>()?;
+        let n = numbers.len();
+        let (mut g, mut b) = (DMatrix::zeros(n, n), DVector::zeros(n));
+        let mut log_likelihood = 0.0;
+        for r in &runs {
+            g += &r.g;
+            b += &r.b;
+            log_likelihood += r.log_likelihood;
+        }
+        let channels = std::array::from_fn(|c| {
+            let sum = |k: usize| runs.iter().map(|r| r.channels[c][k]).sum::<f64>();
+            let n = sum(3).max(1.0);
+            [sum(0) / n, sum(1) / n, sum(2) / n, n]
+        });
+        Ok(Summed { g, b, log_likelihood, channels, runs })
+    }
+
+    /// Normal equations of numbers at a model.
+    pub(crate) fn gram(&self, model: &Model, numbers: Vec<Number>) -> Result<(Gram, [[f64; 4]; CHANNELS]), Departed> {
+        let s = self.sum(model, &numbers, &[])?;
+        Ok((Gram::new(numbers, s.g, s.b, s.log_likelihood), s.channels))
+    }
+
+    /// Numbers that a fit of a model frees: declared parameters, constants, members' strengths, and shapes when asked for. A strength
+    /// that may not be negative and stands at zero, driven there, is left out by the step's clamp.
+    fn free(&self, model: &Model, shapes: bool) -> Vec<Number> {
+        let mut all = model.known(&self.campaign);
+        all.extend(model.of_members(shapes));
+        all
+    }
+
+    /// Gauss-Newton with a prior, steps halved until the posterior rises.
+    ///
+    /// # Errors
+    /// [`Departed`] where the model departs at the start already.
+    pub(crate) fn climb(&self, model: &Model, shapes: bool, most: usize) -> Result<Fit, Departed> {
+        let mut model = model.clone();
+        let (mut gram, mut chi) = self.gram(&model, self.free(&model, shapes))?;
+        let penalty = |g: &Gram| 0.5 * g.numbers.iter().map(|n| (n.value / n.prior).powi(2)).sum::<f64>();
+        let mut stop = Stop::Iterations;
+        for _ in 0..most {
+            let Some((_, step, covariance)) = gram.laplace() else {
+                stop = Stop::NoAscent;
+                break;
+            };
+            let largest = (0..step.len()).map(|i| step[i].abs() / covariance[(i, i)].sqrt().max(1e-300)).fold(0.0, f64::max);
+            if largest < SMALL {
+                stop = Stop::Converged;
+                break;
+            }
+            let long = (0..step.len()).map(|i| step[i].abs() / (LONGEST * gram.numbers[i].prior)).fold(1.0, f64::max);
+            let mut fraction = 1.0 / long;
+            let here = gram.log_likelihood - penalty(&gram);
+            let mut accepted = None;
+            let mut departed = None;
+            for _ in 0..6 {
+                let mut next = model.clone();
+                gram.numbers.iter().zip(step.iter()).for_each(|(n, s)| next.change(n, fraction * s));
+                match self.gram(&next, self.free(&next, shapes)) {
+                    Ok((g, c)) if g.log_likelihood - penalty(&g) > here - 1e-6 => {
+                        accepted = Some((next, g, c));
+                        break;
+                    }
+                    Ok(_) => {}
+                    Err(d) => departed = Some(d),
+                }
+                fraction *= 0.35;
+            }
+            let Some((next, g, c)) = accepted else {
+                stop = match departed {
+                    Some(d) if largest > 10.0 => Stop::Departs { run: d.run, t_s: d.t_s },
+                    _ => Stop::NoAscent,
+                };
+                break;
+            };
+            let gained = g.log_likelihood - penalty(&g) - here;
+            (model, gram, chi) = (next, g, c);
+            if gained < 0.02 {
+                stop = Stop::Converged;
+                break;
+            }
+        }
+        let (total, _, covariance) = gram.laplace().unwrap_or((f64::NEG_INFINITY, DVector::zeros(0), DMatrix::zeros(0, 0)));
+        let mean = chi[..POSE].iter().map(|c| c[2]).sum::<f64>() / POSE as f64;
+        Ok(Fit {
+            model,
+            total,
+            covariance,
+            log_likelihood: gram.log_likelihood,
+            numbers: gram.numbers,
+            chi: mean,
+            channels: chi,
+            stop,
+        })
+    }
+
+    /// Sizes and shapes of the random members by a simplex over their logarithms, the rest held, then a climb; the better of before and after.
+    pub(crate) fn settle_random(&self, fit: &Fit, evaluations: usize) -> Fit {
+        let places: Vec<(usize, usize)> = random_numbers(&fit.model);
+        if places.is_empty() {
+            return fit.clone();
+        }
+        let bounds: Vec<[f64; 2]> = places.iter().map(|&(m, i)| log_range(&fit.model, m, i)).collect();
+        let unit = |v: f64, [a, b]: [f64; 2]| ((v.max(1e-12).ln() - a) / (b - a)).clamp(0.0, 1.0);
+        let start: Vec<f64> = places.iter().zip(&bounds).map(|(&(m, i), b)| unit(fit.model.members[m].values[i], *b)).collect();
+        let at = |u: &[f64]| {
+            let mut model = fit.model.clone();
+            for ((&(m, i), [a, b]), u) in places.iter().zip(&bounds).zip(u) {
+                model.members[m].values[i] = (a + (b - a) * u).exp();
+            }
+            model
+        };
+        let value = |u: &[f64]| {
+            let model = at(u);
+            self.gram(&model, self.free(&model, false)).ok().and_then(|(g, _)| g.laplace()).map_or(1e300, |l| -l.0)
+        };
+        let (best, _) = windfall_pid::simplex::minimise(value, &start, 0.08, evaluations);
+        match self.climb(&at(&best), false, 3) {
+            Ok(after) if after.total > fit.total => after,
+            _ => fit.clone(),
+        }
+    }
+}
+
+/// Places of the sizes and shapes of random members.
+pub(crate) fn random_numbers(model: &Model) -> Vec<(usize, usize)> {
+    model
+        .members
+        .iter()
+        .enumerate()
+        .filter(|(_, m)| m.random)
+        .flat_map(|(k, m)| (0..m.values.len()).map(move |i| (k, i)))
+        .collect()
+}
+
+/// Smallest size of a random input over the largest plausible.
+const SMALLEST: f64 = 3e-4;
+
+fn log_range(model: &Model, member: usize, i: usize) -> [f64; 2] {
+    let p = &model.members[member].parameters[i];
+    let low = if p.role == Role::Strength { SMALLEST * p.high } else { p.low };
+    [low.ln(), p.high.ln()]
+}
+
+/// Whether a number belongs to what every set has.
+pub(crate) fn always(id: Id, model: &Model) -> bool {
+    match id {
+        Id::Declared(_) | Id::Constant(_) => true,
+        Id::Member(m, _) => model.members[m].declared,
+        _ => false,
+    }
+}

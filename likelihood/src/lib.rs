@@ -1,0 +1,31 @@
+//! likelihood: one likelihood for tunnel runs: what is measured, what drives it at random, and every number that may be wrong.
+//!
+//! [`Engine`] makes runs ready and learns their noise; a pass of its extended Kalman filter gives the innovations' log-likelihood and the
+//! whitened normal equations ([`Gram`]) of every column: declared parameters, uncertain constants, strengths of all effects of the
+//! catalogue. [`discover`] weighs sets of effects by marginal likelihood, fits the best, and weighs again until the set stays. In: a
+//! campaign. Out: the set, its numbers, rivals, and what generic alternatives say against it.
+//!
+//! Sources: Klein and Morelli, Aircraft System Identification, 2006, ch. 6; Durbin and Koopman, Time Series Analysis by State Space
+//! Methods, 2012; Bishop, Pattern Recognition and Machine Learning, 2006, §3.5.
+
+mod check;
+mod columns;
+mod discover;
+mod engine;
+mod filter;
+mod gram;
+mod model;
+mod noise;
+mod random;
+mod run;
+mod search;
+mod wind;
+
+pub use check::Lead;
+pub use columns::{Basis, CHANNEL_NAMES};
+pub use discover::{Contest, Discovery, discover};
+pub use engine::{Engine, Fit, Stop};
+pub use gram::{Gram, Posterior};
+pub use model::{Id, Member, Model, Number};
+pub use noise::{ChannelNoise, declared as declared_noise};
+pub use search::{Set, Unit};

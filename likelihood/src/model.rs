@@ -1,0 +1,285 @@
+//! likelihood: a model at a point. In: a campaign, values of declared parameters, constants and effects. Out: its plant, and every number
+//! that may be changed as a column with a prior.
+
+use crate::columns::{Basis, Column};
+use std::collections::BTreeMap;
+use windfall_model::{Acts, CATALOGUE, Campaign, Effect, Parameter, Plant, Role};
+
+/// An effect that is part of a model.
+#[derive(Clone, Debug)]
+pub struct Member {
+    /// The effect.
+    pub effect: &'static Effect,
+    /// Its parameters.
+    pub parameters: Vec<Parameter>,
+    /// Their values.
+    pub values: Vec<f64>,
+    /// Whether its strengths are sizes of random inputs.
+    pub random: bool,
+    /// Whether the campaign declares it: it is in every set.
+    pub declared: bool,
+}
+
+/// Values of everything that a fit may change.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// Parameters of the aerodynamic structure.
+    pub declared: Vec<f64>,
+    /// Uncertain constants, as departures from their declared values.
+    pub constants: Vec<f64>,
+    /// Effects.
+    pub members: Vec<Member>,
+}
+
+/// One number that a fit may change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Id {
+    /// Parameter of the structure.
+    Declared(usize),
+    /// Uncertain constant.
+    Constant(usize),
+    /// Parameter of a member.
+    Member(usize, usize),
+    /// Strength (third) of a form (second) of an effect of the catalogue (first).
+    Strength(usize, usize, usize),
+    /// Generic alternative, by its place in a list.
+    Generic(usize),
+}
+
+/// A number with its column's step and its prior: normal about `null` with standard deviation `prior`.
+#[derive(Clone, Copy, Debug)]
+pub struct Number {
+    /// Which.
+    pub id: Id,
+    /// Its present value, less null.
+    pub value: f64,
+    /// Prior standard deviation.
+    pub prior: f64,
+    /// Allowed range.
+    pub range: [f64; 2],
+    /// Step for differences.
+    pub step: f64,
+}
+
+/// A prior standard deviation of an effect's strength, as a share of the plausible range's end.
+const PLAUSIBLE: f64 = 0.1;
+
+impl Member {
+    /// Null instance of an effect.
+    #[must_use]
+    pub fn null(effect: &'static Effect, campaign: &Campaign) -> Self {
+        let parameters = (effect.parameters)(&campaign.inputs);
+        let values: Vec<f64> = parameters.iter().map(|p| p.null).collect();
+        let random = parameters.iter().enumerate().any(|(i, p)| {
+            let mut v = values.clone();
+            v[i] = 1.0;
+            let mut plant = campaign.plant.clone();
+            (effect.apply)(&mut plant, &v);
+            p.role == Role::Strength && plant.disturbances(1.0) != campaign.plant.disturbances(1.0)
+        });
+        Self { effect, parameters, values, random, declared: false }
+    }
+    /// True when it acts in one run only.
+    #[must_use]
+    pub fn is_local(&self) -> bool {
+        self.parameters.iter().any(|p| p.role == Role::Run)
+    }
+    /// Indices of strengths.
+    pub fn strengths(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.values.len()).filter(|&i| self.parameters[i].role == Role::Strength)
+    }
+    /// Values of shapes that are tried: all combinations, but equal places of equal lists.
+    #[must_use]
+    pub fn forms(&self) -> Vec<Vec<f64>> {
+        let mut forms = vec![self.values.clone()];
+        let mut seen: Vec<(&[f64], usize)> = Vec::new();
+        for (i, p) in self.parameters.iter().enumerate() {
+            let Role::Shape(tried) = p.role else { continue };
+            if self.random
+                && let Some((_, twin)) = seen.iter().find(|(list, _)| *list == tried)
+            {
+                let twin = *twin;
+                forms.iter_mut().for_each(|f| f[i] = f[twin]);
+                continue;
+            }
+            seen.push((tried, i));
+            forms = forms
+                .iter()
+                .flat_map(|f| {
+                    tried.iter().map(|v| {
+                        let mut next = f.clone();
+                        next[i] = *v;
+                        next
+                    })
+                })
+                .collect();
+        }
+        forms
+    }
+}
+
+/// The effects of the catalogue that a lander may have.
+pub(crate) fn catalogue() -> impl Iterator<Item = (usize, &'static Effect)> {
+    CATALOGUE.iter().copied().enumerate().filter(|(_, e)| e.acts == Acts::Lander)
+}
+
+impl Model {
+    /// The declared model.
+    #[must_use]
+    pub fn declared(campaign: &Campaign) -> Self {
+        let members = campaign
+            .knowledge
+            .effects
+            .iter()
+            .map(|(effect, values)| Member { values: values.clone(), declared: true, ..Member::null(effect, campaign) })
+            .collect();
+        Self { declared: campaign.plant.aero.values.clone(), constants: vec![0.0; campaign.knowledge.constants.len()], members }
+    }
+
+    /// The plant that these values make.
+    #[must_use]
+    pub fn plant(&self, campaign: &Campaign) -> Plant {
+        let mut plant = campaign.plant.clone();
+        plant.aero.values.clone_from(&self.declared);
+        for (c, offset) in campaign.knowledge.constants.iter().zip(&self.constants) {
+            if let Some(x) = (c.lens)(&mut plant) {
+                *x += offset;
+            }
+        }
+        for m in &self.members {
+            (m.effect.apply)(&mut plant, &m.values);
+        }
+        plant
+    }
+
+    /// Changes a number by `by`, within its range.
+    pub fn change(&mut self, n: &Number, by: f64) {
+        let value = match n.id {
+            Id::Declared(i) => &mut self.declared[i],
+            Id::Constant(i) => &mut self.constants[i],
+            Id::Member(m, i) => &mut self.members[m].values[i],
+            Id::Strength(..) | Id::Generic(_) => return,
+        };
+        *value = (*value + by).clamp(n.range[0], n.range[1]);
+    }
+
+    /// Declared parameters and uncertain constants.
+    #[must_use]
+    pub fn known(&self, campaign: &Campaign) -> Vec<Number> {
+        let mut all: Vec<Number> = (0..self.declared.len())
+            .filter(|&i| campaign.declared[i])
+            .map(|i| {
+                let v = self.declared[i];
+                Number {
+                    id: Id::Declared(i),
+                    value: 0.0,
+                    prior: 30.0 * v.abs().max(campaign.plant.aero.values[i].abs()).max(1.0),
+                    range: [f64::NEG_INFINITY, f64::INFINITY],
+                    step: 1e-4 * v.abs().max(0.1),
+                }
+            })
+            .collect();
+        all.extend(campaign.knowledge.constants.iter().enumerate().map(|(i, c)| Number {
+            id: Id::Constant(i),
+            value: self.constants[i],
+            prior: c.std,
+            range: [-50.0 * c.std, 50.0 * c.std],
+            step: 0.1 * c.std,
+        }));
+        all
+    }
+
+    /// Strengths of the members that enter the mean, and their shapes when asked for.
+    #[must_use]
+    pub fn of_members(&self, shapes: bool) -> Vec<Number> {
+        let mut all = Vec::new();
+        for (k, m) in self.members.iter().enumerate().filter(|(_, m)| !m.random) {
+            for (i, p) in m.parameters.iter().enumerate() {
+                let (prior, step) = match p.role {
+                    Role::Strength => (PLAUSIBLE * p.high, strength_step(p)),
+                    // Whole numbers cannot be changed a little.
+                    Role::Shape(tried) if shapes && tried.iter().any(|v| v.fract() != 0.0) => {
+                        (0.5 * m.values[i].abs(), 1e-3 * m.values[i].abs().max(1e-6))
+                    }
+                    Role::Instant if shapes => (0.2, 1e-3),
+                    _ => continue,
+                };
+                let value = if p.role == Role::Strength { m.values[i] } else { 0.0 };
+                all.push(Number { id: Id::Member(k, i), value, prior, range: [p.low, p.high], step });
+            }
+        }
+        all
+    }
+
+    /// Columns of numbers, in their order.
+    #[must_use]
+    pub(crate) fn columns(&self, campaign: &Campaign, numbers: &[Number], generic: &[(bool, usize, Basis)]) -> Vec<Column> {
+        let base = self.plant(campaign);
+        let mut forms: BTreeMap<usize, (Member, Vec<Vec<f64>>)> = BTreeMap::new();
+        numbers
+            .iter()
+            .map(|n| {
+                let plant = match n.id {
+                    Id::Declared(i) => return Column::Declared(i),
+                    Id::Generic(i) => {
+                        let (error, place, basis) = generic[i];
+                        return if error { Column::Error(place, basis) } else { Column::Load(place, basis) };
+                    }
+                    Id::Strength(family, form, parameter) => {
+                        let (member, forms) = forms.entry(family).or_insert_with(|| {
+                            let m = Member::null(CATALOGUE[family], campaign);
+                            let f = m.forms();
+                            (m, f)
+                        });
+                        let mut values = forms[form].clone();
+                        values[parameter] = n.step;
+                        let mut plant = base.clone();
+                        (member.effect.apply)(&mut plant, &values);
+                        plant
+                    }
+                    _ => {
+                        let mut moved = self.clone();
+                        let mut wide = *n;
+                        wide.range = [f64::NEG_INFINITY, f64::INFINITY];
+                        moved.change(&wide, n.step);
+                        moved.plant(campaign)
+                    }
+                };
+                Column::Plant(Box::new(plant), n.step)
+            })
+            .collect()
+    }
+}
+
+/// Step of a strength for differences.
+pub(crate) fn strength_step(p: &Parameter) -> f64 {
+    1e-4 * p.high.min(1e3)
+}
+
+/// Strengths of every form of every effect that enters the mean and is not local; forms of the same family as a member are left out
+/// but for those with shapes, of which the member is one more.
+#[must_use]
+pub(crate) fn candidates(campaign: &Campaign, model: &Model) -> Vec<Number> {
+    let mut all = Vec::new();
+    for (index, effect) in catalogue() {
+        let null = Member::null(effect, campaign);
+        let taken = model.members.iter().any(|m| m.effect.family == effect.family);
+        let forms = null.forms();
+        if null.random || null.is_local() || (taken && (forms.len() == 1 || model.plant(campaign).vehicle.loose.is_some())) {
+            continue;
+        }
+        for form in 0..forms.len() {
+            for i in null.strengths() {
+                let p = &null.parameters[i];
+                all.push(Number {
+                    id: Id::Strength(index, form, i),
+                    value: 0.0,
+                    prior: PLAUSIBLE * p.high,
+                    range: [p.low, p.high],
+                    step: strength_step(p),
+                });
+            }
+        }
+    }
+    all
+}

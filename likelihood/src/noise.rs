@@ -1,0 +1,271 @@
+//! likelihood: noise of the pose channels, learnt from the record. In: records. Out: size and colour of each channel's noise.
+//!
+//! Above the motion's frequencies the spectrum of a channel's differences is its noise alone. White noise plus a first-order
+//! autoregressive one is fitted there by Whittle's likelihood (Whittle 1953); what is declared is a prior where little is seen.
+
+use crate::run::CHANNELS;
+use realfft::RealFftPlanner;
+use windfall_model::{Record, Sensors};
+
+/// Noise of one channel: variance of its samples' white part, and variance and lag-one correlation of its coloured part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChannelNoise {
+    /// Variance of the white part, SI (rad).
+    pub white: f64,
+    /// Variance of the coloured part.
+    pub coloured: f64,
+    /// Correlation of the coloured part from one sample to the next, in [0, 1).
+    pub correlation: f64,
+}
+
+impl ChannelNoise {
+    /// White noise of that standard deviation.
+    #[must_use]
+    pub fn white(std: f64) -> Self {
+        Self { white: std * std, coloured: 0.0, correlation: 0.0 }
+    }
+    /// Standard deviation of a sample.
+    #[must_use]
+    pub fn std(&self) -> f64 {
+        (self.white + self.coloured).sqrt()
+    }
+    /// Variance of the coloured part of a mean of `m` samples, and its correlation with the next such mean.
+    pub(crate) fn of_means(&self, m: usize) -> (f64, f64) {
+        let (n, r) = (m as f64, self.correlation);
+        let sum = |from: usize| -> f64 {
+            (0..m)
+                .flat_map(|i| (0..m).map(move |k| (i, k + from)))
+                .map(|(i, k)| r.powi(i32::try_from(i.abs_diff(k)).unwrap_or(i32::MAX)))
+                .sum()
+        };
+        let (own, next) = (sum(0), sum(m));
+        (self.coloured * own / (n * n), if own > 0.0 { next / own } else { 0.0 })
+    }
+}
+
+/// Lowest frequency that is noise alone, Hz, at least this share of the sample rate; and from where motion is told from noise by its
+/// steep spectrum, Hz.
+const ABOVE_HZ: f64 = 10.0;
+const ABOVE_SHARE: f64 = 0.08;
+const WITH_MOTION_HZ: f64 = 3.5;
+/// Above its modes, motion under forces with spectra that fall with the square of frequency has one that falls with the sixth power.
+const STEEP: i32 = 6;
+/// Gain of log-likelihood that speaks for coloured noise, and for colours that differ between channels.
+const COLOUR: f64 = 20.0;
+const DIFFERENT: f64 = 60.0;
+
+/// Declared noise of the channels.
+#[must_use]
+pub fn declared(s: &Sensors) -> [ChannelNoise; CHANNELS] {
+    let (p, a) = (s.position_std_m, s.pitch_yaw_std_rad);
+    [p, p, p, s.roll_std_rad, a, a, s.wind_std_m_s].map(ChannelNoise::white)
+}
+
+/// Learnt noise of the pose channels of these runs together. White noise is measured above the motion; where there is colour, one
+/// correlation for all channels is fitted from lower frequencies on, with the motion's steep spectrum beside it, or one for each channel
+/// where that says much more.
+#[must_use]
+pub(crate) fn learn(records: &[&Record], sensors: &Sensors) -> [ChannelNoise; CHANNELS] {
+    let prior = declared(sensors);
+    let spectra: [Vec<Ordinate>; CHANNELS] = std::array::from_fn(|c| records.iter().flat_map(|r| spectrum(r, c)).collect());
+    if spectra.iter().any(|s| s.iter().filter(|o| o.noise_alone).count() < 50) {
+        return prior;
+    }
+    let plain: [f64; CHANNELS] = std::array::from_fn(|c| {
+        let alone: Vec<Ordinate> = spectra[c].iter().copied().filter(|o| o.noise_alone).collect();
+        Search { spectrum: &alone, motion: false }.at(0.0, 0.0).1
+    });
+    let coloured = (0..CHANNELS).any(|c| {
+        let alone: Vec<Ordinate> = spectra[c].iter().copied().filter(|o| o.noise_alone).collect();
+        let search = Search { spectrum: &alone, motion: false };
+        search.at(0.0, 0.0).0 - best(&[search]).0 > COLOUR
+    });
+    let white = plain.map(|v| ChannelNoise { white: v, coloured: 0.0, correlation: 0.0 });
+    if !coloured {
+        return white;
+    }
+    let searches: Vec<Search<'_>> = spectra.iter().map(|s| Search { spectrum: s, motion: true }).collect();
+    let (shared_cost, share, r) = best(&searches);
+    let own: Vec<(f64, f64, f64)> = searches.iter().map(|s| best(std::slice::from_ref(s))).collect();
+    let own_cost: f64 = own.iter().map(|o| o.0).sum();
+    let none: f64 = searches.iter().map(|s| s.at(0.0, 0.0).0).sum();
+    if none - shared_cost.min(own_cost) < COLOUR {
+        return white;
+    }
+    std::array::from_fn(|c| {
+        let (share, r) = if shared_cost - own_cost > DIFFERENT { (own[c].1, own[c].2) } else { (share, r) };
+        let variance = searches[c].at(share, r).1;
+        ChannelNoise { white: (1.0 - share) * variance, coloured: share * variance, correlation: r }
+    })
+}
+
+/// One ordinate of a spectrum.
+#[derive(Clone, Copy, Debug)]
+struct Ordinate {
+    /// Frequency, rad a sample, and in units of the lowest with motion.
+    w: f64,
+    ratio: f64,
+    power: f64,
+    noise_alone: bool,
+}
+
+/// Periodogram of a channel from its first differences, motion's lowest frequencies left out.
+fn spectrum(record: &Record, channel: usize) -> Vec<Ordinate> {
+    let (series, measured) = filled(record, channel);
+    let n = series.len().saturating_sub(1);
+    if n < 64 {
+        return Vec::new();
+    }
+    let steps: Vec<f64> = series.windows(2).map(|w| w[1] - w[0]).collect();
+    let mean = steps.iter().sum::<f64>() / n as f64;
+    let window: Vec<f64> = (0..n).map(|i| 0.5 - 0.5 * (std::f64::consts::TAU * (i as f64 + 0.5) / n as f64).cos()).collect();
+    let power: f64 = window.iter().map(|w| w * w).sum();
+    let mut input: Vec<f64> = steps.iter().zip(&window).map(|(s, w)| (s - mean) * w).collect();
+    let plan = RealFftPlanner::new().plan_fft_forward(n);
+    let mut output = plan.make_output_vec();
+    if plan.process(&mut input, &mut output).is_err() {
+        return Vec::new();
+    }
+    let (dt, turn) = (record.interval_s(), std::f64::consts::TAU);
+    let alone = (ABOVE_HZ * dt).clamp(ABOVE_SHARE, 0.3) * turn;
+    let least = (WITH_MOTION_HZ * dt).min(0.2) * turn;
+    output
+        .iter()
+        .enumerate()
+        .map(|(k, z)| (turn * k as f64 / n as f64, z.norm_sqr() / power))
+        .filter(|(w, _)| *w > least && *w < 0.99 * std::f64::consts::PI)
+        .map(|(w, p)| Ordinate { w, ratio: w / least, power: measured * p / (2.0 - 2.0 * w.cos()), noise_alone: w > alone })
+        .collect()
+}
+
+/// A channel with noise where samples were bridged too, and the ratio of the noise where five neighbours were measured to that everywhere.
+fn filled(record: &Record, channel: usize) -> (Vec<f64>, f64) {
+    let mut series = record.channels()[channel].to_vec();
+    if !record.bridged.iter().any(|b| *b) {
+        return (series, 1.0);
+    }
+    // Fourth differences: the motion's are small.
+    let fourth = |series: &[f64], all: bool| {
+        let each: Vec<f64> = series
+            .windows(5)
+            .zip(record.bridged.windows(5))
+            .filter(|(_, b)| all || b.iter().all(|b| !b))
+            .map(|(s, _)| (s[0] - 4.0 * s[1] + 6.0 * s[2] - 4.0 * s[3] + s[4]).powi(2) / 70.0)
+            .collect();
+        each.iter().sum::<f64>() / each.len().max(1) as f64
+    };
+    let measured = fourth(&series, false);
+    // A bridge has about half the variance of its ends. Any sequence without memory will do: an additive recurrence.
+    let (std, mut phase) = (measured.sqrt(), 0.5);
+    for (x, _) in series.iter_mut().zip(&record.bridged).filter(|(_, b)| **b) {
+        phase = (phase + 0.754_877_666_246_692_7_f64 * (1.0 + channel as f64)) % 1.0;
+        *x += std * (std::f64::consts::TAU * phase * 37.0).cos();
+    }
+    let ratio = measured / fourth(&series, true).max(1e-300);
+    (series, ratio)
+}
+
+/// White plus first-order noise, beside a motion's steep spectrum or not, on one channel.
+struct Search<'a> {
+    spectrum: &'a [Ordinate],
+    motion: bool,
+}
+
+impl Search<'_> {
+    /// Whittle's cost (Whittle 1953) and the noise's variance at a share of coloured noise and its correlation; the motion's size by
+    /// trying decades, the variance concentrated out. Ordinates far beyond the mean, as of lines, count as far as an exponential's tail goes.
+    fn at(&self, share: f64, r: f64) -> (f64, f64) {
+        let shapes: Vec<f64> =
+            self.spectrum.iter().map(|o| (1.0 - share) + share * (1.0 - r * r) / (1.0 + r * r - 2.0 * r * o.w.cos())).collect();
+        let mut best = (f64::INFINITY, 0.0);
+        let sizes: &[f64] =
+            if self.motion { &[0.0, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 3e3, 1e4, 1e5] } else { &[0.0] };
+        for motion in sizes {
+            let whole: Vec<f64> = self.spectrum.iter().zip(&shapes).map(|(o, s)| s + motion * o.ratio.powi(-STEEP)).collect();
+            let each = || self.spectrum.iter().zip(&whole).map(|(o, s)| o.power / s);
+            let n = whole.len() as f64;
+            let mut variance = each().sum::<f64>() / n;
+            for _ in 0..3 {
+                variance = each().map(|p| p.min(12.0 * variance)).sum::<f64>() / n;
+            }
+            let cost = n * variance.ln()
+                + whole.iter().map(|s| s.ln()).sum::<f64>()
+                + each().map(|p| p.min(12.0 * variance)).sum::<f64>() / variance;
+            if cost < best.0 {
+                best = (cost, variance);
+            }
+        }
+        best
+    }
+}
+
+/// Most likely share and correlation for channels together, on a grid that narrows: cost, share, correlation.
+fn best(searches: &[Search<'_>]) -> (f64, f64, f64) {
+    const LAST: f64 = 0.985;
+    let mut best = (f64::INFINITY, 0.0, 0.0);
+    let (mut share, mut r) = ([0.0, 1.0], [0.0, LAST]);
+    for _ in 0..3 {
+        let grid = |[a, b]: [f64; 2], k: usize| a + (b - a) * k as f64 / 8.0;
+        for i in 0..=8 {
+            for k in 0..=8 {
+                let (s, q) = (grid(share, i), grid(r, k));
+                let cost: f64 = searches.iter().map(|x| x.at(s, q).0).sum();
+                if cost < best.0 {
+                    best = (cost, s, q);
+                }
+            }
+        }
+        let narrowed = |centre: f64, [a, b]: [f64; 2], high: f64| {
+            let width = 0.2 * (b - a);
+            [(centre - width).max(0.0), (centre + width).min(high)]
+        };
+        (share, r) = (narrowed(best.1, share, 1.0), narrowed(best.2, r, LAST));
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn record(mut next: impl FnMut() -> f64) -> Record {
+        let n = 3000;
+        let noise: Vec<f64> = (0..n).map(|_| next()).collect();
+        let t_s: Vec<f64> = (0..n).map(|i| i as f64 / 150.0).collect();
+        // A pitch mode of about 1 Hz below the noise, a hundred times its size.
+        let x: Vec<f64> = t_s.iter().zip(&noise).map(|(t, e)| 0.1 * (6.0 * t).sin() + e).collect();
+        Record {
+            position_m: [x.clone(), x.clone(), x.clone()],
+            vw_m_s: x.clone(),
+            attitude_rad: [x.clone(), x.clone(), x],
+            ps_pa: vec![1e5; n],
+            ts_k: vec![290.0; n],
+            qw_pa: None,
+            bridged: Vec::new(),
+            t_s,
+        }
+    }
+
+    #[test]
+    fn recover_white_and_coloured_noise() {
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        let sensors =
+            Sensors { position_std_m: 1.0, roll_std_rad: 1.0, pitch_yaw_std_rad: 1.0, wind_std_m_s: 1.0, ..Sensors::default() };
+        let white = record(|| 1e-3 * normal());
+        let found = learn(&[&white], &sensors)[0];
+        // 1300 ordinates, every second one: 4 % of the variance a sigma.
+        assert!((found.std() / 1e-3 - 1.0).abs() < 0.06 && found.coloured == 0.0, "{found:?}");
+        let mut state = 0.0;
+        let r: f64 = 0.9;
+        let red = record(|| {
+            state = r * state + (1.0 - r * r).sqrt() * 1e-3 * normal();
+            state
+        });
+        let found = learn(&[&red], &sensors)[0];
+        assert!((found.std() / 1e-3 - 1.0).abs() < 0.2 && (found.correlation - 0.9).abs() < 0.04, "{found:?}");
+    }
+}

@@ -1,0 +1,163 @@
+//! likelihood: a run made ready for the filter. In: a record. Out: nodes, each the mean of a few neighbouring samples, and a start.
+//!
+//! A node stands for a block of samples: the mean of what was measured less what motion over the block explains carries all that a filter
+//! can use below the block's own rate, at a fraction of its cost. Missing samples leave a node with fewer, or none.
+
+use crate::noise::ChannelNoise;
+use crate::wind::jerk_root;
+use windfall_model::Record;
+
+/// Channels of the pose: X, Y, Z (m), R_x, R_y, R_z (rad).
+pub(crate) const POSE: usize = 6;
+/// All channels: the pose and V_W (m/s).
+pub(crate) const CHANNELS: usize = POSE + 1;
+
+/// Mean over the samples of a block that were measured.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Mean {
+    /// How many samples.
+    pub(crate) count: f64,
+    /// Mean of their times from the node, and of the squares, s and s².
+    pub(crate) tau_s: f64,
+    pub(crate) tau2_s2: f64,
+}
+
+/// One instant of the filter.
+#[derive(Clone, Debug)]
+pub(crate) struct Node {
+    /// Time from the run's first sample, s.
+    pub(crate) t_s: f64,
+    /// Density, kg/m³.
+    pub(crate) density_kg_m3: f64,
+    pub(crate) pose: Mean,
+    pub(crate) wind: Mean,
+    /// Means of the channels.
+    pub(crate) y: [f64; CHANNELS],
+}
+
+/// A run ready for the filter.
+#[derive(Clone, Debug)]
+pub(crate) struct Prepared {
+    /// Index in the campaign.
+    pub(crate) index: usize,
+    pub(crate) name: String,
+    /// Sample interval, samples a node.
+    pub(crate) interval_s: f64,
+    pub(crate) block: usize,
+    pub(crate) nodes: Vec<Node>,
+    /// Position of the origin (m), Euler angles (rad) and their rates at the first node.
+    pub(crate) start: [[f64; 2]; POSE],
+    /// Tunnel speed and its rate at the first node.
+    pub(crate) start_wind: [f64; 2],
+    /// Root of the intensity of the tunnel speed's wandering second derivative, m/s³ per root second.
+    pub(crate) jerk_root: f64,
+    /// Mean tunnel speed, m/s.
+    pub(crate) speed_m_s: f64,
+}
+
+impl Prepared {
+    /// Blocks of about `node_s`, the tunnel speed taken `wind_delay_s` later (to the next sample) than it is stamped.
+    pub(crate) fn new(
+        index: usize,
+        name: &str,
+        record: &Record,
+        gas_constant: f64,
+        node_s: f64,
+        wind_delay_s: f64,
+        noise: &ChannelNoise,
+    ) -> Self {
+        let (n, dt) = (record.len(), record.interval_s());
+        let block = whole(node_s / dt).max(1);
+        let shift = (wind_delay_s / dt).round();
+        let channels = record.channels();
+        let missing = |i: usize| record.bridged.get(i).copied().unwrap_or(false);
+        let nodes: Vec<Node> = (0..n / block)
+            .map(|k| {
+                let first = k * block;
+                let centre = first as f64 + 0.5 * (block as f64 - 1.0);
+                let mut node = Node {
+                    t_s: centre * dt,
+                    density_kg_m3: 0.0,
+                    pose: Mean::default(),
+                    wind: Mean::default(),
+                    y: [0.0; CHANNELS],
+                };
+                for i in first..first + block {
+                    node.density_kg_m3 += record.ps_pa[i] / (gas_constant * record.ts_k[i]) / block as f64;
+                    if missing(i) {
+                        continue;
+                    }
+                    let tau = (i as f64 - centre) * dt;
+                    node.pose.add(tau);
+                    (0..POSE).for_each(|c| node.y[c] += channels[c][i]);
+                    let at = i as f64 + shift;
+                    if at >= 0.0 && at < n as f64 && !missing(whole(at)) {
+                        node.wind.add(tau);
+                        node.y[POSE] += channels[POSE][whole(at)];
+                    }
+                }
+                (0..POSE).for_each(|c| node.y[c] /= node.pose.count.max(1.0));
+                node.y[POSE] /= node.wind.count.max(1.0);
+                node.pose.close();
+                node.wind.close();
+                node
+            })
+            .collect();
+        let at_s = nodes.first().map_or(0.0, |k| k.t_s);
+        let line = |c: usize| start_of(channels[c], dt, at_s, &missing);
+        Self {
+            index,
+            name: name.to_owned(),
+            interval_s: dt,
+            block,
+            start: std::array::from_fn(line),
+            start_wind: line(POSE),
+            jerk_root: jerk_root(channels[POSE], dt, noise),
+            speed_m_s: channels[POSE].iter().sum::<f64>() / n.max(1) as f64,
+            nodes,
+        }
+    }
+
+    /// Time between nodes as the record's clock has it, s.
+    pub(crate) fn step_s(&self) -> f64 {
+        self.block as f64 * self.interval_s
+    }
+
+    pub(crate) fn duration_s(&self) -> f64 {
+        self.nodes.last().map_or(0.0, |n| n.t_s)
+    }
+}
+
+impl Mean {
+    fn add(&mut self, tau: f64) {
+        self.count += 1.0;
+        self.tau_s += tau;
+        self.tau2_s2 += tau * tau;
+    }
+    fn close(&mut self) {
+        if self.count > 0.0 {
+            self.tau_s /= self.count;
+            self.tau2_s2 /= self.count;
+        }
+    }
+}
+
+/// A whole number that is not negative.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small numbers of samples")]
+pub(crate) fn whole(x: f64) -> usize {
+    x.round().max(0.0) as usize
+}
+
+/// Time over which the start is fitted, s.
+const START_S: f64 = 0.25;
+
+/// Value and rate at time `at_s` of a cubic through the first quarter of a second.
+fn start_of(series: &[f64], dt: f64, at_s: f64, missing: &dyn Fn(usize) -> bool) -> [f64; 2] {
+    let many = whole(START_S / dt).clamp(8, series.len().max(8)).min(series.len());
+    let used: Vec<usize> = (0..many).filter(|&i| !missing(i)).collect();
+    let a = nalgebra::DMatrix::from_fn(used.len(), 4, |r, c| {
+        ((used[r] as f64 * dt - at_s) / START_S).powi(i32::try_from(c).unwrap_or(0))
+    });
+    let y = nalgebra::DVector::from_fn(used.len(), |r, _| series[used[r]]);
+    a.svd(true, true).solve(&y, 1e-12).map_or([series.first().copied().unwrap_or(0.0), 0.0], |p| [p[0], p[1] / START_S])
+}

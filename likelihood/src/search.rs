@@ -1,0 +1,171 @@
+//! likelihood: which set of effects. In: normal equations of all candidates. Out: sets with their log marginal likelihood, best first.
+//!
+//! Singles, pairs, and larger sets grown from the best; every set is weighed anew, so that a member which another makes needless
+//! drops out. A family costs the logarithm of the number of families, a form that of its family's forms.
+
+use crate::gram::Gram;
+use crate::model::Id;
+use std::collections::BTreeMap;
+
+/// Something that may be part of a set: a family in one form, or a generic alternative.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unit {
+    /// Group of units of which a set has at most one.
+    pub group: usize,
+    /// Places of its columns.
+    pub columns: Vec<usize>,
+    /// Logarithm of its prior odds against, positive.
+    pub cost: f64,
+}
+
+/// A set with its gain over the empty one, its costs taken off.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Set {
+    /// Units by their place, ascending.
+    pub units: Vec<usize>,
+    /// Log marginal likelihood over that of the empty set, less costs.
+    pub gain: f64,
+    /// Columns that are in it: strengths that would leave their range are out.
+    pub columns: Vec<usize>,
+    /// Their estimates.
+    pub estimates: Vec<f64>,
+}
+
+/// Sets kept at each size, and the largest size.
+const KEPT: usize = 24;
+
+/// Weighs sets of up to `most` units; `gram` has declared parameters and constants eliminated.
+#[must_use]
+pub(crate) fn search(gram: &Gram, units: &[Unit], most: usize) -> Vec<Set> {
+    let mut all: BTreeMap<Vec<usize>, Set> = BTreeMap::new();
+    let empty = Set { units: Vec::new(), gain: 0.0, columns: Vec::new(), estimates: Vec::new() };
+    all.insert(Vec::new(), empty.clone());
+    let mut level = vec![empty];
+    for size in 1..=most {
+        let mut next: Vec<Set> = Vec::new();
+        for set in &level {
+            for (u, unit) in units.iter().enumerate() {
+                if set.units.iter().any(|&other| units[other].group == unit.group) {
+                    continue;
+                }
+                let mut members = set.units.clone();
+                members.push(u);
+                members.sort_unstable();
+                if all.contains_key(&members) {
+                    continue;
+                }
+                if let Some(weighed) = weigh(gram, units, &members) {
+                    all.insert(members, weighed.clone());
+                    next.push(weighed);
+                }
+            }
+        }
+        next.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        // Pairs are grown from all singles that are worth anything, larger sets from the best.
+        next.truncate(if size == 1 { 60 } else { KEPT });
+        if next.is_empty() {
+            break;
+        }
+        level = next;
+    }
+    let mut sets: Vec<Set> = all.into_values().collect();
+    sets.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    sets
+}
+
+/// One set. Strengths are dropped, the farthest out first, until all lie in their range; a unit that loses all of them is no member.
+pub(crate) fn weigh(gram: &Gram, units: &[Unit], members: &[usize]) -> Option<Set> {
+    let mut columns: Vec<usize> = members.iter().flat_map(|&u| units[u].columns.iter().copied()).collect();
+    let cost: f64 = members.iter().map(|&u| units[u].cost).sum();
+    loop {
+        if members.iter().any(|&u| !units[u].columns.iter().any(|c| columns.contains(c))) {
+            return None;
+        }
+        let posterior = gram.posterior(&columns)?;
+        let beyond = |i: usize| {
+            let n = &gram.numbers[columns[i]];
+            let v = posterior.mean[i];
+            (n.range[0] - v).max(v - n.range[1]) / n.prior
+        };
+        let worst = (0..columns.len()).filter(|&i| beyond(i) > 0.0).max_by(|a, b| beyond(*a).total_cmp(&beyond(*b)));
+        let Some(worst) = worst else {
+            return Some(Set {
+                units: members.to_vec(),
+                gain: posterior.gain - cost,
+                estimates: posterior.mean.iter().copied().collect(),
+                columns,
+            });
+        };
+        columns.remove(worst);
+    }
+}
+
+/// Units of numbers: strengths of one form together.
+#[must_use]
+pub(crate) fn units(
+    numbers: &[crate::model::Number],
+    group_of: &dyn Fn(Id) -> Option<(usize, f64)>,
+    key: &dyn Fn(Id) -> (usize, usize),
+) -> Vec<Unit> {
+    let mut all: BTreeMap<(usize, usize), Unit> = BTreeMap::new();
+    for (place, n) in numbers.iter().enumerate() {
+        let Some((group, cost)) = group_of(n.id) else { continue };
+        all.entry(key(n.id)).or_insert_with(|| Unit { group, columns: Vec::new(), cost }).columns.push(place);
+    }
+    all.into_values().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Number;
+    use nalgebra::{DMatrix, DVector};
+
+    fn number(i: usize, range: [f64; 2]) -> Number {
+        Number { id: Id::Generic(i), value: 0.0, prior: 1.0, range, step: 1.0 }
+    }
+
+    /// Three columns of which the third nearly repeats the first; data that the first and the second make.
+    fn gram(range: [f64; 2]) -> Gram {
+        let g = DMatrix::from_row_slice(3, 3, &[100.0, 0.0, 95.0, 0.0, 50.0, 0.0, 95.0, 0.0, 100.0]);
+        let b = &g * DVector::from_vec(vec![1.0, -2.0, 0.0]);
+        Gram::new((0..3).map(|i| number(i, range)).collect(), g, b, 0.0)
+    }
+
+    fn one_each() -> Vec<Unit> {
+        (0..3).map(|i| Unit { group: i, columns: vec![i], cost: 30.0_f64.ln() }).collect()
+    }
+
+    #[test]
+    fn recover_the_set_that_made_the_data() {
+        let sets = search(&gram([f64::NEG_INFINITY, f64::INFINITY]), &one_each(), 3);
+        assert_eq!(sets[0].units, [0, 1]);
+        // Posterior means: g v / (g + 1).
+        assert!((sets[0].estimates[0] - 100.0 / 101.0).abs() < 1e-12 && (sets[0].estimates[1] + 100.0 / 51.0).abs() < 1e-12);
+        // ½ yᵀy − ½ ln |I + G| − 2 ln 30 by hand.
+        let gain =
+            0.5 * (100.0_f64.powi(2) / 101.0 + 100.0_f64.powi(2) / 51.0) - 0.5 * (101.0_f64 * 51.0).ln() - 2.0 * 30.0_f64.ln();
+        assert!((sets[0].gain - gain).abs() < 1e-9, "{} {gain}", sets[0].gain);
+    }
+
+    #[test]
+    fn law_a_strength_outside_its_range_is_no_member() {
+        let sets = search(&gram([0.0, 5.0]), &one_each(), 3);
+        assert_eq!(sets[0].units, [0]);
+        assert!(sets.iter().all(|s| !s.units.contains(&1)));
+    }
+
+    /// Eliminating what every set has changes no gain but by that of what is eliminated.
+    #[test]
+    fn exact_elimination() {
+        let whole = gram([f64::NEG_INFINITY, f64::INFINITY]);
+        let left = whole.given(&[1], &[0, 2]).expect("a definite matrix");
+        let difference = |a: &[usize], b: &[usize]| {
+            whole.posterior(a).expect("definite").gain
+                - whole.posterior(&[1]).expect("definite").gain
+                - left.posterior(b).expect("definite").gain
+        };
+        assert!(difference(&[1, 0], &[0]).abs() < 1e-10);
+        assert!(difference(&[1, 0, 2], &[0, 1]).abs() < 1e-10);
+    }
+}

@@ -1,0 +1,71 @@
+//! The loop closed on campaigns of this simulator, and the table of what came of it.
+
+use crate::dump::wanted;
+use crate::groups::draw;
+use crate::score::{Score, score, table};
+use crate::write::{answer, campaign};
+use rayon::prelude::*;
+use std::path::PathBuf;
+use std::time::Instant;
+use windfall_scenarios::read_campaign;
+use windfall_verify::close::{Options, close};
+
+/// Draws, writes, reads as any user's campaign, closes, scores.
+fn one(group: &str, i: usize, seed: u64) -> Score {
+    let (spec, runs) = draw(group, i, seed);
+    let name = format!("{group}-{i:03}-{seed}");
+    let root: PathBuf = std::env::temp_dir().join(format!("windfall-elsewhere-{}", std::process::id()));
+    campaign(&root, &name, &spec, &runs).expect("the folder for temporary files can be written");
+    let started = Instant::now();
+    let read = read_campaign(&root.join(&name).join("campaign.toml"));
+    let _ = std::fs::remove_dir_all(root.join(&name));
+    let closing = read.ok().and_then(|c| close(&c, &Options::default()).ok());
+    let closing = closing.and_then(|c| serde_json::to_value(&c).ok());
+    score(&answer(&name, &spec), closing.as_ref(), started.elapsed().as_secs_f64())
+}
+
+fn all(list: &str, seed: u64) -> Vec<Score> {
+    let draws: Vec<(String, usize)> = wanted(list).into_iter().flat_map(|(g, n)| (0..n).map(move |i| (g.clone(), i))).collect();
+    draws
+        .par_iter()
+        .map(|(g, i)| {
+            let s = one(g, *i, seed);
+            let mark = if s.right { '+' } else { '-' };
+            println!(
+                "{mark} {} {}: want {}; {} {} {:.0} s",
+                s.name,
+                s.what,
+                s.want.join("+"),
+                s.verdict,
+                s.named.join("+"),
+                s.seconds
+            );
+            s
+        })
+        .collect()
+}
+
+fn seed() -> u64 {
+    std::env::var("ELSEWHERE_SEED").ok().and_then(|s| s.parse().ok()).unwrap_or(1)
+}
+
+/// `ELSEWHERE_GROUPS=A:100,B:50 ELSEWHERE_SEED=1`; a table a group.
+#[test]
+#[ignore = "a study: closes the campaigns of ELSEWHERE_GROUPS, a minute or so for ten"]
+fn study_every_group() {
+    let list = std::env::var("ELSEWHERE_GROUPS").unwrap_or_else(|_| "A:20,B:24,C:16,D:24,E:32,F:16,G:25,S:25".to_owned());
+    for part in list.split(',') {
+        println!("{part}\n{}", table(&all(part, seed())));
+    }
+}
+
+/// The study in small. `ELSEWHERE_GROUPS` says which campaigns instead of one each of a few groups.
+#[test]
+fn recover_a_few() {
+    let list = std::env::var("ELSEWHERE_GROUPS").unwrap_or_else(|_| "A:1,B:1,S:1".to_owned());
+    let scores = all(&list, seed());
+    println!("{}", table(&scores));
+    // BOUNDS: numbers of right, exact and named beside by group, from their sampling error, go here once closing is settled.
+    // Until then it is asked only that each campaign comes to an end, in a time that is a result's.
+    assert!(scores.iter().all(|s| s.seconds.is_finite()));
+}
