@@ -27,6 +27,13 @@ fn main() {
                         );
                     }
                 }
+                for (n, i) in d.after.numbers.iter().zip(0..) {
+                    if let windfall_likelihood::Id::Constant(c) = n.id {
+                        let known = &engine.campaign().knowledge.constants[c];
+                        let sd = d.after.covariance[(i, i)].sqrt();
+                        println!("    {} {:+.2} +- {:.2} of its uncertainty", known.name(), n.value / known.std, sd / known.std);
+                    }
+                }
                 if let Some(c) = &d.contest {
                     println!("  contest {:?} strongest {:.1}", c.families, c.strongest);
                     c.leads

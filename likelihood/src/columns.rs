@@ -118,25 +118,20 @@ pub(crate) const LOADS: [&str; 6] = ["CA", "CY", "CN", "Cl", "Cm", "Cn"];
 pub const CHANNEL_NAMES: [&str; CHANNELS] = ["X_m", "Y_m", "Z_m", "Rx_deg", "Ry_deg", "Rz_deg", "VW_m_s"];
 
 /// What a channel shows at one node.
-pub(crate) type Shown = [f64; CHANNELS];
+pub(crate) type Shown = [f64; POSE];
 
-/// What instruments make of a state: c.m. position, Euler angles, velocity, rates and their derivatives, tunnel speed with two
-/// derivatives; each channel's mean over the node's samples, which lie about the node by `pose` and `wind` (mean time and mean
-/// square, s and s²), instruments' own delays on top.
-pub(crate) fn shown(
-    plant: &Plant,
-    x: &[f64],
-    rate: &[f64],
-    wind: [f64; 3],
-    pose: [f64; 2],
-    speed: [f64; 2],
-    taken_s: f64,
-) -> Shown {
+/// Time by which the tunnel speed's record lags the pose's, s. Only this can be told: a motion seen late, under inputs seen as late, is
+/// the same motion.
+pub(crate) fn lag_s(s: &windfall_model::Sensors) -> f64 {
+    s.wind_delay_s - s.pose_delay_s
+}
+
+/// What the pose's instruments make of a state: c.m. position, Euler angles, velocity, rates and their derivatives; each channel's mean over
+/// the node's samples, which lie about the node by `samples` (mean time and mean square, s and s²).
+pub(crate) fn shown(plant: &Plant, x: &[f64], rate: &[f64], samples: [f64; 2]) -> Shown {
     let s = &plant.sensors;
     let arm = plant.vehicle.p_origin_cm.to_array();
-    // Value at t - delay, in the mean over the samples: first and second moments of the time from the node.
-    let moments = |[tau, tau2]: [f64; 2], delay: f64| (tau - delay, 0.5 * (tau2 - 2.0 * tau * delay + delay * delay));
-    let (first, second) = moments(pose, s.pose_delay_s);
+    let (first, second) = (samples[0], 0.5 * samples[1]);
     let (e, w) = ([x[3], x[4], x[5]], [x[9], x[10], x[11]]);
     let euler_rate = |e: [f64; 3], w: [f64; 3]| {
         let ((sy, cy), (sz, cz)) = (e[1].sin_cos(), e[2].sin_cos());
@@ -163,12 +158,9 @@ pub(crate) fn shown(
             near((-r(0, 1)).atan2(r(0, 0)), angles[2]),
         ];
     }
-    let (first, second) = moments(speed, s.wind_delay_s - taken_s);
-    let v = (wind[0] + first * wind[1] + second * wind[2]) * (1.0 + s.wind_scale);
-    let mut out = [0.0; CHANNELS];
+    let mut out = [0.0; POSE];
     out[..3].copy_from_slice(&place);
-    out[3..POSE].copy_from_slice(&angles);
-    out[POSE] = v;
+    out[3..].copy_from_slice(&angles);
     out
 }
 

@@ -114,7 +114,6 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
         }
     }
     let (_, after, weighed) = best.ok_or("no set of effects could be fitted")?;
-    engine.follow(&after.model);
     let (after, weighed, contest) = against_alternatives(engine, after, weighed, &mut log);
     let before = declared_alone(engine, &declared, &after);
     let sets = named(&weighed, &after.model);
@@ -157,7 +156,6 @@ fn against_alternatives(
     let mut model = fit.model.clone();
     model.members.retain(keep);
     log.push(format!("generic alternatives leave {}", describe(&model)));
-    engine.follow(&model);
     let fewer = engine.climb(&model, true, 6).ok().and_then(|f| Some((self::weighed(engine, &f.model)?, f)));
     let Some((w, f)) = fewer else { return (fit, weighed, Some(contest)) };
     let again = with_alternatives(engine, &f.model).or(Some(contest));
@@ -413,9 +411,7 @@ fn weighed_beside(engine: &Engine, model: &Model, alternatives: &[Alternative]) 
             Id::Generic(i) => return Some((GENERIC + group[i], families().ln() + (alternatives.len() as f64).ln())),
             _ => return None,
         };
-        // Delays of pose and of wind are one thing but for the origin of time: a set has at most one of them.
-        let group = if only_delays(CATALOGUE[family], engine) { DELAYS } else { family };
-        Some((group, families().ln() + (forms as f64).ln()))
+        Some((family, families().ln() + (forms as f64).ln()))
     };
     let key = |id: Id| match id {
         Id::Strength(family, form, _) => (family, form + 1),
@@ -434,21 +430,6 @@ fn weighed_beside(engine: &Engine, model: &Model, alternatives: &[Alternative]) 
     let sets = search(&left, &all, if alternatives.is_empty() { MOST } else { MOST + 1 });
     let total = shift + floor.gain + sets[0].gain;
     Some(Weighed { gram: left, whole: gram, base, others, units: all, families, sets, total })
-}
-
-/// Group of the effects that only delay an instrument.
-const DELAYS: usize = 900;
-
-fn only_delays(effect: &'static Effect, engine: &Engine) -> bool {
-    let null = Member::null(effect, &engine.campaign);
-    let mut values = null.values.clone();
-    null.strengths().for_each(|i| values[i] = null.parameters[i].step);
-    let mut plant = engine.campaign.plant.clone();
-    (effect.apply)(&mut plant, &values);
-    let declared = engine.campaign.plant.sensors;
-    let moved = plant.sensors != declared;
-    (plant.sensors.pose_delay_s, plant.sensors.wind_delay_s) = (declared.pose_delay_s, declared.wind_delay_s);
-    moved && plant == engine.campaign.plant
 }
 
 /// First place of the generic alternatives among families.
@@ -566,17 +547,7 @@ fn polish(engine: &mut Engine, start: Fit, next: Option<Model>, floor: f64, log:
     let mut model = next.unwrap_or(start.model);
     let mut seen: Vec<(String, Fit)> = Vec::new();
     for round in 0..ROUNDS {
-        engine.follow(&model);
-        let mut fit = climb_down(engine, &model)?;
-        // A long delay moves the record, which lets it move on.
-        for _ in 0..3 {
-            let before = engine.taken_s();
-            engine.follow(&fit.model);
-            if engine.taken_s().to_bits() == before.to_bits() {
-                break;
-            }
-            fit = engine.climb(&fit.model, false, 8).ok()?;
-        }
+            let mut fit = climb_down(engine, &model)?;
         if !crate::engine::random_numbers(&fit.model).is_empty() {
             fit = engine.settle_random(&fit, if round == 0 { 40 } else { 25 });
             fit = without_idle(engine, fit);
@@ -603,7 +574,6 @@ fn polish(engine: &mut Engine, start: Fit, next: Option<Model>, floor: f64, log:
             let (_, best) = seen
                 .into_iter()
                 .max_by(|x, y| (x.1.total - cost_of(&x.1.model, engine)).total_cmp(&(y.1.total - cost_of(&y.1.model, engine))))?;
-            engine.follow(&best.model);
             let w = weighed(engine, &best.model)?;
             return Some((best, w));
         }

@@ -14,13 +14,9 @@ use windfall_model::{Campaign, Constant, Data, Plant, Record, Role};
 #[derive(Clone, Debug)]
 pub struct Engine {
     pub(crate) campaign: Campaign,
-    indices: Vec<usize>,
     pub(crate) runs: Vec<Prepared>,
     /// Noise of the pose channels.
     pub noise: [ChannelNoise; CHANNELS],
-    /// Time by which the tunnel speed's record has been shifted, s.
-    taken_s: f64,
-    node_s: f64,
 }
 
 /// Where a fit is.
@@ -121,48 +117,15 @@ impl Engine {
                 std: 0.5 * interval_s,
             });
         }
-        let indices = records.iter().map(|(i, _)| *i).collect();
-        let mut engine = Self { campaign: owned, indices, runs: Vec::new(), noise, taken_s: 0.0, node_s: NODE_S };
-        engine.prepare(sensors.wind_delay_s);
-        Some(engine)
-    }
-
-    /// Runs made ready with the tunnel speed's record taken by a delay, to the next sample.
-    fn prepare(&mut self, wind_delay_s: f64) {
-        let gas = self.campaign.plant.environment.gas_constant_j_kg_k;
-        let records: Vec<(usize, &Record)> = self
-            .indices
-            .iter()
-            .filter_map(|&i| match &self.campaign.runs[i].data {
-                Data::Tunnel(r) => Some((i, r)),
-                Data::Point(_) => None,
-            })
-            .collect();
-        let dt = records.iter().map(|(_, r)| r.interval_s()).fold(f64::INFINITY, f64::min);
-        let taken_s = (wind_delay_s / dt).round() * dt;
-        let (node_s, wind, runs) = (self.node_s, self.noise[POSE], &self.campaign.runs);
-        let ready = records.par_iter().map(|(i, r)| Prepared::new(*i, &runs[*i].name, r, gas, node_s, taken_s, &wind)).collect();
-        (self.runs, self.taken_s) = (ready, taken_s);
-    }
-
-    /// Takes the tunnel speed's record by the model's delay, so that a long delay is not left to a short series.
-    pub(crate) fn follow(&mut self, model: &Model) {
-        let delay = model.plant(&self.campaign).sensors.wind_delay_s;
-        let dt = self.runs.iter().map(|r| r.interval_s).fold(f64::INFINITY, f64::min);
-        if (delay - self.taken_s).abs() > dt {
-            self.prepare(delay);
-        }
+        let (gas, wind) = (campaign.plant.environment.gas_constant_j_kg_k, noise[POSE]);
+        let runs = records.par_iter().map(|(i, r)| Prepared::new(*i, &campaign.runs[*i].name, r, gas, NODE_S, &wind)).collect();
+        Some(Self { campaign: owned, runs, noise })
     }
 
     /// The campaign with what its runs leave uncertain: the instant of a pose within its sample interval.
     #[must_use]
     pub fn campaign(&self) -> &Campaign {
         &self.campaign
-    }
-
-    /// Time by which the tunnel speed's record has been moved, s.
-    pub(crate) fn taken_s(&self) -> f64 {
-        self.taken_s
     }
 
     /// Name of the first run.
@@ -176,7 +139,6 @@ impl Engine {
     pub fn predict(&self, model: &Model, runs: &[usize]) -> Option<f64> {
         let mut other = Self::new(&self.campaign, runs)?;
         other.noise = self.noise;
-        other.follow(model);
         other.sum(model, &[], &[]).ok().map(|s| s.log_likelihood)
     }
 
@@ -247,7 +209,7 @@ impl Engine {
                         other => other.clone(),
                     })
                     .collect();
-                pass(run, &Setting { plant: &own, noise: &self.noise, columns: &columns, taken_s: self.taken_s })
+                pass(run, &Setting { plant: &own, noise: &self.noise, columns: &columns })
             })
             .collect();
         let runs: Vec<Seen> = seen.into_iter().collect::<Result<_, _>>()?;
@@ -260,7 +222,10 @@ impl Engine {
             log_likelihood += r.log_likelihood;
         }
         let channels = std::array::from_fn(|c| {
-            let sum = |k: usize| runs.iter().map(|r| r.channels[c][k]).sum::<f64>();
+            let sum = |k: usize| match c {
+                POSE => self.runs.iter().map(|r| r.speed.innovations[k]).sum::<f64>(),
+                _ => runs.iter().map(|r| r.channels[c][k]).sum::<f64>(),
+            };
             let n = sum(3).max(1.0);
             [sum(0) / n, sum(1) / n, sum(2) / n, n]
         });
@@ -285,7 +250,7 @@ impl Engine {
     ///
     /// # Errors
     /// [`Departed`] where the model departs at the start already.
-    pub(crate) fn climb(&self, model: &Model, shapes: bool, most: usize) -> Result<Fit, Departed> {
+    pub fn climb(&self, model: &Model, shapes: bool, most: usize) -> Result<Fit, Departed> {
         let mut model = model.clone();
         let (mut gram, mut chi) = self.gram(&model, self.free(&model, shapes))?;
         let penalty = |g: &Gram| 0.5 * g.numbers.iter().map(|n| (n.value / n.prior).powi(2)).sum::<f64>();

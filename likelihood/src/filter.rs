@@ -1,12 +1,11 @@
 //! likelihood: the extended Kalman filter of one run. In: a prepared run, a plant, noise, columns. Out: innovations' log-likelihood and
 //! the normal equations of all columns, whitened.
 //!
-//! States: motion (12), loose mass (4, where the plant has one), tunnel speed with two derivatives (3), random inputs (2 each), coloured
-//! noise (1 each). Every column's sensitivity runs through the same filter: `s⁻ = Φ s⁺ + Γ`, `D = H s⁻ + ∂h`, `s⁺ = s⁻ − K D`; whitened
+//! States: motion (12), loose mass (4, where the plant has one), random inputs (3 each), coloured noise (1 each). Tunnel speed is an input. Every column's sensitivity runs through the same filter: `s⁻ = Φ s⁺ + Γ`, `D = H s⁻ + ∂h`, `s⁺ = s⁻ − K D`; whitened
 //! by the innovations' covariance `G = Σ DᵀD`, `b = Σ Dᵀν` (Durbin and Koopman 2012, §7.3; Klein and Morelli 2006, §6.2). Rates are means
 //! over two opposite points of the unresolved gust, so that what is not linear in the flow angles acts as it does on average (Gelb 1974, §6.2).
 
-use crate::columns::{Basis, Column, Shown, View, body_to_tunnel, shown};
+use crate::columns::{Basis, Column, Shown, View, body_to_tunnel, lag_s, shown};
 use crate::noise::ChannelNoise;
 use crate::random::{Input, ORDER, inputs};
 use crate::run::{CHANNELS, POSE, Prepared};
@@ -14,11 +13,8 @@ use nalgebra::{DMatrix, DVector};
 use windfall_model::{Entry, Plant};
 use windfall_pid::equations::{ADDED, Air, Craft, LOOSE, Local, MOTION, STATES};
 
-/// Tunnel speed and two derivatives.
-const SPEED: usize = 3;
 /// Spread of the first state about its start: wide, so that the data decide (m, rad, m/s, rad/s).
 const START_STD: [f64; STATES] = [0.05, 0.05, 0.05, 0.05, 0.05, 0.05, 0.5, 0.5, 0.5, 1.0, 1.0, 1.0];
-const START_SPEED_STD: [f64; SPEED] = [0.1, 1.0, 5.0];
 /// Rows of the whitened columns that are multiplied at a time.
 const ROWS: usize = 224;
 
@@ -30,7 +26,7 @@ pub(crate) struct Seen {
     /// Log-likelihood of the innovations.
     pub(crate) log_likelihood: f64,
     /// Per channel: sum of squares of innovations, of expected ones, of whitened ones, and count.
-    pub(crate) channels: [[f64; 4]; CHANNELS],
+    pub(crate) channels: [[f64; 4]; POSE],
     /// Whitened innovations of the pose, a row a node (zero where nothing was measured).
     pub(crate) whitened: Vec<[f64; POSE]>,
     /// What a basis may look at, a row a node.
@@ -39,7 +35,7 @@ pub(crate) struct Seen {
 
 /// Why a pass ended before its run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Departed {
+pub struct Departed {
     pub(crate) run: usize,
     pub(crate) t_s: f64,
 }
@@ -50,8 +46,6 @@ pub(crate) struct Setting<'a> {
     pub(crate) plant: &'a Plant,
     pub(crate) noise: &'a [ChannelNoise; CHANNELS],
     pub(crate) columns: &'a [Column],
-    /// Time of the record by which the tunnel speed has been shifted, s.
-    pub(crate) taken_s: f64,
 }
 
 /// A column made ready for a run.
@@ -63,11 +57,24 @@ enum Ready<'a> {
         step: f64,
         acts: bool,
         shows: bool,
+        /// Other lag or scale of the tunnel speed.
+        winds: bool,
         clock: f64,
         loose: Option<[f64; LOOSE]>,
     },
     Load(usize, Basis),
     Error(usize, Basis),
+}
+
+/// Instant of a step at which inputs are taken.
+#[derive(Clone, Copy)]
+enum Stage {
+    /// The states as they are.
+    Now,
+    /// Values at the start, middle and end of a Runge-Kutta step whose sums are the inputs' integrals.
+    Start,
+    Middle,
+    End,
 }
 
 struct Filter<'a> {
@@ -77,8 +84,7 @@ struct Filter<'a> {
     random: Vec<Input>,
     /// Coloured noise: channel, correlation, variance of node means.
     coloured: Vec<(usize, f64, f64)>,
-    white: [f64; CHANNELS],
-    taken_s: f64,
+    white: [f64; POSE],
     step_s: f64,
     /// Motion states, all states, columns.
     nm: usize,
@@ -93,7 +99,7 @@ pub(crate) fn pass(run: &Prepared, s: &Setting<'_>) -> Result<Seen, Departed> {
     let columns: Vec<Ready<'_>> = s.columns.iter().map(|c| ready(c, s.plant)).collect::<Option<_>>().ok_or(fault)?;
     let step_s = run.step_s() / (1.0 + s.plant.sensors.time_base);
     let random = inputs(s.plant, run.speed_m_s, step_s);
-    let coloured: Vec<(usize, f64, f64)> = (0..CHANNELS)
+    let coloured: Vec<(usize, f64, f64)> = (0..POSE)
         .filter(|&c| s.noise[c].coloured > 0.0)
         .map(|c| {
             let (variance, correlation) = s.noise[c].of_means(run.block);
@@ -101,10 +107,10 @@ pub(crate) fn pass(run: &Prepared, s: &Setting<'_>) -> Result<Seen, Departed> {
         })
         .collect();
     let nm = if s.plant.vehicle.loose.is_some() { MOTION } else { STATES };
-    let n = nm + SPEED + ORDER * random.len() + coloured.len();
-    let white = s.noise.map(|c| c.white.max(1e-6 * c.coloured));
+    let n = nm + ORDER * random.len() + coloured.len();
+    let white = std::array::from_fn(|c| s.noise[c].white.max(1e-6 * s.noise[c].coloured));
     let filter =
-        Filter { run, plant: s.plant, craft, random, coloured, white, taken_s: s.taken_s, step_s, nm, n, nc: columns.len() };
+        Filter { run, plant: s.plant, craft, random, coloured, white, step_s, nm, n, nc: columns.len() };
     filter.run(columns)
 }
 
@@ -115,10 +121,12 @@ fn ready<'a>(column: &'a Column, base: &Plant) -> Option<Ready<'a>> {
             let shows = plant.sensors != base.sensors || plant.vehicle.p_origin_cm != base.vehicle.p_origin_cm;
             let own = Plant { sensors: base.sensors, ..(**plant).clone() };
             let acts = own != *base;
-            let clock = plant.sensors.time_base - base.sensors.time_base;
+            let (new, old) = (&plant.sensors, &base.sensors);
+            let winds = lag_s(new).to_bits() != lag_s(old).to_bits() || new.wind_scale.to_bits() != old.wind_scale.to_bits();
+            let clock = new.time_base - old.time_base;
             let loose = (plant.vehicle.loose.is_some() && base.vehicle.loose.is_none()).then_some([0.0; LOOSE]);
             let craft = if acts { Some(Box::new(Craft::complete(plant).ok()?)) } else { None };
-            Ready::Plant { craft, plant, step: *step, acts, shows, clock, loose }
+            Ready::Plant { craft, plant, step: *step, acts, shows, winds, clock, loose }
         }
         Column::Load(k, basis) => Ready::Load(*k, *basis),
         Column::Error(k, basis) => Ready::Error(*k, *basis),
@@ -134,7 +142,7 @@ impl<'a> Filter<'a> {
             g: DMatrix::zeros(nc + 1, nc + 1),
             b: DVector::zeros(nc),
             log_likelihood: 0.0,
-            channels: [[0.0; 4]; CHANNELS],
+            channels: [[0.0; 4]; POSE],
             whitened: Vec::with_capacity(self.run.nodes.len()),
             views: Vec::with_capacity(self.run.nodes.len()),
         };
@@ -142,7 +150,7 @@ impl<'a> Filter<'a> {
         let mut work = Work::new(self);
         for k in 0..self.run.nodes.len() {
             let departed = Departed { run: self.run.index, t_s: self.run.nodes[k].t_s };
-            let rate = self.rates(&z, k, 0.0, [0.0; 3], &mut work.terms).ok_or(departed)?;
+            let rate = self.rates(&z, k, Stage::Now, [0.0; 3], &mut work.terms).ok_or(departed)?;
             let view = self.view(&z, k);
             self.update(k, &mut z, &mut p, &mut s, &rate, &columns, &view, &mut seen, &mut rows, &mut work);
             seen.views.push(view);
@@ -188,11 +196,8 @@ impl<'a> Filter<'a> {
             (0..2).for_each(|i| p[(STATES + i) * n + STATES + i] = 1e-4);
             (2..4).for_each(|i| p[(STATES + i) * n + STATES + i] = 1e-4 * f * f);
         }
-        let at = self.nm;
-        (z[at], z[at + 1]) = (self.run.start_wind[0], self.run.start_wind[1]);
-        (0..SPEED).for_each(|i| p[(at + i) * n + at + i] = START_SPEED_STD[i] * START_SPEED_STD[i]);
         for (j, input) in self.random.iter().enumerate() {
-            let at = self.nm + SPEED + ORDER * j;
+            let at = self.nm + ORDER * j;
             for i in 0..ORDER {
                 (0..ORDER).for_each(|k| p[(at + i) * n + at + k] = input.stationary[i][k]);
             }
@@ -204,21 +209,23 @@ impl<'a> Filter<'a> {
         (z, p)
     }
 
-    /// Input states at a fraction (0, ½ or 1) of a step: tunnel speed with derivatives, then what the air adds.
-    fn air(&self, z: &[f64], k: usize, fraction: f64, spread: [f64; 3]) -> (Air, [f64; ADDED]) {
+    /// Inputs at an instant of a step: tunnel speed with its rate, then what the air adds.
+    fn air(&self, z: &[f64], k: usize, stage: Stage, spread: [f64; 3]) -> (Air, [f64; ADDED]) {
         let at = self.nm;
-        let t = fraction * self.step_s;
-        let node = &self.run.nodes[k];
-        let air = Air {
-            t_s: node.t_s + t,
-            density_kg_m3: node.density_kg_m3,
-            vw_m_s: z[at] + t * (z[at + 1] + 0.5 * t * z[at + 2]),
-            vw_rate_m_s2: z[at + 1] + t * z[at + 2],
+        let (fraction, place) = match stage {
+            Stage::Now => (0.0, None),
+            Stage::Start => (0.0, Some(0)),
+            Stage::Middle => (0.5, Some(1)),
+            Stage::End => (1.0, Some(2)),
         };
+        let node = &self.run.nodes[k];
+        let t_s = node.t_s + fraction * self.run.step_s();
+        let [speed, rate] = self.speed(self.plant, t_s);
+        let air = Air { t_s, density_kg_m3: node.density_kg_m3, vw_m_s: speed, vw_rate_m_s2: rate };
         let mut added = [0.0; ADDED];
         for (j, input) in self.random.iter().enumerate() {
-            let q: [f64; ORDER] = std::array::from_fn(|i| z[at + SPEED + ORDER * j + i]);
-            let q = if fraction == 0.0 { q } else { times(if fraction < 0.75 { &input.half } else { &input.whole }, q) };
+            let q: [f64; ORDER] = std::array::from_fn(|i| z[at + ORDER * j + i]);
+            let q = place.map_or(q, |s: usize| times(&input.driven.stages[s], q));
             match input.entry {
                 Entry::AirVelocity(axis) => {
                     added[axis] += q[0] + spread[axis];
@@ -230,14 +237,21 @@ impl<'a> Filter<'a> {
         (air, added)
     }
 
+    /// Tunnel speed and its rate where the record's clock shows `t_s`, by a plant's instruments.
+    fn speed(&self, plant: &Plant, t_s: f64) -> [f64; 2] {
+        let s = &plant.sensors;
+        let [speed, rate] = self.run.speed.at(t_s + lag_s(s));
+        [speed / (1.0 + s.wind_scale), rate * (1.0 + s.time_base) / (1.0 + s.wind_scale)]
+    }
+
     fn motion(&self, z: &[f64]) -> [f64; MOTION] {
         let mut x = [0.0; MOTION];
         x[..self.nm].copy_from_slice(&z[..self.nm]);
         x
     }
 
-    fn rates(&self, z: &[f64], k: usize, fraction: f64, spread: [f64; 3], terms: &mut Vec<f64>) -> Option<[f64; MOTION]> {
-        self.rates_at(&self.motion(z), z, k, fraction, spread, terms)
+    fn rates(&self, z: &[f64], k: usize, stage: Stage, spread: [f64; 3], terms: &mut Vec<f64>) -> Option<[f64; MOTION]> {
+        self.rates_at(&self.motion(z), z, k, stage, spread, terms)
     }
 
     /// Rates at a motion, inputs from `z`; the mean over both sides of the unresolved gust.
@@ -246,22 +260,22 @@ impl<'a> Filter<'a> {
         x: &[f64; MOTION],
         z: &[f64],
         k: usize,
-        fraction: f64,
+        stage: Stage,
         spread: [f64; 3],
         terms: &mut Vec<f64>,
     ) -> Option<[f64; MOTION]> {
-        let (air, added) = self.air(z, k, fraction, spread);
+        let (air, added) = self.air(z, k, stage, spread);
         let one = self.craft.rates(x, air, &added, terms)?;
         if spread.iter().all(|s| *s == 0.0) {
             return Some(one);
         }
-        let (air, added) = self.air(z, k, fraction, spread.map(|s| -s));
+        let (air, added) = self.air(z, k, stage, spread.map(|s| -s));
         let other = self.craft.rates(x, air, &added, terms)?;
         Some(std::array::from_fn(|i| 0.5 * (one[i] + other[i])))
     }
 
     fn view(&self, z: &[f64], k: usize) -> View {
-        let (air, added) = self.air(z, k, 0.0, [0.0; 3]);
+        let (air, added) = self.air(z, k, Stage::Now, [0.0; 3]);
         let t = body_to_tunnel([z[3], z[4], z[5]]);
         let v = [z[6] + air.vw_m_s - added[0], z[7] - added[1], z[8] - added[2]];
         let u: [f64; 3] = std::array::from_fn(|i| t[0][i] * v[0] + t[1][i] * v[1] + t[2][i] * v[2]);
@@ -280,10 +294,8 @@ impl<'a> Filter<'a> {
     }
 
     fn shown(&self, plant: &Plant, z: &[f64], rate: &[f64; MOTION], k: usize) -> Shown {
-        let (node, at) = (&self.run.nodes[k], self.nm);
-        let wind = [z[at], z[at + 1], z[at + 2]];
-        let (pose, speed) = ([node.pose.tau_s, node.pose.tau2_s2], [node.wind.tau_s, node.wind.tau2_s2]);
-        shown(plant, z, rate, wind, pose, speed, self.taken_s)
+        let samples = &self.run.nodes[k].pose;
+        shown(plant, z, rate, [samples.tau_s, samples.tau2_s2])
     }
 
     /// Measurement update at a node, channel by channel (their white noise is independent).
@@ -314,13 +326,6 @@ impl<'a> Filter<'a> {
             z[i] = kept;
             (0..POSE).for_each(|c| h[c * n + i] = (moved[c] - predicted[c]) / STEP);
         }
-        for i in 0..SPEED {
-            let kept = z[self.nm + i];
-            z[self.nm + i] = kept + 1.0;
-            let moved = self.shown(self.plant, z, rate, k);
-            z[self.nm + i] = kept;
-            h[POSE * n + self.nm + i] = moved[POSE] - predicted[POSE];
-        }
         for (j, (channel, ..)) in self.coloured.iter().enumerate() {
             h[channel * n + n - self.coloured.len() + j] = 1.0;
         }
@@ -331,7 +336,7 @@ impl<'a> Filter<'a> {
             match column {
                 Ready::Plant { plant, step, shows: true, .. } => {
                     let moved = self.shown(plant, z, rate, k);
-                    (0..CHANNELS).for_each(|c| direct[c * nc + j] = (moved[c] - predicted[c]) / step);
+                    (0..POSE).for_each(|c| direct[c * nc + j] = (moved[c] - predicted[c]) / step);
                 }
                 Ready::Error(channel, basis) => direct[channel * nc + j] = basis.value(view),
                 _ => {}
@@ -339,12 +344,8 @@ impl<'a> Filter<'a> {
         }
         let mut whitened = [0.0; POSE];
         let before = z.to_vec();
-        for c in 0..CHANNELS {
-            let mean = if c < POSE { &node.pose } else { &node.wind };
-            if mean.count == 0.0 {
-                continue;
-            }
-            let noise = self.white[c] / mean.count;
+        for c in 0..if node.pose.count > 0.0 { POSE } else { 0 } {
+            let noise = self.white[c] / node.pose.count;
             let hc = &work.h[c * n..(c + 1) * n];
             let ph = &mut work.ph;
             ph.fill(0.0);
@@ -367,9 +368,7 @@ impl<'a> Filter<'a> {
             seen.log_likelihood -= 0.5 * w * w + root.ln();
             let sums = &mut seen.channels[c];
             *sums = [sums[0] + innovation * innovation, sums[1] + variance, sums[2] + w * w, sums[3] + 1.0];
-            if c < POSE {
-                whitened[c] = w;
-            }
+            whitened[c] = w;
             rows.extend(d.iter().map(|x| x / root));
             rows.push(w);
             pulp::Arch::new().dispatch(|| {
@@ -404,13 +403,13 @@ impl<'a> Filter<'a> {
         // Motion: one step of the classical Runge-Kutta method.
         let x0 = self.motion(z);
         let from = |k: &[f64; MOTION], t: f64| -> [f64; MOTION] { std::array::from_fn(|i| x0[i] + t * k[i]) };
-        let k1 = self.rates_at(&x0, z, k, 0.0, spread, &mut work.terms)?;
-        let k2 = self.rates_at(&from(&k1, 0.5 * h), z, k, 0.5, spread, &mut work.terms)?;
-        let k3 = self.rates_at(&from(&k2, 0.5 * h), z, k, 0.5, spread, &mut work.terms)?;
-        let k4 = self.rates_at(&from(&k3, h), z, k, 1.0, spread, &mut work.terms)?;
+        let k1 = self.rates_at(&x0, z, k, Stage::Start, spread, &mut work.terms)?;
+        let k2 = self.rates_at(&from(&k1, 0.5 * h), z, k, Stage::Middle, spread, &mut work.terms)?;
+        let k3 = self.rates_at(&from(&k2, 0.5 * h), z, k, Stage::Middle, spread, &mut work.terms)?;
+        let k4 = self.rates_at(&from(&k3, h), z, k, Stage::End, spread, &mut work.terms)?;
         let x1: [f64; MOTION] = std::array::from_fn(|i| x0[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
         let middle: [f64; MOTION] = std::array::from_fn(|i| 0.5 * (x0[i] + x1[i]) + 0.125 * h * (k1[i] - k4[i]));
-        let (air, added) = self.air(z, k, 0.5, [0.0; 3]);
+        let (air, added) = self.air(z, k, Stage::Middle, [0.0; 3]);
         let local = self.craft.local(&middle, air, &added, &mut work.terms)?;
         work.values.clone_from(&work.terms);
         let base = self.craft.rates(&middle, air, &added, &mut work.terms)?;
@@ -441,6 +440,11 @@ impl<'a> Filter<'a> {
                     }
                     (0..nm).for_each(|i| push[i * nc + j] = (moved[i] - base[i]) / *step);
                 }
+                Ready::Plant { plant, step, winds: true, .. } => {
+                    let moved = self.speed(plant, air.t_s);
+                    let by = [(moved[0] - air.vw_m_s) / *step, (moved[1] - air.vw_rate_m_s2) / *step];
+                    (0..nm).for_each(|i| push[i * nc + j] = local.by_speed[i][0] * by[0] + local.by_speed[i][1] * by[1]);
+                }
                 Ready::Load(load, basis) => {
                     let size = qs * basis.value(view) * if *load < 3 { 1.0 } else { vehicle.diameter_m };
                     (0..6).for_each(|i| push[(6 + i) * nc + j] = wrench[i][*load] * size);
@@ -448,15 +452,11 @@ impl<'a> Filter<'a> {
                 _ => {}
             }
         }
-        self.carry(s, columns, &k1, z, work);
-        // Exogenous states.
-        let at = nm;
-        let speed = [z[at] + h * (z[at + 1] + 0.5 * h * z[at + 2]), z[at + 1] + h * z[at + 2], z[at + 2]];
+        self.carry(s, columns, &k1, work);
         z[..nm].copy_from_slice(&x1[..nm]);
-        z[at..at + SPEED].copy_from_slice(&speed);
         for (j, input) in self.random.iter().enumerate() {
-            let at = nm + SPEED + ORDER * j;
-            let q = times(&input.whole, std::array::from_fn(|i| z[at + i]));
+            let at = nm + ORDER * j;
+            let q = times(&input.driven.whole, std::array::from_fn(|i| z[at + i]));
             z[at..at + ORDER].copy_from_slice(&q);
         }
         for (j, (_, r, _)) in self.coloured.iter().enumerate() {
@@ -473,110 +473,99 @@ impl<'a> Filter<'a> {
         let sign = [1.0, if pattern < 2 { 1.0 } else { -1.0 }, if pattern.is_multiple_of(2) { 1.0 } else { -1.0 }];
         for (j, input) in self.random.iter().enumerate() {
             if let Entry::AirVelocity(axis) = input.entry {
-                let at = self.nm + SPEED + ORDER * j;
+                let at = self.nm + ORDER * j;
                 spread[axis] = sign[axis] * p[at * self.n + at].max(0.0).sqrt();
             }
         }
         spread
     }
 
-    /// Transition of all states over a step and the noise that it adds: motion by the Taylor series of its matrix exponential, inputs
-    /// exactly, what inputs do to the motion by Simpson's rule.
+    /// Transition of all states over a step and the noise that it adds. Motion by the Taylor series of its matrix exponential; inputs, and
+    /// their integrals that move it, exactly.
     fn transition(&self, local: &Local, work: &mut Work) {
         let (n, nm, h) = (self.n, self.nm, self.step_s);
-        let ne = n - nm - self.coloured.len();
+        let blocks = self.random.len();
         let phi = &mut work.phi;
         phi.fill(0.0);
         let a = DMatrix::from_fn(nm, nm, |i, j| local.by_state[i][j]);
         let identity = DMatrix::<f64>::identity(nm, nm);
         let a2 = &a * &a;
         let full = &identity + &a * h + &a2 * (h * h / 2.0) + (&a2 * &a) * (h * h * h / 6.0);
-        let half = &identity + &a * (0.5 * h) + &a2 * (h * h / 8.0);
         work.gamma = &identity * h + &a * (h * h / 2.0) + &a2 * (h * h * h / 6.0);
-        // Motion by inputs at the start, middle and end of the step.
-        let mut input = DMatrix::<f64>::zeros(nm, ne);
+        // Rates of motion by the inputs, and what motion makes of those.
+        let mut input = DMatrix::<f64>::zeros(nm, ORDER * blocks);
         for i in 0..nm {
-            (input[(i, 0)], input[(i, 1)]) = (local.by_speed[i][0], local.by_speed[i][1]);
             for (j, r) in self.random.iter().enumerate() {
                 for q in 0..ORDER {
                     let own = if q == 0 { 1.0 } else { 0.0 };
-                    input[(i, SPEED + ORDER * j + q)] = match r.entry {
+                    input[(i, ORDER * j + q)] = match r.entry {
                         Entry::AirVelocity(axis) => local.by_added[i][axis] * own + local.by_added[i][3 + axis] * r.rate[q],
                         Entry::Coefficient(c) => local.by_added[i][6 + c] * own,
                     };
                 }
             }
         }
-        let later = |fraction: f64| {
-            let t = fraction * h;
-            let mut e = DMatrix::<f64>::identity(ne, ne);
-            (e[(0, 1)], e[(0, 2)], e[(1, 2)]) = (t, 0.5 * t * t, t);
-            for (j, r) in self.random.iter().enumerate() {
-                let block = if fraction < 0.75 { &r.half } else { &r.whole };
-                for i in 0..ORDER {
-                    (0..ORDER).for_each(|k| e[(SPEED + ORDER * j + i, SPEED + ORDER * j + k)] = block[i][k]);
-                }
-            }
-            e
-        };
-        let (in_half, in_whole) = (&input * later(0.5), &input * later(1.0));
-        let coupling = (&full * &input + (&half * in_half) * 4.0 + in_whole) * (h / 6.0);
-        let end = later(1.0);
-        for i in 0..nm {
-            (0..nm).for_each(|j| phi[i * n + j] = full[(i, j)]);
-            (0..ne).for_each(|j| phi[i * n + nm + j] = coupling[(i, j)]);
-        }
-        for i in 0..ne {
-            (0..ne).for_each(|j| phi[(nm + i) * n + nm + j] = end[(i, j)]);
-        }
-        for (j, (_, r, _)) in self.coloured.iter().enumerate() {
-            let at = n - self.coloured.len() + j;
-            phi[at * n + at] = *r;
-        }
-        // Noise of the inputs, and what it has done to the motion by the end of the step: half of it, on average, all along.
-        let mut q = DMatrix::<f64>::zeros(ne, ne);
-        let jerk = self.run.jerk_root * self.run.jerk_root;
-        for (i, j, f) in [
-            (2, 2, h),
-            (1, 2, h * h / 2.0),
-            (2, 1, h * h / 2.0),
-            (1, 1, h.powi(3) / 3.0),
-            (0, 2, h.powi(3) / 6.0),
-            (2, 0, h.powi(3) / 6.0),
-            (0, 1, h.powi(4) / 8.0),
-            (1, 0, h.powi(4) / 8.0),
-            (0, 0, h.powi(5) / 20.0),
-        ] {
-            q[(i, j)] = jerk * f;
-        }
-        for (j, r) in self.random.iter().enumerate() {
-            for i in 0..ORDER {
-                (0..ORDER).for_each(|k| q[(SPEED + ORDER * j + i, SPEED + ORDER * j + k)] = r.added[i][k]);
-            }
-        }
-        let moved = (&half * &input) * (0.5 * h);
-        let cross = &moved * &q;
-        let own = &cross * moved.transpose();
+        let once = &a * &input;
+        let twice = &a * &once;
         let noise = &mut work.q;
         noise.fill(0.0);
         for i in 0..nm {
-            (0..nm).for_each(|j| noise[i * n + j] = own[(i, j)]);
-            for j in 0..ne {
-                noise[i * n + nm + j] = cross[(i, j)];
-                noise[(nm + j) * n + i] = cross[(i, j)];
+            (0..nm).for_each(|j| phi[i * n + j] = full[(i, j)]);
+        }
+        // White noise that the tunnel speed's record leaves: ∫ (B + A B s)(B + A B s)ᵀ ds.
+        let wind = DVector::from_fn(nm, |i, _| local.by_speed[i][0]);
+        let next = &a * &wind;
+        let density = self.run.speed.density / (1.0 + self.plant.sensors.wind_scale).powi(2);
+        for i in 0..nm {
+            for k in 0..nm {
+                let mixed = wind[i] * next[k] + next[i] * wind[k];
+                noise[i * n + k] += density * h * (wind[i] * wind[k] + 0.5 * h * mixed + h * h / 3.0 * next[i] * next[k]);
             }
         }
-        for i in 0..ne {
-            (0..ne).for_each(|j| noise[(nm + i) * n + nm + j] = q[(i, j)]);
+        for block in 0..blocks {
+            let driven = &self.random[block].driven;
+            let from = ORDER * block;
+            // Motion by the first, second and third integrals of the block's states.
+            let by = |i: usize, s: usize| {
+                let m = [&input, &once, &twice][s / ORDER];
+                m[(i, from + s % ORDER)]
+            };
+            let mut spread = [[0.0; 4 * ORDER]; MOTION];
+            for i in 0..nm {
+                let row: [f64; 3 * ORDER] = std::array::from_fn(|s| by(i, s));
+                for c in 0..ORDER {
+                    phi[i * n + nm + from + c] = (0..3 * ORDER).map(|s| row[s] * driven.sums[s / ORDER][s % ORDER][c]).sum();
+                }
+                for (c, x) in spread[i].iter_mut().enumerate() {
+                    *x = (0..3 * ORDER).map(|s| row[s] * driven.added[(ORDER + s, c)]).sum();
+                }
+                for c in 0..ORDER {
+                    noise[i * n + nm + from + c] = spread[i][c];
+                    noise[(nm + from + c) * n + i] = spread[i][c];
+                }
+            }
+            for i in 0..nm {
+                let row: [f64; 3 * ORDER] = std::array::from_fn(|s| by(i, s));
+                for (k, of) in spread.iter().enumerate().take(nm) {
+                    noise[k * n + i] += row.iter().zip(&of[ORDER..]).map(|(r, x)| r * x).sum::<f64>();
+                }
+            }
+            for i in 0..ORDER {
+                for k in 0..ORDER {
+                    phi[(nm + from + i) * n + nm + from + k] = driven.whole[i][k];
+                    noise[(nm + from + i) * n + nm + from + k] = driven.added[(i, k)];
+                }
+            }
         }
         for (j, (_, r, variance)) in self.coloured.iter().enumerate() {
             let at = n - self.coloured.len() + j;
+            phi[at * n + at] = *r;
             noise[at * n + at] = variance * (1.0 - r * r);
         }
     }
 
     /// `S⁻ = Φ S⁺ + Γ`.
-    fn carry(&self, s: &mut Vec<f64>, columns: &[Ready<'_>], rate: &[f64; MOTION], z: &[f64], work: &mut Work) {
+    fn carry(&self, s: &mut Vec<f64>, columns: &[Ready<'_>], rate: &[f64; MOTION], work: &mut Work) {
         let (nm, nc) = (self.nm, self.nc);
         if nc == 0 {
             return;
@@ -590,8 +579,6 @@ impl<'a> Filter<'a> {
             {
                 let f = -self.step_s / (1.0 + self.plant.sensors.time_base) * clock / step;
                 (0..nm).for_each(|i| next[i * nc + j] += f * rate[i]);
-                next[nm * nc + j] += f * z[nm + 1];
-                next[(nm + 1) * nc + j] += f * z[nm + 2];
             }
         }
         std::mem::swap(s, next);
@@ -715,10 +702,10 @@ impl Work {
     fn new(f: &Filter<'_>) -> Self {
         let (n, nc) = (f.n, f.nc);
         Self {
-            h: vec![0.0; CHANNELS * n],
+            h: vec![0.0; POSE * n],
             ph: vec![0.0; n],
             d: vec![0.0; nc],
-            direct: vec![0.0; CHANNELS * nc],
+            direct: vec![0.0; POSE * nc],
             push: vec![0.0; MOTION * nc],
             phi: vec![0.0; n * n],
             q: vec![0.0; n * n],

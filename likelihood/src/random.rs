@@ -8,6 +8,8 @@ use windfall_model::{Disturbance, Entry, Plant, Shape};
 
 /// States of one random input.
 pub(crate) const ORDER: usize = 3;
+/// States with their first, second and third integrals over a step.
+pub(crate) const WITH_SUMS: usize = 4 * ORDER;
 /// The short lag over the gust's own time, and its bounds, s.
 const FAST: f64 = 0.1;
 const FAST_S: [f64; 2] = [0.002, 0.02];
@@ -15,23 +17,84 @@ const FAST_S: [f64; 2] = [0.002, 0.02];
 /// A matrix over one input's states.
 pub(crate) type Block = [[f64; ORDER]; ORDER];
 
+/// Three states driven by white noise, over a step: what a motion that follows them needs of them, exactly, however short their own
+/// times are.
+#[derive(Clone, Debug)]
+pub(crate) struct Driven {
+    /// Transition of the states.
+    pub(crate) whole: Block,
+    /// First, second and third integrals over the step, by the states at its start.
+    pub(crate) sums: [Block; 3],
+    /// Covariance that a step adds to the states and those integrals.
+    pub(crate) added: Box<SMatrix<f64, WITH_SUMS, WITH_SUMS>>,
+    /// Values at a Runge-Kutta step's start, middle and end, by the states, that give these integrals.
+    pub(crate) stages: [Block; 3],
+}
+
 /// One random input ready for a step. Its first state is the input itself.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Input {
     pub(crate) entry: Entry,
     /// Rate of the input by its states (a gust's); zero for others.
     pub(crate) rate: [f64; ORDER],
-    /// Transition over half a step and a whole one.
-    pub(crate) half: Block,
-    pub(crate) whole: Block,
-    /// Covariance that a step adds, and in the long run.
-    pub(crate) added: Block,
+    pub(crate) driven: Driven,
+    /// Covariance in the long run.
     pub(crate) stationary: Block,
 }
 
 /// The random inputs of a plant at mean speed, for steps of `step_s`.
 pub(crate) fn inputs(plant: &Plant, speed_m_s: f64, step_s: f64) -> Vec<Input> {
     plant.disturbances(speed_m_s).iter().map(|d| input(d, step_s)).collect()
+}
+
+fn rows(m: &Matrix3<f64>) -> Block {
+    std::array::from_fn(|i| std::array::from_fn(|k| m[(i, k)]))
+}
+
+/// A step is made of short ones, each twice the one before.
+const DOUBLINGS: i32 = 9;
+
+fn driven(a: &Matrix3<f64>, b: &Vector3<f64>, step_s: f64) -> Driven {
+    type Wide = SMatrix<f64, WITH_SUMS, WITH_SUMS>;
+    // The states, and chains of integrals behind them.
+    let mut f = Wide::zeros();
+    f.fixed_view_mut::<ORDER, ORDER>(0, 0).copy_from(a);
+    (0..3 * ORDER).for_each(|i| f[(ORDER + i, i)] = 1.0);
+    let mut drive = SVector::<f64, WITH_SUMS>::zeros();
+    drive.fixed_rows_mut::<ORDER>(0).copy_from(b);
+    let short = step_s / 2.0_f64.powi(DOUBLINGS);
+    let exp = |t: f64| {
+        let m = f * t;
+        let m2 = m * m;
+        Wide::identity() + m + m2 * 0.5 + m * m2 / 6.0 + m2 * m2 / 24.0
+    };
+    // ∫ e^{Fs} b bᵀ e^{Fᵀs} ds over the shortest by Gauss's rule of three points.
+    let root = 0.6_f64.sqrt();
+    let mut added = Wide::zeros();
+    for (x, w) in [(-root, 5.0 / 18.0), (0.0, 8.0 / 18.0), (root, 5.0 / 18.0)] {
+        let v = exp(0.5 * short * (1.0 + x)) * drive;
+        added += v * v.transpose() * (w * short);
+    }
+    let mut phi = exp(short);
+    for _ in 0..DOUBLINGS {
+        added += phi * added * phi.transpose();
+        phi *= phi;
+    }
+    let sum = |k: usize| phi.fixed_view::<ORDER, ORDER>(ORDER * (k + 1), 0).into_owned();
+    let (j0, j1, j2) = (sum(0), sum(1), sum(2));
+    let h = step_s;
+    // Simpson's sums of the stages are the integrals, weighted by (h - s)^k / k! for k = 0, 1, 2.
+    let stages = [
+        j2 * (24.0 / h.powi(3)) - j1 * (6.0 / (h * h)),
+        j1 * (6.0 / (h * h)) - j2 * (12.0 / h.powi(3)),
+        j0 * (6.0 / h) - j1 * (18.0 / (h * h)) + j2 * (24.0 / h.powi(3)),
+    ];
+    Driven {
+        whole: rows(&phi.fixed_view::<ORDER, ORDER>(0, 0).into_owned()),
+        sums: [rows(&j0), rows(&j1), rows(&j2)],
+        added: Box::new(added),
+        stages: stages.map(|m| rows(&m)),
+    }
 }
 
 fn input(d: &Disturbance, step_s: f64) -> Input {
@@ -43,18 +106,13 @@ fn input(d: &Disturbance, step_s: f64) -> Input {
             (Matrix3::new(0.0, 1.0, 0.0, -w * w, -bandwidth_rad_s, 0.0, 0.0, 0.0, -1.0), Vector3::new(0.0, 1.0, 0.0), false)
         }
     };
-    let mut p = lyapunov(&a, &b);
-    p *= d.rms * d.rms / p[(0, 0)];
-    let (half, whole) = ((a * (0.5 * step_s)).exp(), (a * step_s).exp());
-    let added = p - whole * p * whole.transpose();
-    let rows = |m: &Matrix3<f64>| -> Block { std::array::from_fn(|i| std::array::from_fn(|k| m[(i, k)])) };
+    let p = lyapunov(&a, &b);
+    let size = d.rms / p[(0, 0)].sqrt();
     Input {
         entry: d.entry,
         rate: if gust { std::array::from_fn(|k| a[(0, k)]) } else { [0.0; ORDER] },
-        half: rows(&half),
-        whole: rows(&whole),
-        added: rows(&added),
-        stationary: rows(&p),
+        driven: driven(&a, &(b * size), step_s),
+        stationary: rows(&(p * (size * size))),
     }
 }
 
@@ -95,12 +153,32 @@ mod tests {
             let i = input(&d, 0.02);
             assert!((i.stationary[0][0] - 0.09).abs() < 1e-15);
             let of = |b: &Block| Matrix3::from_fn(|r, c| b[r][c]);
+            let (phi, p0) = (of(&i.driven.whole), of(&i.stationary));
+            let next = phi * p0 * phi.transpose() + i.driven.added.fixed_view::<ORDER, ORDER>(0, 0);
+            assert!((next - p0).amax() < 1e-12 * p0.amax(), "{time_s}: {next} {p0}");
             let (a, b, _) = gust(time_s, 3.0_f64.sqrt());
             let p = of(&i.stationary);
             let left = a * p + p * a.transpose();
             // All of the driving noise is in the last state.
             let driven = left[(2, 2)];
             assert!(driven < 0.0 && (left - b * b.transpose() * driven).amax() < 1e-9 * driven.abs());
+        }
+    }
+
+    /// The integral of white noise behind a first-order lag has the variance of textbooks, in steps short and long beside the lag.
+    #[test]
+    fn exact_variance_of_an_integral() {
+        for (lag, h) in [(0.5_f64, 0.02_f64), (0.02, 0.02), (0.002, 0.02)] {
+            let a = Matrix3::from_diagonal(&Vector3::new(-1.0 / lag, -1.0, -1.0));
+            let d = driven(&a, &Vector3::new(1.0, 0.0, 0.0), h);
+            let e = (-h / lag).exp();
+            // ∫₀ʰ (lag (1 - e^{-s/lag}))² ds.
+            let variance = lag * lag * (h - 2.0 * lag * (1.0 - e) + 0.5 * lag * (1.0 - e * e));
+            assert!((d.added[(ORDER, ORDER)] / variance - 1.0).abs() < 1e-7, "{lag}");
+            assert!((d.sums[0][0][0] / (lag * (1.0 - e)) - 1.0).abs() < 1e-9);
+            // Simpson's sum of the stages is that integral too.
+            let simpson = h / 6.0 * (d.stages[0][0][0] + 4.0 * d.stages[1][0][0] + d.stages[2][0][0]);
+            assert!((simpson - d.sums[0][0][0]).abs() < 1e-12);
         }
     }
 }

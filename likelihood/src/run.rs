@@ -4,12 +4,12 @@
 //! can use below the block's own rate, at a fraction of its cost. Missing samples leave a node with fewer, or none.
 
 use crate::noise::ChannelNoise;
-use crate::wind::jerk_root;
+use crate::wind::Speed;
 use windfall_model::Record;
 
 /// Channels of the pose: X, Y, Z (m), R_x, R_y, R_z (rad).
 pub(crate) const POSE: usize = 6;
-/// All channels: the pose and V_W (m/s).
+/// All channels whose noise is learnt: the pose and V_W (m/s).
 pub(crate) const CHANNELS: usize = POSE + 1;
 
 /// Mean over the samples of a block that were measured.
@@ -30,9 +30,8 @@ pub(crate) struct Node {
     /// Density, kg/m³.
     pub(crate) density_kg_m3: f64,
     pub(crate) pose: Mean,
-    pub(crate) wind: Mean,
     /// Means of the channels.
-    pub(crate) y: [f64; CHANNELS],
+    pub(crate) y: [f64; POSE],
 }
 
 /// A run ready for the filter.
@@ -47,41 +46,31 @@ pub(crate) struct Prepared {
     pub(crate) nodes: Vec<Node>,
     /// Position of the origin (m), Euler angles (rad) and their rates at the first node.
     pub(crate) start: [[f64; 2]; POSE],
-    /// Tunnel speed and its rate at the first node.
-    pub(crate) start_wind: [f64; 2],
-    /// Root of the intensity of the tunnel speed's wandering second derivative, m/s³ per root second.
-    pub(crate) jerk_root: f64,
+    /// Tunnel speed along the run.
+    pub(crate) speed: Speed,
     /// Mean tunnel speed, m/s.
     pub(crate) speed_m_s: f64,
 }
 
 impl Prepared {
-    /// Blocks of about `node_s`, the tunnel speed taken `wind_delay_s` later (to the next sample) than it is stamped.
+    /// Blocks of about `node_s`; `noise` is the tunnel speed's.
     pub(crate) fn new(
         index: usize,
         name: &str,
         record: &Record,
         gas_constant: f64,
         node_s: f64,
-        wind_delay_s: f64,
         noise: &ChannelNoise,
     ) -> Self {
         let (n, dt) = (record.len(), record.interval_s());
         let block = whole(node_s / dt).max(1);
-        let shift = (wind_delay_s / dt).round();
         let channels = record.channels();
         let missing = |i: usize| record.bridged.get(i).copied().unwrap_or(false);
         let nodes: Vec<Node> = (0..n / block)
             .map(|k| {
                 let first = k * block;
                 let centre = first as f64 + 0.5 * (block as f64 - 1.0);
-                let mut node = Node {
-                    t_s: centre * dt,
-                    density_kg_m3: 0.0,
-                    pose: Mean::default(),
-                    wind: Mean::default(),
-                    y: [0.0; CHANNELS],
-                };
+                let mut node = Node { t_s: centre * dt, density_kg_m3: 0.0, pose: Mean::default(), y: [0.0; POSE] };
                 for i in first..first + block {
                     node.density_kg_m3 += record.ps_pa[i] / (gas_constant * record.ts_k[i]) / block as f64;
                     if missing(i) {
@@ -90,16 +79,9 @@ impl Prepared {
                     let tau = (i as f64 - centre) * dt;
                     node.pose.add(tau);
                     (0..POSE).for_each(|c| node.y[c] += channels[c][i]);
-                    let at = i as f64 + shift;
-                    if at >= 0.0 && at < n as f64 && !missing(whole(at)) {
-                        node.wind.add(tau);
-                        node.y[POSE] += channels[POSE][whole(at)];
-                    }
                 }
                 (0..POSE).for_each(|c| node.y[c] /= node.pose.count.max(1.0));
-                node.y[POSE] /= node.wind.count.max(1.0);
                 node.pose.close();
-                node.wind.close();
                 node
             })
             .collect();
@@ -111,8 +93,7 @@ impl Prepared {
             interval_s: dt,
             block,
             start: std::array::from_fn(line),
-            start_wind: line(POSE),
-            jerk_root: jerk_root(channels[POSE], dt, noise),
+            speed: Speed::new(channels[POSE], dt, noise, &missing),
             speed_m_s: channels[POSE].iter().sum::<f64>() / n.max(1) as f64,
             nodes,
         }

@@ -8,6 +8,6 @@ pub(super) static EFFECT: Effect = Effect {
     physics: "The recorded tunnel speed lags the flow at the model (tubing, distance from the probe).",
     source: "Klein and Morelli, Aircraft System Identification, 2006, §10.2; thesis §2.1.4",
     separate_by: "a run with steps of tunnel speed",
-    parameters: |_| vec![Parameter::strength("delay_s", "s", 2.0)],
+    parameters: |_| vec![Parameter::positive("delay_s", "s", 2.0)],
     apply: |plant, v| plant.sensors.wind_delay_s += v[0],
 };
