@@ -61,6 +61,18 @@ fn families() -> f64 {
     catalogue().count() as f64
 }
 
+/// Log odds by which a larger set must beat a smaller one to be chosen: twenty to one.
+const SURE: f64 = 3.0;
+
+impl Weighed {
+    /// The smallest set that the best does not beat by [`SURE`], the best of that size.
+    fn choice(&self) -> &Set {
+        let best = &self.sets[0];
+        let enough = |s: &&Set| s.gain >= best.gain - SURE;
+        self.sets.iter().filter(enough).min_by_key(|s| s.units.len()).unwrap_or(best)
+    }
+}
+
 struct Weighed {
     gram: Gram,
     /// Everything, with the places of what every set has and of the others.
@@ -174,21 +186,19 @@ fn gains(engine: &Engine, fit: &Fit) -> Vec<(usize, f64)> {
         .collect()
 }
 
-/// Standard errors from the curvature of the log-likelihood over the logarithm of each number, the rest held.
+/// Standard errors of the random members' numbers by their information, to first order in their logarithms.
 fn random_errors(engine: &Engine, fit: &Fit) -> Vec<((usize, usize), f64)> {
-    const STEP: f64 = 0.1;
-    let at = |k: usize, i: usize, factor: f64| {
-        let mut model = fit.model.clone();
-        model.members[k].values[i] *= factor;
-        engine.sum(&model, &[], &[]).map_or(f64::NEG_INFINITY, |s| s.log_likelihood)
+    let places = crate::engine::random_numbers(&fit.model);
+    if places.is_empty() {
+        return Vec::new();
+    }
+    let inverse = engine.random_scores(&fit.model).and_then(|(_, _, information)| information.try_inverse());
+    let Some(inverse) = inverse else { return Vec::new() };
+    let one = |(j, (k, i)): (usize, (usize, usize))| {
+        let variance = inverse[(j, j)];
+        (variance > 0.0).then(|| ((k, i), fit.model.members[k].values[i] * variance.sqrt()))
     };
-    crate::engine::random_numbers(&fit.model)
-        .into_iter()
-        .filter_map(|(k, i)| {
-            let bend = (2.0 * at(k, i, 1.0) - at(k, i, STEP.exp()) - at(k, i, (-STEP).exp())) / (STEP * STEP);
-            (bend > 0.0 && bend.is_finite()).then(|| ((k, i), fit.model.members[k].values[i] / bend.sqrt()))
-        })
-        .collect()
+    places.into_iter().enumerate().filter_map(one).collect()
 }
 
 /// Sizes of random inputs that are not in the model at which the likelihood has fallen by what 95 % leave (1.92), by bisection.
@@ -358,7 +368,7 @@ fn sized(null: &Member, level: f64, form: &[f64]) -> Member {
 fn consider(engine: &Engine, fit: Fit, all: &mut Vec<(f64, Fit, Option<Model>)>, log: &mut Vec<String>) {
     let Some(w) = weighed(engine, &fit.model) else { return };
     let total = w.total - random_cost(&fit.model, engine);
-    let next = with_set(&fit.model, &w, &w.sets[0], engine);
+    let next = with_set(&fit.model, &w, w.choice(), engine);
     log.push(format!(
         "  level {}: {total:.1} chi {:.3} {} -> {}",
         describe(&fit.model),
@@ -549,13 +559,13 @@ fn polish(engine: &mut Engine, start: Fit, next: Option<Model>, floor: f64, log:
     for round in 0..ROUNDS {
             let mut fit = climb_down(engine, &model)?;
         if !crate::engine::random_numbers(&fit.model).is_empty() {
-            fit = engine.settle_random(&fit, if round == 0 { 40 } else { 25 });
+            fit = engine.settle_random(&fit, if round == 0 { 5 } else { 2 });
             fit = without_idle(engine, fit);
         }
         fit = engine.climb(&fit.model, true, 3).ok()?;
         let w = weighed(engine, &fit.model)?;
         let key = names(&fit.model);
-        let again = with_set(&fit.model, &w, &w.sets[0], engine);
+        let again = with_set(&fit.model, &w, w.choice(), engine);
         let (a, b) = (names(&again), key.clone());
         log.push(format!(
             "  round {round}: {:.1} chi {:.3} {} | {} -> {a}",
@@ -625,7 +635,7 @@ fn without_idle(engine: &Engine, fit: Fit) -> Fit {
         let mut without = fit.model.clone();
         without.members.remove(k);
         if let Ok(less) = engine.climb(&without, false, 4)
-            && less.total > fit.total - cost(&fit.model.members[k], engine)
+            && less.total > fit.total - cost(&fit.model.members[k], engine) - SURE
         {
             fit = less;
         }

@@ -311,28 +311,71 @@ impl Engine {
         })
     }
 
-    /// Sizes and shapes of the random members by a simplex over their logarithms, the rest held, then a climb; the better of before and after.
-    pub(crate) fn settle_random(&self, fit: &Fit, evaluations: usize) -> Fit {
-        let places: Vec<(usize, usize)> = random_numbers(&fit.model);
+    /// Slopes of the log-likelihood over the logarithms of the random members' numbers, node by node, as the gradient and the sum of outer
+    /// products, which is the information (Berndt, Hall, Hall and Hausman 1974).
+    pub(crate) fn random_scores(&self, model: &Model) -> Option<(f64, DVector<f64>, DMatrix<f64>)> {
+        const STEP: f64 = 0.05;
+        let places = random_numbers(model);
+        let series = |m: &Model| -> Option<(f64, Vec<f64>)> {
+            let sum = self.sum(m, &[], &[]).ok()?;
+            Some((sum.log_likelihood, sum.runs.into_iter().flat_map(|r| r.nodes).collect()))
+        };
+        let (here, base) = series(model)?;
+        let n = places.len();
+        let mut slopes = Vec::with_capacity(n);
+        for &(m, i) in &places {
+            let [low, high] = log_range(model, m, i);
+            // Away from the upper end of the range.
+            let up = model.members[m].values[i].max(low.exp()).ln() + STEP < high;
+            let by = if up { STEP } else { -STEP };
+            let mut moved = model.clone();
+            moved.members[m].values[i] *= by.exp();
+            slopes.push(series(&moved)?.1.iter().zip(&base).map(|(a, b)| (a - b) / by).collect::<Vec<f64>>());
+        }
+        let gradient = DVector::from_fn(n, |i, _| slopes[i].iter().sum());
+        let information = DMatrix::from_fn(n, n, |i, k| slopes[i].iter().zip(&slopes[k]).map(|(a, b)| a * b).sum());
+        Some((here, gradient, information))
+    }
+
+    /// Sizes and shapes of the random members, the rest held, by at most `most` steps of scoring, then a climb; the better of before and
+    /// after.
+    pub(crate) fn settle_random(&self, fit: &Fit, most: usize) -> Fit {
+        /// Longest step of a logarithm; what a number may be known by without the data; gain of log-likelihood that is not worth a step.
+        const LONGEST: f64 = 1.2;
+        const VAGUE: f64 = 3.0;
+        const WORTH: f64 = 0.1;
+        let places = random_numbers(&fit.model);
         if places.is_empty() {
             return fit.clone();
         }
-        let bounds: Vec<[f64; 2]> = places.iter().map(|&(m, i)| log_range(&fit.model, m, i)).collect();
-        let unit = |v: f64, [a, b]: [f64; 2]| ((v.max(1e-12).ln() - a) / (b - a)).clamp(0.0, 1.0);
-        let start: Vec<f64> = places.iter().zip(&bounds).map(|(&(m, i), b)| unit(fit.model.members[m].values[i], *b)).collect();
-        let at = |u: &[f64]| {
-            let mut model = fit.model.clone();
-            for ((&(m, i), [a, b]), u) in places.iter().zip(&bounds).zip(u) {
-                model.members[m].values[i] = (a + (b - a) * u).exp();
+        let mut model = fit.model.clone();
+        for _ in 0..most {
+            let Some((here, gradient, mut information)) = self.random_scores(&model) else { break };
+            (0..places.len()).for_each(|i| information[(i, i)] += 1.0 / (VAGUE * VAGUE));
+            let Some(cholesky) = information.cholesky() else { break };
+            let step = cholesky.solve(&gradient);
+            let expected = 0.5 * gradient.dot(&step);
+            let mut fraction = (LONGEST / step.amax().max(1e-12)).min(1.0);
+            let mut better = None;
+            for _ in 0..4 {
+                let mut next = model.clone();
+                for (&(m, i), s) in places.iter().zip(step.iter()) {
+                    let [low, high] = log_range(&model, m, i);
+                    next.members[m].values[i] = (model.members[m].values[i].max(1e-12).ln() + fraction * s).clamp(low, high).exp();
+                }
+                if self.sum(&next, &[], &[]).is_ok_and(|s| s.log_likelihood > here) {
+                    better = Some(next);
+                    break;
+                }
+                fraction *= 0.35;
             }
-            model
-        };
-        let value = |u: &[f64]| {
-            let model = at(u);
-            self.gram(&model, self.free(&model, false)).ok().and_then(|(g, _)| g.laplace()).map_or(1e300, |l| -l.0)
-        };
-        let (best, _) = windfall_pid::simplex::minimise(value, &start, 0.08, evaluations);
-        match self.climb(&at(&best), false, 3) {
+            let Some(next) = better else { break };
+            model = next;
+            if expected < WORTH {
+                break;
+            }
+        }
+        match self.climb(&model, false, 3) {
             Ok(after) if after.total > fit.total => after,
             _ => fit.clone(),
         }

@@ -29,6 +29,8 @@ pub(crate) struct Seen {
     pub(crate) channels: [[f64; 4]; POSE],
     /// Whitened innovations of the pose, a row a node (zero where nothing was measured).
     pub(crate) whitened: Vec<[f64; POSE]>,
+    /// Log-likelihood of each node.
+    pub(crate) nodes: Vec<f64>,
     /// What a basis may look at, a row a node.
     pub(crate) views: Vec<View>,
 }
@@ -144,6 +146,7 @@ impl<'a> Filter<'a> {
             log_likelihood: 0.0,
             channels: [[0.0; 4]; POSE],
             whitened: Vec::with_capacity(self.run.nodes.len()),
+            nodes: Vec::with_capacity(self.run.nodes.len()),
             views: Vec::with_capacity(self.run.nodes.len()),
         };
         let mut rows: Vec<f64> = Vec::with_capacity(ROWS * (nc + 1));
@@ -343,6 +346,7 @@ impl<'a> Filter<'a> {
             }
         }
         let mut whitened = [0.0; POSE];
+        let so_far = seen.log_likelihood;
         let before = z.to_vec();
         for c in 0..if node.pose.count > 0.0 { POSE } else { 0 } {
             let noise = self.white[c] / node.pose.count;
@@ -384,6 +388,7 @@ impl<'a> Filter<'a> {
             });
         }
         seen.whitened.push(whitened);
+        seen.nodes.push(seen.log_likelihood - so_far);
     }
 
     /// Time update to the next node.

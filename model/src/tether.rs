@@ -14,7 +14,8 @@ pub struct Tether {
     pub drag_area_m2: f64,
     /// Effective weight W_tr, N.
     pub weight_n: f64,
-    /// Pull per rate of lengthening of the line between hook and ring, N s/m (0: declared). Positive opposes motion away.
+    /// Pull per rate of lengthening of the line between hook and ring, N s/m (0: declared). Positive opposes motion away. A line cannot
+    /// push: where its shortening would make it, it goes slack.
     pub line_rate_n_s_m: f64,
     /// Relative change of the pull per metre of line between hook and ring beyond its length at the tunnel origin, 1/m.
     pub length_per_m: f64,
@@ -75,7 +76,8 @@ impl Tether {
     pub fn pull_n(&self, q_pa: f64, length_m: f64, length_rate_m_s: f64) -> f64 {
         let steady = q_pa * self.drag_area_m2 - self.weight_n;
         let nominal_m = self.p_tunnel_ring.norm() - self.p_origin_hook.norm();
-        steady * (1.0 + self.pull_excess + self.length_per_m * (length_m - nominal_m)) + self.line_rate_n_s_m * length_rate_m_s
+        let pull = steady * (1.0 + self.pull_excess + self.length_per_m * (length_m - nominal_m));
+        (pull + self.line_rate_n_s_m * length_rate_m_s).max(pull.min(0.0))
     }
     /// Geometry of the line (eqs B.33-B.36) for the c.m. at `p`, moving with `v`, attitude `r`, body rates `w`.
     #[must_use]

@@ -374,7 +374,10 @@ impl<'a> Craft<'a> {
             let v_body = transposed(t, v);
             let turned = crossed_by(w, arm);
             let along = |k: usize| line[k] * (v_body[k] + turned[k]);
-            pull = pull - (along(0) + along(1) + along(2)) * per_length * tether.line_rate_n_s_m;
+            // Where the rate would make the line push, it goes slack: max(pull + c rate, min(pull, 0)).
+            let with = pull - (along(0) + along(1) + along(2)) * per_length * tether.line_rate_n_s_m;
+            let slack = (pull - pull.abs()) * 0.5;
+            pull = (with + slack + (with - slack).abs()) * 0.5;
         }
         let size = pull * per_length;
         let force = each(|k| line[k] * size);

@@ -363,7 +363,9 @@ impl<S: Simd> Kernel<'_, S> {
         let mut pull = (q * c.drag_area - c.weight) * c.size_per_m.mul_add(length, c.size);
         if self.parts.line_rate {
             let v_hook = plus(to_body(&s.m, [y[3], y[4], y[5]]), cross([y[10], y[11], y[12]], c.p_cm_hook));
-            pull = c.line_rate.neg_mul_add(dot(direction, v_hook), pull);
+            // A line cannot push: it goes slack.
+            let slack = (pull - pull.abs()).scale(0.5);
+            pull = c.line_rate.neg_mul_add(dot(direction, v_hook), pull).max(slack);
         }
         (pull, direction)
     }

@@ -64,9 +64,16 @@ pub(crate) fn tether(world: &World<'_>, i: &Instant) -> (V, V) {
     let (direction, length, rate) = i.line;
     let nominal = crate::algebra::norm(c.ring) - crate::algebra::norm(c.hook);
     let steady = i.q * c.drag_area - c.line_weight;
-    let pull = steady * (1.0 + k.get(K::TethLen) * (length - nominal))
-        + k.get(K::TethC) * rate
-        + outside::line(world, length - nominal, rate);
+    let slow = steady * (1.0 + k.get(K::TethLen) * (length - nominal)) + outside::line(world, length - nominal, rate);
+    let whole = slow + k.get(K::TethC) * rate;
+    // Slack, not stiff.
+    let pull = if whole < 0.0 && slow > 0.0 {
+        0.0
+    } else if slow <= 0.0 && whole < slow {
+        slow
+    } else {
+        whole
+    };
     let f = scale(direction, pull);
     (f, cross(sub(c.hook, c.cm), f))
 }
