@@ -23,7 +23,7 @@ const STARTS: usize = 2;
 const FAR: f64 = 400.0;
 
 /// A search this far below another's end after two rounds is given up.
-const HOPELESS: f64 = 1500.0;
+const HOPELESS: f64 = 500.0;
 
 /// A search's outcome.
 #[derive(Clone, Debug)]
@@ -97,13 +97,9 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     // Random inputs that every start may have: none, or one effect in one form at one size.
     let starts = ladder(engine, &declared, &mut log)?;
     let mut best: Option<(f64, Fit, Weighed)> = None;
-    // The best starts, and always the one without random inputs: where much is missing, quadratics say little of it.
-    let still = starts.iter().position(|s| s.1.model.members.iter().all(|m| !m.random || m.declared));
-    let chosen: Vec<usize> = (0..starts.len()).filter(|i| *i < STARTS || Some(*i) == still).collect();
-    for i in chosen {
-        let (total, fit, set) = starts[i].clone();
+    for (total, fit, set) in starts.into_iter().take(STARTS) {
         let floor = best.as_ref().map_or(f64::NEG_INFINITY, |b| b.0);
-        if total < floor - FAR && Some(i) != still {
+        if total < floor - FAR {
             continue;
         }
         log.push(format!("start at {total:.1}: {}", describe(&fit.model)));
@@ -273,7 +269,12 @@ fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Result<Ve
             model.members.retain(|m| m.effect.family != air.effect.family);
             let forms = air.forms();
             model.members.push(sized(air, *level, &forms[forms.len() / 2]));
-            match engine.climb(&model, false, if k == 0 { 6 } else { 3 }) {
+            if k == 0 {
+                if let Some(led) = lead_in(engine, &model) {
+                    model = led;
+                }
+            }
+            match engine.climb(&model, false, 3) {
                 Ok(fit) => {
                     followed = Some(fit.model.clone());
                     // The likeliest of the lengths; very wide gusts only lead the parameters near.
@@ -333,6 +334,18 @@ fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Result<Ve
         }
     }
     if distinct.is_empty() { Err(last) } else { Ok(distinct) }
+}
+
+/// Parameters found while accelerations are left free, less and less: from far starting values no gust leads a model's roll.
+fn lead_in(engine: &Engine, model: &Model) -> Option<Model> {
+    const FREEDOM: [f64; 3] = [1.0, 0.2, 0.04];
+    let mut free = engine.clone();
+    let mut model = model.clone();
+    for (slack, steps) in FREEDOM.into_iter().zip([4, 3, 3]) {
+        free.slack = slack;
+        model = free.climb(&model, false, steps).ok()?.model;
+    }
+    Some(model)
 }
 
 /// Forms of a random input that are scanned: every value of its first shape, the middle ones of the others.
@@ -557,7 +570,7 @@ fn polish(engine: &mut Engine, start: Fit, next: Option<Model>, floor: f64, log:
     let mut model = next.unwrap_or(start.model);
     let mut seen: Vec<(String, Fit)> = Vec::new();
     for round in 0..ROUNDS {
-            let mut fit = climb_down(engine, &model)?;
+        let mut fit = climb_down(engine, &model)?;
         if !crate::engine::random_numbers(&fit.model).is_empty() {
             fit = engine.settle_random(&fit, if round == 0 { 5 } else { 2 });
             fit = without_idle(engine, fit);

@@ -17,6 +17,8 @@ pub struct Engine {
     pub(crate) runs: Vec<Prepared>,
     /// Noise of the pose channels.
     pub noise: [ChannelNoise; CHANNELS],
+    /// Freedom of the accelerations at a search's start, zero otherwise.
+    pub(crate) slack: f64,
 }
 
 /// Where a fit is.
@@ -119,7 +121,7 @@ impl Engine {
         }
         let (gas, wind) = (campaign.plant.environment.gas_constant_j_kg_k, noise[POSE]);
         let runs = records.par_iter().map(|(i, r)| Prepared::new(*i, &campaign.runs[*i].name, r, gas, NODE_S, &wind)).collect();
-        Some(Self { campaign: owned, runs, noise })
+        Some(Self { campaign: owned, runs, noise, slack: 0.0 })
     }
 
     /// The campaign with what its runs leave uncertain: the instant of a pose within its sample interval.
@@ -209,7 +211,7 @@ impl Engine {
                         other => other.clone(),
                     })
                     .collect();
-                pass(run, &Setting { plant: &own, noise: &self.noise, columns: &columns })
+                pass(run, &Setting { plant: &own, noise: &self.noise, columns: &columns, slack: self.slack })
             })
             .collect();
         let runs: Vec<Seen> = seen.into_iter().collect::<Result<_, _>>()?;
@@ -361,7 +363,8 @@ impl Engine {
                 let mut next = model.clone();
                 for (&(m, i), s) in places.iter().zip(step.iter()) {
                     let [low, high] = log_range(&model, m, i);
-                    next.members[m].values[i] = (model.members[m].values[i].max(1e-12).ln() + fraction * s).clamp(low, high).exp();
+                    next.members[m].values[i] =
+                        (model.members[m].values[i].max(1e-12).ln() + fraction * s).clamp(low, high).exp();
                 }
                 if self.sum(&next, &[], &[]).is_ok_and(|s| s.log_likelihood > here) {
                     better = Some(next);

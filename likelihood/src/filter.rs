@@ -15,6 +15,8 @@ use windfall_pid::equations::{ADDED, Air, Craft, LOOSE, Local, MOTION, STATES};
 
 /// Spread of the first state about its start: wide, so that the data decide (m, rad, m/s, rad/s).
 const START_STD: [f64; STATES] = [0.05, 0.05, 0.05, 0.05, 0.05, 0.05, 0.5, 0.5, 0.5, 1.0, 1.0, 1.0];
+/// Accelerations of a search's start that no model need explain, m/s² and rad/s²: of the order of those of a model in free flight.
+const SLACK: [f64; 6] = [2.0, 2.0, 2.0, 5.0, 10.0, 10.0];
 /// Rows of the whitened columns that are multiplied at a time.
 const ROWS: usize = 224;
 
@@ -48,6 +50,8 @@ pub(crate) struct Setting<'a> {
     pub(crate) plant: &'a Plant,
     pub(crate) noise: &'a [ChannelNoise; CHANNELS],
     pub(crate) columns: &'a [Column],
+    /// Share of [`SLACK`] that the accelerations are left free by from node to node.
+    pub(crate) slack: f64,
 }
 
 /// A column made ready for a run.
@@ -87,6 +91,7 @@ struct Filter<'a> {
     /// Coloured noise: channel, correlation, variance of node means.
     coloured: Vec<(usize, f64, f64)>,
     white: [f64; POSE],
+    slack: f64,
     step_s: f64,
     /// Motion states, all states, columns.
     nm: usize,
@@ -111,8 +116,7 @@ pub(crate) fn pass(run: &Prepared, s: &Setting<'_>) -> Result<Seen, Departed> {
     let nm = if s.plant.vehicle.loose.is_some() { MOTION } else { STATES };
     let n = nm + ORDER * random.len() + coloured.len();
     let white = std::array::from_fn(|c| s.noise[c].white.max(1e-6 * s.noise[c].coloured));
-    let filter =
-        Filter { run, plant: s.plant, craft, random, coloured, white, step_s, nm, n, nc: columns.len() };
+    let filter = Filter { run, plant: s.plant, craft, random, coloured, white, slack: s.slack, step_s, nm, n, nc: columns.len() };
     filter.run(columns)
 }
 
@@ -526,6 +530,9 @@ impl<'a> Filter<'a> {
                 let mixed = wind[i] * next[k] + next[i] * wind[k];
                 noise[i * n + k] += density * h * (wind[i] * wind[k] + 0.5 * h * mixed + h * h / 3.0 * next[i] * next[k]);
             }
+        }
+        for (k, a) in SLACK.iter().enumerate() {
+            noise[(6 + k) * n + 6 + k] += (self.slack * a * h).powi(2);
         }
         for block in 0..blocks {
             let driven = &self.random[block].driven;
