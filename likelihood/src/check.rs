@@ -5,7 +5,7 @@
 //! coefficient, and drifts of every channel of the instruments. They have priors and cost like effects; one that is in the best set says that no
 //! effect of the catalogue accounts for what it does.
 
-use crate::columns::{Basis, CHANNEL_NAMES, LOADS};
+use crate::columns::{Along, Basis, CHANNEL_NAMES, LOADS};
 use crate::discover::{Contest, contest};
 use crate::engine::Engine;
 use crate::model::Model;
@@ -79,10 +79,22 @@ pub(crate) fn alternatives(engine: &Engine) -> Vec<Alternative> {
             _ => 1,
         };
         add(vec![Basis::Hysteresis(axis, false), Basis::Hysteresis(axis, true)]);
+        // What the load is mostly made of, its angle and its rate, in proportion to a variable.
+        for along in Along::ALL {
+            match place {
+                0 => {}
+                1 | 2 => add(vec![Basis::Slope(3 - place, along)]),
+                3 => add(vec![Basis::Damping(0, along)]),
+                _ => add(vec![Basis::Slope(place - 3, along), Basis::Damping(place - 3, along)]),
+            }
+        }
     }
     for place in 0..POSE {
         let prior = DRIFT * engine.noise[place].std();
-        all.push(Alternative { error: true, place, bases: vec![Basis::Drift, Basis::Time(1), Basis::Time(2)], prior });
+        let mut add = |bases: Vec<Basis>| all.push(Alternative { error: true, place, bases, prior });
+        add(vec![Basis::Drift, Basis::Time(1), Basis::Time(2)]);
+        add(vec![Basis::Roll(1, false), Basis::Roll(1, true), Basis::Roll(2, false), Basis::Roll(2, true)]);
+        add(vec![Basis::Height(1), Basis::Height(2)]);
         if runs.len() > 1 {
             let bases = runs.iter().map(|r| Basis::Step(*r, f64::NEG_INFINITY)).collect();
             all.push(Alternative { error: true, place, bases, prior });

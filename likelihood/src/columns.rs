@@ -42,6 +42,33 @@ pub enum Basis {
     Step(usize, f64),
     /// Straight line over time in every run, from -1 to 1.
     Drift,
+    /// The slope over an angle (1 angle of attack, 2 sideslip, of 0.3 rad; 0 none) in proportion to a variable.
+    Slope(usize, Along),
+    /// The slope over a body rate (0 roll, 1 pitch, 2 yaw; rad/s) in proportion to a variable.
+    Damping(usize, Along),
+}
+
+/// A variable along a run, of order one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Along {
+    /// Time, from -1 to 1.
+    Time,
+    /// The airspeed's excess over its mean, of a tenth of it.
+    Speed,
+    /// The height X, of 0.3 m.
+    Height,
+}
+
+impl Along {
+    /// All of them.
+    pub(crate) const ALL: [Self; 3] = [Self::Time, Self::Speed, Self::Height];
+    fn basis(self) -> Basis {
+        match self {
+            Self::Time => Basis::Drift,
+            Self::Speed => Basis::Speed(1),
+            Self::Height => Basis::Height(1),
+        }
+    }
 }
 
 /// What a basis may look at.
@@ -91,6 +118,8 @@ impl Basis {
             }
             Self::Step(run, at_s) => f64::from(u8::from(run == v.run && v.t_s >= at_s)),
             Self::Drift => 2.0 * v.t_s / v.duration_s.max(1e-9) - 1.0,
+            Self::Slope(plane, along) => along.basis().value(v) * [1.0, v.alpha_rad / 0.3, v.beta_rad / 0.3][plane],
+            Self::Damping(axis, along) => along.basis().value(v) * v.rates_rad_s[axis],
         }
     }
 
@@ -108,6 +137,7 @@ impl Basis {
             Self::Pulse(_, start_s, duration_s) => format!("a pulse of {duration_s} s at {start_s:.2} s"),
             Self::Step(_, at_s) => format!("a step at {at_s:.2} s"),
             Self::Drift => "time (a drift)".to_owned(),
+            Self::Slope(_, along) | Self::Damping(_, along) => along.basis().words(),
         }
     }
 }

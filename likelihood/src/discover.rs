@@ -19,8 +19,9 @@ const LEVELS: [f64; 5] = [0.15, 0.06, 0.025, 0.01, 0.0035];
 /// Starts that are followed to the end.
 const STARTS: usize = 2;
 
-/// A start this far below the best end, in nats, is not followed: the quadratic errs by less.
-const FAR: f64 = 400.0;
+/// A start this far below the best, in nats, is not followed, unless the best left more than this mean square of what noise leaves.
+const FAR: f64 = 60.0;
+const LEFT: f64 = 1.1;
 
 /// A search this far below another's end after two rounds is given up.
 const HOPELESS: f64 = 500.0;
@@ -95,11 +96,12 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let noise = engine.noise.map(|n| format!("{:.3e}/{:.2}", n.std(), if n.coloured > 0.0 { n.correlation } else { 0.0 }));
     log.push(format!("noise {}", noise.join(" ")));
     // Random inputs that every start may have: none, or one effect in one form at one size.
-    let starts = ladder(engine, &declared, &mut log)?;
+    let starts = ladder(&engine.coarse(), &declared, &mut log)?;
     let mut best: Option<(f64, Fit, Weighed)> = None;
+    let top = starts.first().map_or(f64::NEG_INFINITY, |s| s.0);
     for (total, fit, set) in starts.into_iter().take(STARTS) {
         let floor = best.as_ref().map_or(f64::NEG_INFINITY, |b| b.0);
-        if total < floor - FAR {
+        if total < top - FAR && best.as_ref().is_some_and(|b| b.1.chi < LEFT) {
             continue;
         }
         log.push(format!("start at {total:.1}: {}", describe(&fit.model)));
@@ -575,7 +577,7 @@ fn polish(engine: &mut Engine, start: Fit, next: Option<Model>, floor: f64, log:
             fit = engine.settle_random(&fit, if round == 0 { 5 } else { 2 });
             fit = without_idle(engine, fit);
         }
-        fit = engine.climb(&fit.model, true, 3).ok()?;
+        fit = engine.climb(&fit.model, true, 10).ok()?;
         let w = weighed(engine, &fit.model)?;
         let key = names(&fit.model);
         let again = with_set(&fit.model, &w, w.choice(), engine);
@@ -618,7 +620,7 @@ fn same_forms(a: &Model, b: &Model) -> bool {
             m.parameters
                 .iter()
                 .enumerate()
-                .all(|(i, p)| p.role == Role::Strength || m.random || (m.values[i] - o.values[i]).abs() < 0.3 * o.values[i].abs())
+                .all(|(i, p)| p.role == Role::Strength || m.random || (m.values[i] - o.values[i]).abs() <= 0.3 * o.values[i].abs())
         })
     })
 }

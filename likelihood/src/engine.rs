@@ -77,6 +77,8 @@ impl Stop {
 const STAMP: &str = "sensors.pose_delay_s";
 /// Length of a node, s, where the sample interval is shorter: a fiftieth of the pitch mode's period.
 const NODE_S: f64 = 0.02;
+/// The same where a search only looks for its start.
+const COARSE_S: f64 = 0.04;
 /// A climb ends when no step exceeds this share of its standard error.
 const SMALL: f64 = 0.05;
 /// Longest step, in standard deviations of the prior.
@@ -128,6 +130,16 @@ impl Engine {
     #[must_use]
     pub fn campaign(&self) -> &Campaign {
         &self.campaign
+    }
+
+    /// The same runs in longer nodes, at half the cost.
+    pub(crate) fn coarse(&self) -> Self {
+        let gas = self.campaign.plant.environment.gas_constant_j_kg_k;
+        let longer = |run: &Prepared| match &self.campaign.runs[run.index].data {
+            Data::Tunnel(record) => run.clone().in_nodes(record, gas, COARSE_S),
+            Data::Point(_) => run.clone(),
+        };
+        Self { runs: self.runs.iter().map(longer).collect(), ..self.clone() }
     }
 
     /// Name of the first run.

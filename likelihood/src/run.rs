@@ -55,6 +55,23 @@ pub(crate) struct Prepared {
 impl Prepared {
     /// Blocks of about `node_s`; `noise` is the tunnel speed's.
     pub(crate) fn new(index: usize, name: &str, record: &Record, gas_constant: f64, node_s: f64, noise: &ChannelNoise) -> Self {
+        let missing = |i: usize| record.bridged.get(i).copied().unwrap_or(false);
+        let (series, dt) = (&record.vw_m_s, record.interval_s());
+        Self {
+            index,
+            name: name.to_owned(),
+            interval_s: dt,
+            block: 0,
+            nodes: Vec::new(),
+            start: [[0.0; 2]; POSE],
+            speed: Speed::new(series, dt, noise, &missing),
+            speed_m_s: series.iter().sum::<f64>() / series.len().max(1) as f64,
+        }
+        .in_nodes(record, gas_constant, node_s)
+    }
+
+    /// The same run in blocks of about `node_s`.
+    pub(crate) fn in_nodes(self, record: &Record, gas_constant: f64, node_s: f64) -> Self {
         let (n, dt) = (record.len(), record.interval_s());
         let block = whole(node_s / dt).max(1);
         let channels = record.channels();
@@ -79,17 +96,8 @@ impl Prepared {
             })
             .collect();
         let at_s = nodes.first().map_or(0.0, |k| k.t_s);
-        let line = |c: usize| start_of(channels[c], dt, at_s, &missing);
-        Self {
-            index,
-            name: name.to_owned(),
-            interval_s: dt,
-            block,
-            start: std::array::from_fn(line),
-            speed: Speed::new(channels[POSE], dt, noise, &missing),
-            speed_m_s: channels[POSE].iter().sum::<f64>() / n.max(1) as f64,
-            nodes,
-        }
+        let start = std::array::from_fn(|c| start_of(channels[c], dt, at_s, &missing));
+        Self { block, start, nodes, ..self }
     }
 
     /// Time between nodes as the record's clock has it, s.
