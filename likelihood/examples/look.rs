@@ -40,7 +40,7 @@ fn main() {
                         .iter()
                         .for_each(|l| println!("    {} over {}: {:.1} {:?}", l.channel, l.variable, l.gain, l.amplitudes));
                 }
-                d.lines.iter().take(2).for_each(|l| {
+                d.lines.iter().filter(|l| !l.of_instrument).take(2).for_each(|l| {
                     println!("    line {} {:.2} Hz {:.1} {}", l.channel, l.line_hz.unwrap_or(0.0), l.gain, l.variable)
                 });
                 println!("  chi {:?}", d.after.channels.map(|c| (c[2] * 1000.0).round() / 1000.0));

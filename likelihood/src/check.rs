@@ -9,8 +9,10 @@ use crate::columns::{Along, Basis, CHANNEL_NAMES, LOADS};
 use crate::discover::{Contest, contest};
 use crate::engine::Engine;
 use crate::model::Model;
-use crate::run::POSE;
+use crate::run::{POSE, Prepared};
 use realfft::RealFftPlanner;
+use windfall_model::Plant;
+use windfall_pid::equations::{ADDED, Air, Craft, MOTION};
 
 /// A group of generic columns: functions of one variable in one load or channel.
 #[derive(Clone, Debug)]
@@ -36,6 +38,8 @@ pub struct Lead {
     pub gain: f64,
     /// Frequency of a line, Hz.
     pub line_hz: Option<f64>,
+    /// A line that no load makes: too fast and too large for the model's inertia. It is the instrument's.
+    pub of_instrument: bool,
     /// Amplitudes of the functions, in their order.
     pub amplitudes: Vec<f64>,
 }
@@ -119,8 +123,48 @@ impl Alternative {
             variable: if run { "run".to_owned() } else { variable },
             gain,
             line_hz: None,
+            of_instrument: false,
             amplitudes,
         }
+    }
+}
+
+/// Whitened innovations of each channel of the pose beyond five standard deviations, of which normal noise has two in ten million.
+pub(crate) fn outliers(engine: &Engine, model: &Model) -> [usize; POSE] {
+    let Ok(sum) = engine.sum(model, &[], &[]) else { return [0; POSE] };
+    std::array::from_fn(|c| sum.runs.iter().flat_map(|r| &r.whitened).filter(|w| w[c].abs() > 5.0).count())
+}
+
+/// A line above this multiple of the pitch mode's frequency is the instrument's when the load that would make it is above this multiple
+/// of what is plausible for loads that vary.
+const FAST: f64 = 5.0;
+const IMPLAUSIBLE: f64 = 10.0;
+
+/// Frequency of the pitch mode at small angles, Hz, from the rates of motion's slope.
+fn pitch_hz(plant: &Plant, run: &Prepared) -> f64 {
+    let Ok(craft) = Craft::complete(plant) else { return 0.0 };
+    let mut x = [0.0; MOTION];
+    let density = run.nodes.first().map_or(1.2, |n| n.density_kg_m3);
+    let air = Air { t_s: 0.0, density_kg_m3: density, vw_m_s: run.speed_m_s, vw_rate_m_s2: 0.0 };
+    let mut rate = |angle: f64| {
+        x[4] = angle;
+        craft.rates(&x, air, &[0.0; ADDED], &mut Vec::new()).map_or(0.0, |r| r[10])
+    };
+    const ANGLE: f64 = 0.02;
+    let stiffness = -(rate(ANGLE) - rate(-ANGLE)) / (2.0 * ANGLE);
+    stiffness.max(0.0).sqrt() / std::f64::consts::TAU
+}
+
+/// Coefficient of the load that would move a channel by an amplitude at a frequency against the model's inertia, over what is plausible.
+fn load_of(plant: &Plant, run: &Prepared, channel: usize, hz: f64, amplitude: f64) -> f64 {
+    let v = &plant.vehicle;
+    let density = run.nodes.first().map_or(1.2, |n| n.density_kg_m3);
+    let qs = 0.5 * density * run.speed_m_s * run.speed_m_s * v.area_m2();
+    let acceleration = (std::f64::consts::TAU * hz).powi(2) * amplitude;
+    match channel {
+        0..3 => v.mass_kg * acceleration / qs / FORCE,
+        3 => v.inertia.xx * acceleration / (qs * v.diameter_m) / ROLL,
+        _ => v.inertia.yy * acceleration / (qs * v.diameter_m) / MOMENT,
     }
 }
 
@@ -129,6 +173,8 @@ impl Alternative {
 #[must_use]
 pub(crate) fn lines(engine: &Engine, model: &Model) -> Vec<Lead> {
     let Ok(sum) = engine.sum(model, &[], &[]) else { return Vec::new() };
+    let plant = model.plant(&engine.campaign);
+    let pitch_hz = engine.runs.iter().map(|r| pitch_hz(&plant, r)).fold(0.0, f64::max);
     let mut all = Vec::new();
     let looked: f64 = sum.runs.iter().map(|r| (r.whitened.len() / 2 * POSE) as f64).sum();
     for (run, seen) in engine.runs.iter().zip(&sum.runs) {
@@ -151,11 +197,15 @@ pub(crate) fn lines(engine: &Engine, model: &Model) -> Vec<Lead> {
             if let Some((k, p)) = peak {
                 let gain = p - looked.max(1.0).ln();
                 if gain > 0.0 {
+                    let hz = k as f64 / (n as f64 * run.step_s());
+                    // Hann's window has a mean of one half.
+                    let amplitude = 4.0 * (p * power).sqrt() / n as f64 * sum.channels[c][1].sqrt();
                     all.push(Lead {
                         channel: CHANNEL_NAMES[c].to_owned(),
                         variable: format!("a line in the spectrum of {}", run.name),
                         gain,
-                        line_hz: Some(k as f64 / (n as f64 * run.step_s())),
+                        line_hz: Some(hz),
+                        of_instrument: hz > FAST * pitch_hz && load_of(&plant, run, c, hz, amplitude) > IMPLAUSIBLE,
                         amplitudes: Vec::new(),
                     });
                 }

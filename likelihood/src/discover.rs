@@ -3,10 +3,11 @@
 //! Start in wide gusts, where the filter cannot lose the data, and narrow them; at every level all sets are weighed. The best are fitted
 //! in full, random inputs searched together with the set, and all sets weighed again at the new point until the set stays.
 
-use crate::check::{Alternative, Lead, lines, with_alternatives};
+use crate::check::{Alternative, Lead, lines, outliers, with_alternatives};
 use crate::engine::{Engine, Fit, always};
 use crate::gram::Gram;
 use crate::model::{Id, Member, Model, Number, candidates, catalogue};
+use crate::run::POSE;
 use crate::search::{Set, Unit, search, units};
 use windfall_model::{CATALOGUE, Effect, Role};
 
@@ -53,6 +54,8 @@ pub struct Discovery {
     pub random_bounds: Vec<(&'static str, String, f64, String)>,
     /// Lines in the spectra of the innovations.
     pub lines: Vec<Lead>,
+    /// Innovations of each channel of the pose beyond five standard deviations.
+    pub outliers: [usize; POSE],
     /// What was done, for those who look beneath.
     pub log: Vec<String>,
 }
@@ -133,7 +136,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
         Ok(fit) => (Some(fit), Ok(())),
         Err(words) => (None, Err(words)),
     };
-    let lines = lines(engine, &after.model);
+    let (lines, outliers) = (lines(engine, &after.model), outliers(engine, &after.model));
     Ok(Discovery {
         before,
         before_fault,
@@ -147,8 +150,45 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
         random_errors,
         random_bounds,
         lines,
+        outliers,
         log,
     })
+}
+
+/// Declared parameters and uncertain constants with what the campaign declares and, where the runs speak for them, gusts; no other effect.
+///
+/// # Errors
+/// The words of why the declared model cannot be followed.
+pub fn identify(engine: &Engine) -> Result<Fit, String> {
+    let declared = Model::declared(&engine.campaign);
+    let start = lead_in(&engine.coarse(), &declared).unwrap_or_else(|| declared.clone());
+    let still = climb_down(engine, &start);
+    let gusts = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random && moves_air(m, engine));
+    let gusty = gusts
+        .filter(|m| !declared.members.iter().any(|d| d.effect.family == m.effect.family))
+        .filter_map(|null| {
+            let mut model = start.clone();
+            let forms = null.forms();
+            model.members.push(sized(&null, LEVELS[1], &forms[forms.len() / 2]));
+            let fit = engine.climb(&model, false, 6).ok()?;
+            let fit = engine.settle_random(&fit, 5);
+            Some((fit.total - random_cost(&fit.model, engine), fit))
+        })
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    match (still, gusty) {
+        (Some(still), Some((total, gusty))) => Ok(if total > still.total + SURE { gusty } else { still }),
+        (Some(fit), None) | (None, Some((_, fit))) => Ok(fit),
+        (None, None) => Err("with the declared model no fit stays within its runs".to_owned()),
+    }
+}
+
+/// Whether a random member is a gust.
+fn moves_air(m: &Member, engine: &Engine) -> bool {
+    let mut v = m.values.clone();
+    v[0] = 1.0;
+    let mut plant = engine.campaign.plant.clone();
+    (m.effect.apply)(&mut plant, &v);
+    plant.disturbances(1.0).iter().any(|d| matches!(d.entry, windfall_model::Entry::AirVelocity(_)))
 }
 
 /// The best set held against generic alternatives: members that those make needless are taken out, and the rest fitted again.
@@ -257,13 +297,7 @@ fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Result<Ve
     let mut all: Vec<(f64, Fit, Option<Model>)> = Vec::new();
     let mut followed: Option<Model> = None;
     let mut last = String::new();
-    let air = random.iter().find(|m| {
-        let mut v = m.values.clone();
-        v[0] = 1.0;
-        let mut plant = engine.campaign.plant.clone();
-        (m.effect.apply)(&mut plant, &v);
-        plant.disturbances(1.0).iter().any(|d| matches!(d.entry, windfall_model::Entry::AirVelocity(_)))
-    });
+    let air = random.iter().find(|m| moves_air(m, engine));
     // Gusts from wide to none, each starting from the fit before; where gusts are declared they are in every set already.
     if let Some(air) = air.filter(|a| !declared.members.iter().any(|m| m.effect.family == a.effect.family)) {
         for (k, level) in LEVELS.iter().enumerate() {

@@ -23,7 +23,7 @@ mod wind;
 
 pub use check::Lead;
 pub use columns::{Basis, CHANNEL_NAMES};
-pub use discover::{Contest, Discovery, discover};
+pub use discover::{Contest, Discovery, discover, identify};
 pub use engine::{Engine, Fit, Stop};
 pub use filter::Departed;
 pub use gram::{Gram, Posterior};

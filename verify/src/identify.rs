@@ -4,11 +4,14 @@
 use crate::VerifyError;
 use crate::bootstrap::{Bootstrap, bootstrap};
 use serde::{Deserialize, Serialize};
+use windfall_likelihood::Id;
 use windfall_model::Campaign;
 use windfall_pid::bands::add_curves;
 use windfall_pid::compatibility::{Compatibility, pressure};
 use windfall_pid::output_error::{Handling, Options, Prior};
-use windfall_pid::{Held, Identification, Method, identifiability, identify_by, identify_chosen};
+use windfall_pid::{
+    Estimate, Held, Identification, Method, identifiability, identify_by, identify_chosen, relative_percent,
+};
 
 /// What is asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -59,6 +62,10 @@ pub fn identify(campaign: &Campaign, notes: &[String], request: &Identify) -> Re
         Some(method) => identify_by(&campaign, method, &options)?,
         None => identify_chosen(&campaign, &options)?,
     };
+    let method = Method::of_name(&found.method).expect("named by the method itself");
+    if request.method.is_none() && request.tie.is_empty() && request.prior.is_empty() {
+        with_knowledge(&campaign, &mut found);
+    }
     // Values that the method itself held (scales of gusts) stay beside those that were ordered.
     found.data_sets.iter_mut().for_each(|d| d.held = [request.hold.as_slice(), &d.held].concat());
     if found.identifiability.is_none() {
@@ -69,16 +76,71 @@ pub fn identify(campaign: &Campaign, notes: &[String], request: &Identify) -> Re
         found.compatibility = pressure(&campaign).map(Compatibility::of_pressure);
     }
     add_curves(&campaign, &mut found)?;
-    let copies = request.bootstrap.map(|n| {
-        let method = Method::of_name(&found.method).expect("named by the method itself");
-        bootstrap(&campaign, &found, method, &options, n)
-    });
+    let copies = request.bootstrap.map(|n| bootstrap(&campaign, &found, method, &options, n));
     let copies = copies.transpose()?;
     found.warnings.splice(0..0, notes.iter().cloned());
     if let Some((b, first)) = copies.as_ref().and_then(|b| Some((b, b.failed.first()?))) {
         found.warnings.push(format!("{} of {} copies gave no answer, the first: {first}", b.failed.len(), b.draws));
     }
     Ok(Identified { found, bootstrap: copies })
+}
+
+/// Standard errors on either side of a 95 % interval of a normal estimate.
+const NORMAL_95: f64 = 1.959_963_985;
+/// Name of the likelihood in results.
+const LIKELIHOOD: &str = "likelihood";
+
+/// Where a campaign says what is uncertain of its constants, or which effects its model has, the parameters by the likelihood that
+/// carries them; the other methods take constants as exact.
+fn with_knowledge(campaign: &Campaign, found: &mut Identification) {
+    if campaign.is_point_mass() || (campaign.knowledge.constants.is_empty() && campaign.knowledge.effects.is_empty()) {
+        return;
+    }
+    let mut all = Vec::new();
+    for d in &found.data_sets {
+        let indices: Vec<usize> = (0..campaign.runs.len()).filter(|&i| d.runs.contains(&campaign.runs[i].name)).collect();
+        let fit = windfall_likelihood::Engine::new(campaign, &indices)
+            .ok_or_else(|| "no run is long enough".to_owned())
+            .and_then(|engine| windfall_likelihood::identify(&engine));
+        match fit {
+            Ok(fit) => all.push(fit),
+            Err(words) => {
+                found.warnings.push(format!("declared uncertainties are not used for {}: {words}", d.name));
+                return;
+            }
+        }
+    }
+    for (d, fit) in found.data_sets.iter_mut().zip(&all) {
+        let structure = &campaign.plant.aero.structure;
+        let place = |e: &Estimate| {
+            let i = structure.index(&e.name)?;
+            fit.numbers.iter().position(|n| n.id == Id::Declared(i)).map(|k| (i, k))
+        };
+        let places: Vec<Option<(usize, usize)>> = d.parameters.iter().map(place).collect();
+        for (e, at) in d.parameters.iter_mut().zip(&places) {
+            let Some((i, k)) = *at else { continue };
+            let (value, std) = (fit.model.declared[i], fit.covariance[(k, k)].sqrt());
+            (e.estimate, e.std_error, e.std_error_white) = (value, std, std);
+            e.ci95 = [value - NORMAL_95 * std, value + NORMAL_95 * std];
+            e.rse_percent = relative_percent(std, value);
+        }
+        let n = places.len();
+        if d.covariance.len() == n {
+            for (a, pa) in places.iter().enumerate() {
+                for (b, pb) in places.iter().enumerate() {
+                    d.covariance[a][b] = match (pa, pb) {
+                        (Some((_, i)), Some((_, k))) => fit.covariance[(*i, *k)],
+                        // Gusts and parameters of the mean are not correlated.
+                        (Some(_), None) | (None, Some(_)) => 0.0,
+                        (None, None) => d.covariance[a][b],
+                    };
+                }
+            }
+        }
+    }
+    let before = found.reason.take().map_or_else(String::new, |r| format!("; the quality of the fits is that of {}: {r}", found.method));
+    found.reason = Some(format!("the campaign states what is uncertain of its constants or which effects act{before}"));
+    LIKELIHOOD.clone_into(&mut found.method);
 }
 
 /// The campaign with what is to be held at its value and no longer declared.

@@ -49,7 +49,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, V
         verdict,
         residual: Residuals { per_channel: channels(before) },
         residual_after: Residuals { per_channel: channels(after) },
-        noise: noise(campaign, &engine, &indices),
+        noise: noise(campaign, &engine, &indices, &found),
         constants: constants(engine.campaign(), after),
         sets: sets(&found),
         candidates: candidates(&found),
@@ -82,7 +82,7 @@ fn channels(fit: &Fit) -> Vec<ChannelResidual> {
         .collect()
 }
 
-fn noise(campaign: &Campaign, engine: &Engine, indices: &[usize]) -> Vec<NoiseLine> {
+fn noise(campaign: &Campaign, engine: &Engine, indices: &[usize], found: &Discovery) -> Vec<NoiseLine> {
     let declared = windfall_likelihood::declared_noise(&campaign.plant.sensors);
     let bridged = |i: &usize| match &campaign.runs[*i].data {
         Data::Tunnel(r) => r.bridged.iter().filter(|b| **b).count(),
@@ -98,10 +98,21 @@ fn noise(campaign: &Campaign, engine: &Engine, indices: &[usize]) -> Vec<NoiseLi
                 learnt_std: shown(c, n.std()),
                 colour: if n.coloured > 0.0 { n.correlation } else { 0.0 },
                 coloured_share: n.coloured / (n.coloured + n.white),
+                lines_hz: lines_of(CHANNEL_NAMES[c], found),
                 missing,
+                outliers: found.outliers.get(c).copied().unwrap_or(0),
             }
         })
         .collect()
+}
+
+/// Frequencies of an instrument's lines in a channel, of all runs, ascending, one for each twentieth of a Hz.
+fn lines_of(channel: &str, found: &Discovery) -> Vec<f64> {
+    let mine = found.lines.iter().filter(|l| l.of_instrument && l.gain > LEAD && l.channel == channel);
+    let mut all: Vec<f64> = mine.filter_map(|l| l.line_hz).map(|hz| (20.0 * hz).round() / 20.0).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
 }
 
 fn constants(campaign: &Campaign, fit: &Fit) -> Vec<ConstantLine> {
@@ -284,7 +295,7 @@ fn bounds(found: &Discovery) -> Vec<Bound> {
 
 /// Generic alternatives that are in the best set, lines in the innovations, and what is left whatever it varies with.
 fn unexplained(found: &Discovery, engine: &Engine) -> Vec<Unexplained> {
-    let leads = found.contest.iter().flat_map(|c| &c.leads).chain(found.lines.first());
+    let leads = found.contest.iter().flat_map(|c| &c.leads).chain(found.lines.iter().find(|l| !l.of_instrument));
     let words = |l: &Lead| {
         let what = match l.line_hz {
             Some(hz) => format!("{} at {hz:.2} Hz, log-likelihood {:.0} above noise", l.variable, l.gain),

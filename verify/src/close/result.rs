@@ -129,8 +129,12 @@ pub struct NoiseLine {
     pub colour: f64,
     /// Share of the coloured part in the variance.
     pub coloured_share: f64,
+    /// Frequencies of lines that no load on the model makes, Hz.
+    pub lines_hz: Vec<f64>,
     /// Samples that were missing, all runs.
     pub missing: usize,
+    /// Innovations beyond five standard deviations.
+    pub outliers: usize,
 }
 
 /// A declared constant with an uncertainty, found beside declared.
