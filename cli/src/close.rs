@@ -10,7 +10,7 @@ use std::path::Path;
 use windfall_model::Campaign;
 use windfall_report::{closing_page, number, p_value, sentence, with_interval};
 use windfall_scenarios::{FileKind, kind_of, read_campaign_with_warnings, text_atomically, write_json_atomically};
-use windfall_verify::close::{Closing, EffectLine, HeldOut, Options, Search, Verdict, close, figures};
+use windfall_verify::close::{Closing, EffectLine, HeldOut, Options, Verdict, close, figures};
 
 /// Names of the result files.
 pub(crate) const FILES: [&str; 3] = ["close.json", "figures.json", "report.html"];
@@ -30,7 +30,7 @@ fn close_campaign(word: &Path, session: &mut Session<'_>) -> Result<bool, Failur
         Input::Campaign(campaign) => *campaign,
         Input::Scenario(file) => flights::campaign(&file, session)?,
     };
-    let options = Options { search: Search::Sets, ..Options::default() };
+    let options = Options::default();
     let spinner = session.spinner("closing the loop");
     let closed = session.pool()?.install(|| {
         let closing = close(&campaign, &options)?;

@@ -97,7 +97,7 @@ pub(crate) fn alternatives(engine: &Engine) -> Vec<Alternative> {
         let prior = DRIFT * engine.noise[place].std();
         let mut add = |bases: Vec<Basis>| all.push(Alternative { error: true, place, bases, prior });
         add(vec![Basis::Drift, Basis::Time(1), Basis::Time(2)]);
-        add(vec![Basis::Roll(1, false), Basis::Roll(1, true), Basis::Roll(2, false), Basis::Roll(2, true)]);
+        add([1, 2, 3].into_iter().flat_map(|n| [Basis::Roll(n, false), Basis::Roll(n, true)]).collect());
         add(vec![Basis::Height(1), Basis::Height(2)]);
         if runs.len() > 1 {
             let bases = runs.iter().map(|r| Basis::Step(*r, f64::NEG_INFINITY)).collect();

@@ -161,8 +161,10 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
 /// The words of why the declared model cannot be followed.
 pub fn identify(engine: &Engine) -> Result<Fit, String> {
     let declared = Model::declared(&engine.campaign);
-    let start = lead_in(&engine.coarse(), &declared).unwrap_or_else(|| declared.clone());
-    let still = climb_down(engine, &start);
+    let led = lead_in(&engine.coarse(), &declared);
+    let ends = [Some(&declared), led.as_ref()].into_iter().flatten().filter_map(|m| climb_down(engine, m));
+    let still = ends.max_by(|a, b| a.total.total_cmp(&b.total));
+    let start = still.as_ref().map_or_else(|| led.clone().unwrap_or_else(|| declared.clone()), |f| f.model.clone());
     let gusts = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random && moves_air(m, engine));
     let gusty = gusts
         .filter(|m| !declared.members.iter().any(|d| d.effect.family == m.effect.family))
@@ -305,12 +307,15 @@ fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Result<Ve
             model.members.retain(|m| m.effect.family != air.effect.family);
             let forms = air.forms();
             model.members.push(sized(air, *level, &forms[forms.len() / 2]));
-            if k == 0 {
-                if let Some(led) = lead_in(engine, &model) {
-                    model = led;
-                }
+            let mut fit = engine.climb(&model, false, if k == 0 { 6 } else { 3 });
+            if k == 0
+                && let Some(led) = lead_in(engine, &model)
+                && let Ok(other) = engine.climb(&led, false, 3)
+                && fit.as_ref().map_or(true, |f| f.total < other.total)
+            {
+                fit = Ok(other);
             }
-            match engine.climb(&model, false, 3) {
+            match fit {
                 Ok(fit) => {
                     followed = Some(fit.model.clone());
                     // The likeliest of the lengths; very wide gusts only lead the parameters near.
@@ -651,10 +656,9 @@ fn same_forms(a: &Model, b: &Model) -> bool {
     a.members.iter().all(|m| {
         let other = b.members.iter().find(|o| o.effect.family == m.effect.family);
         other.is_some_and(|o| {
-            m.parameters
-                .iter()
-                .enumerate()
-                .all(|(i, p)| p.role == Role::Strength || m.random || (m.values[i] - o.values[i]).abs() <= 0.3 * o.values[i].abs())
+            m.parameters.iter().enumerate().all(|(i, p)| {
+                p.role == Role::Strength || m.random || (m.values[i] - o.values[i]).abs() <= 0.3 * o.values[i].abs()
+            })
         })
     })
 }

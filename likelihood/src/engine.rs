@@ -3,7 +3,7 @@
 use crate::columns::Basis;
 use crate::filter::{Departed, Seen, Setting, pass};
 use crate::gram::Gram;
-use crate::model::{Id, Model, Number};
+use crate::model::{Id, Model, Number, VAGUE_PRIOR};
 use crate::noise::{ChannelNoise, declared, learn};
 use crate::run::{CHANNELS, POSE, Prepared};
 use nalgebra::{DMatrix, DVector};
@@ -256,6 +256,10 @@ impl Engine {
     /// that may not be negative and stands at zero, driven there, is left out by the step's clamp.
     fn free(&self, model: &Model, shapes: bool) -> Vec<Number> {
         let mut all = model.known(&self.campaign);
+        if self.slack > 0.0 {
+            // Free accelerations leave parameters that are hardly seen free too: each step stays within their own size.
+            all.iter_mut().filter(|n| matches!(n.id, Id::Declared(_))).for_each(|n| n.prior /= VAGUE_PRIOR);
+        }
         all.extend(model.of_members(shapes));
         all
     }

@@ -20,6 +20,9 @@ pub struct Member {
     pub declared: bool,
 }
 
+/// Prior standard deviation of a declared parameter over its size: knows nothing of it.
+pub(crate) const VAGUE_PRIOR: f64 = 30.0;
+
 /// Values of everything that a fit may change.
 #[derive(Clone, Debug)]
 pub struct Model {
@@ -173,7 +176,7 @@ impl Model {
                 Number {
                     id: Id::Declared(i),
                     value: 0.0,
-                    prior: 30.0 * v.abs().max(campaign.plant.aero.values[i].abs()).max(1.0),
+                    prior: VAGUE_PRIOR * v.abs().max(campaign.plant.aero.values[i].abs()).max(1.0),
                     range: [f64::NEG_INFINITY, f64::INFINITY],
                     step: 1e-4 * v.abs().max(0.1),
                 }

@@ -15,7 +15,7 @@ use windfall_scenarios::{
     FileKind, ScenarioFile, json_text, kind_of, read_bundled, read_campaign_with_warnings, read_scenario_file,
 };
 use windfall_sim::{End, Flown, Seed, Truth, fly};
-use windfall_verify::close::{Options, Search};
+use windfall_verify::close::Options;
 use windfall_verify::{Identify, Tie, campaign_of};
 
 fn is_bundled(word: &str) -> bool {
@@ -277,7 +277,5 @@ pub(crate) fn resimulate(
 #[pyo3(signature = (campaign, threads=0))]
 pub(crate) fn close(py: Python<'_>, campaign: &Campaign, threads: usize) -> PyResult<String> {
     let campaign = Arc::clone(&campaign.inner);
-    on_threads(py, threads, move || {
-        json(&windfall_verify::close::close(&campaign, &Options { search: Search::Sets, ..Options::default() })?)
-    })
+    on_threads(py, threads, move || json(&windfall_verify::close::close(&campaign, &Options::default())?))
 }

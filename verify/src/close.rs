@@ -27,7 +27,7 @@ pub use result::{
 /// How effects are searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Search {
-    /// One effect after another, on spectra of coefficients; the studies of `docs/studies/closing.md` are of this search.
+    /// One effect after another, on spectra of coefficients.
     Rounds,
     /// Sets of effects, by the one likelihood of what was measured; runs with attitude only.
     Sets,
@@ -57,7 +57,7 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            search: Search::Rounds,
+            search: Search::Sets,
             false_alarm: 0.005,
             rival_odds: 20.0,
             most_effects: 4,

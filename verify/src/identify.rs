@@ -9,9 +9,7 @@ use windfall_model::Campaign;
 use windfall_pid::bands::add_curves;
 use windfall_pid::compatibility::{Compatibility, pressure};
 use windfall_pid::output_error::{Handling, Options, Prior};
-use windfall_pid::{
-    Estimate, Held, Identification, Method, identifiability, identify_by, identify_chosen, relative_percent,
-};
+use windfall_pid::{Estimate, Held, Identification, Method, identifiability, identify_by, identify_chosen, relative_percent};
 
 /// What is asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -138,7 +136,8 @@ fn with_knowledge(campaign: &Campaign, found: &mut Identification) {
             }
         }
     }
-    let before = found.reason.take().map_or_else(String::new, |r| format!("; the quality of the fits is that of {}: {r}", found.method));
+    let before =
+        found.reason.take().map_or_else(String::new, |r| format!("; the quality of the fits is that of {}: {r}", found.method));
     found.reason = Some(format!("the campaign states what is uncertain of its constants or which effects act{before}"));
     LIKELIHOOD.clone_into(&mut found.method);
 }
