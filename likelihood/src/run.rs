@@ -88,7 +88,7 @@ impl Prepared {
                     }
                     let tau = (i as f64 - centre) * dt;
                     node.pose.add(tau);
-                    (0..POSE).for_each(|c| node.y[c] += channels[c][i]);
+                    node.y.iter_mut().zip(&channels).for_each(|(y, series)| *y += series[i]);
                 }
                 (0..POSE).for_each(|c| node.y[c] /= node.pose.count.max(1.0));
                 node.pose.close();

@@ -147,8 +147,8 @@ impl Plant {
         let r_body_tunnel = m.r_tunnel_body.inverse();
         let wind = self.flow.wind(m.p_tunnel_cm, m.v_tunnel_cm, air.vw_m_s, air.vw_rate_m_s2);
         let w = m.w_tunnel_body;
-        let u = r_body_tunnel * (m.v_tunnel_cm - wind.v_tunnel_air);
-        let u_rate = r_body_tunnel * (m.a_tunnel_cm - wind.a_tunnel_air) - w.cross(u);
+        let u = r_body_tunnel * (m.v_tunnel_cm - wind.v_tunnel_air - air.gust * k.in_gusts);
+        let u_rate = r_body_tunnel * (m.a_tunnel_cm - wind.a_tunnel_air - air.gust_rate * k.in_gusts) - w.cross(u);
         let mass = |v: Vec3<Body>| Vec3::new(k.axial_kg * v.x(), k.radial_kg * v.y(), k.radial_kg * v.z());
         let inertia = |v: Vec3<Body>| Vec3::new(0.0, k.transverse_kg_m2 * v.y(), k.transverse_kg_m2 * v.z());
         let impulse = mass(u);

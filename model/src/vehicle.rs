@@ -76,6 +76,8 @@ pub struct ApparentMass {
     /// How much of the dragged air's angular momentum does not turn with the rolling body: 0 for a rigid body's (Kirchhoff), 1 where
     /// the air resists angular acceleration in body axes alone, as many simulators have it.
     pub unturned: f64,
+    /// How much of a gust the dragged air follows: 0 where it sees the steady flow alone, 1 for gusts long beside the body.
+    pub in_gusts: f64,
 }
 
 impl ApparentMass {

@@ -104,7 +104,7 @@ fn plant() -> Plant {
             inertia: Inertia { xx: 0.021, yy: 0.014, zz: 0.013, xy: 0.001, xz: -0.002, yz: 0.0015 },
             p_origin_cm: Vec3::new(0.01, -0.02, 0.015),
             diameter_m: 0.2125,
-            apparent: ApparentMass { axial_kg: 0.05, radial_kg: 0.08, transverse_kg_m2: 0.002, unturned: 0.0 },
+            apparent: ApparentMass { axial_kg: 0.05, radial_kg: 0.08, transverse_kg_m2: 0.002, unturned: 0.0, in_gusts: 0.0 },
             loose: None,
         },
         aero,

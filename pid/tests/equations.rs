@@ -65,7 +65,7 @@ fn crowded() -> Plant {
     let v = &mut plant.vehicle;
     v.inertia = Inertia { xx: 0.021, yy: 0.014, zz: 0.017, xy: 0.0011, xz: -0.0007, yz: 0.0009 };
     v.p_origin_cm = Vec3::new(0.011, -0.007, 0.013);
-    v.apparent = ApparentMass { axial_kg: 0.05, radial_kg: 0.08, transverse_kg_m2: 0.0008, unturned: 0.0 };
+    v.apparent = ApparentMass { axial_kg: 0.05, radial_kg: 0.08, transverse_kg_m2: 0.0008, unturned: 0.0, in_gusts: 0.6 };
     plant.flow = MeanFlow {
         profile_per_m2: 0.06,
         gradient_per_m: [0.03, -0.05],

@@ -208,6 +208,9 @@ fn ready<'a>(order: &Order<'a>, index: usize, stepping: Stepping) -> Result<(Kin
     if order.plant.flow.steady_at_m_s != 0.0 {
         return Err(SimError::NotInBatch { what: "lateral flow that does not follow the tunnel speed" });
     }
+    if order.plant.vehicle.apparent.in_gusts != 0.0 {
+        return Err(SimError::NotInBatch { what: "apparent mass that follows gusts" });
+    }
     if order.plant.vehicle.apparent.unturned != 0.0 {
         return Err(SimError::NotInBatch { what: "apparent inertia in body axes alone" });
     }

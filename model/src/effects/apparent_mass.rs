@@ -14,6 +14,7 @@ pub(super) static EFFECT: Effect = Effect {
             Parameter::positive("radial_kg", "kg", 0.3),
             Parameter::positive("transverse_kg_m2", "kg m2", 0.01),
             Parameter::shape("unturned", "-", 0.0, 1.0, 0.0, &[0.0, 1.0]),
+            Parameter::shape("in_gusts", "-", 0.0, 1.0, 0.0, &[0.0, 1.0]),
         ]
     },
     apply: |plant, v| {
@@ -21,5 +22,6 @@ pub(super) static EFFECT: Effect = Effect {
         plant.vehicle.apparent.radial_kg += v[1];
         plant.vehicle.apparent.transverse_kg_m2 += v[2];
         plant.vehicle.apparent.unturned = v[3];
+        plant.vehicle.apparent.in_gusts = v[4];
     },
 };

@@ -225,7 +225,9 @@ impl<'a> Craft<'a> {
         let qsd = qs * vehicle.diameter_m;
         let (pull, pull_moment) = self.tether(&t, [px, py, pz], v, w, q_pa);
         let (hit, hit_moment) = self.contacts(air.t_s);
-        let apparent = self.apparent(&t, each(|k| v[k] - steady[k]), steady_rate, w);
+        let follows = self.plant.vehicle.apparent.in_gusts;
+        let carried = each(|k| steady_rate[k] + extra.acceleration[k] * follows);
+        let apparent = self.apparent(&t, each(|k| v[k] - steady[k] - extra.velocity[k] * follows), carried, w);
         let gravity = self.plant.environment.gravity_m_s2 * vehicle.mass_kg;
         let momentum = each(|i| w[0] * self.inertia[i][0] + w[1] * self.inertia[i][1] + w[2] * self.inertia[i][2]);
         let gyroscopic = cross(w, momentum);

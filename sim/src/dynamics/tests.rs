@@ -26,7 +26,7 @@ fn plant(apparent: bool, loose: bool) -> Plant {
             p_origin_cm: Vec3::new(0.01, -0.02, 0.015),
             diameter_m: 0.2125,
             apparent: if apparent {
-                ApparentMass { axial_kg: 0.05, radial_kg: 0.08, transverse_kg_m2: 0.002, unturned: 0.0 }
+                ApparentMass { axial_kg: 0.05, radial_kg: 0.08, transverse_kg_m2: 0.002, unturned: 0.0, in_gusts: 0.0 }
             } else {
                 ApparentMass::default()
             },

@@ -40,7 +40,8 @@ fn crowded() -> Plant {
     plant.vehicle.inertia.xy = 1e-4;
     plant.vehicle.inertia.xz = -2e-4;
     plant.vehicle.inertia.yz = 3e-4;
-    plant.vehicle.apparent = ApparentMass { axial_kg: 0.12, radial_kg: 0.07, transverse_kg_m2: 0.0011, unturned: 0.0 };
+    plant.vehicle.apparent =
+        ApparentMass { axial_kg: 0.12, radial_kg: 0.07, transverse_kg_m2: 0.0011, unturned: 0.0, in_gusts: 0.0 };
     let tether = plant.tether.as_mut().expect("a tether");
     tether.line_rate_n_s_m = 0.02;
     tether.length_per_m = 0.1;

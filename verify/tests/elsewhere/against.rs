@@ -80,7 +80,7 @@ fn same_with(family: &str, values: &[f64], knobs: &[(K, f64)], within: f64, chan
 fn exact_both_simulators_agree_on_every_family() {
     const CLOSE: f64 = 1e-6;
     same("none", &[], &[], CLOSE);
-    same("apparent-mass", &[0.035, 0.022, 5e-4, 0.0], &[(K::MaX, 0.035), (K::MaR, 0.022), (K::IaR, 5e-4)], CLOSE);
+    same("apparent-mass", &[0.035, 0.022, 5e-4, 0.0, 0.0], &[(K::MaX, 0.035), (K::MaR, 0.022), (K::IaR, 5e-4)], CLOSE);
     let asymmetry = [(K::Cm0, 0.03), (K::Cn0, -0.02), (K::CY0, 0.04), (K::CN0, 0.05)];
     same("asymmetry", &[0.03, -0.02, 0.04, 0.05], &asymmetry, CLOSE);
     same("axial-shape", &[-2.0, 3.0], &[(K::CA2, -2.0), (K::CA4, 3.0)], CLOSE);
