@@ -156,13 +156,15 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
 }
 
 /// Declared parameters and uncertain constants with what the campaign declares and, where the runs speak for them, gusts; no other effect.
+/// `near` is where other runs have led already.
 ///
 /// # Errors
 /// The words of why the declared model cannot be followed.
-pub fn identify(engine: &Engine) -> Result<Fit, String> {
+pub fn identify(engine: &Engine, near: Option<&Model>) -> Result<Fit, String> {
     let declared = Model::declared(&engine.campaign);
     let led = lead_in(&engine.coarse(), &declared);
-    let ends = [Some(&declared), led.as_ref()].into_iter().flatten().filter_map(|m| climb_down(engine, m));
+    let near = near.map(|m| Model { members: declared.members.clone(), ..m.clone() });
+    let ends = [Some(&declared), led.as_ref(), near.as_ref()].into_iter().flatten().filter_map(|m| climb_down(engine, m));
     let still = ends.max_by(|a, b| a.total.total_cmp(&b.total));
     let start = still.as_ref().map_or_else(|| led.clone().unwrap_or_else(|| declared.clone()), |f| f.model.clone());
     let gusts = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random && moves_air(m, engine));

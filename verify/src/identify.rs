@@ -4,12 +4,14 @@
 use crate::VerifyError;
 use crate::bootstrap::{Bootstrap, bootstrap};
 use serde::{Deserialize, Serialize};
-use windfall_likelihood::Id;
+use windfall_likelihood::{Engine, Id, Model};
 use windfall_model::Campaign;
 use windfall_pid::bands::add_curves;
 use windfall_pid::compatibility::{Compatibility, pressure};
 use windfall_pid::output_error::{Handling, Options, Prior};
-use windfall_pid::{Estimate, Held, Identification, Method, identifiability, identify_by, identify_chosen, relative_percent};
+use windfall_pid::{
+    DataSet, Estimate, Held, Identification, Method, identifiability, identify_by, identify_chosen, relative_percent,
+};
 
 /// What is asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -58,12 +60,11 @@ pub fn identify(campaign: &Campaign, notes: &[String], request: &Identify) -> Re
     let options = options(&campaign, request)?;
     let mut found = match request.method {
         Some(method) => identify_by(&campaign, method, &options)?,
+        None if says_more(&campaign) && request.tie.is_empty() && request.prior.is_empty() => by_likelihood(&campaign, &options)?,
         None => identify_chosen(&campaign, &options)?,
     };
-    let method = Method::of_name(&found.method).expect("named by the method itself");
-    if request.method.is_none() && request.tie.is_empty() && request.prior.is_empty() {
-        with_knowledge(&campaign, &mut found);
-    }
+    // Copies of what the likelihood found are identified by output error.
+    let method = Method::of_name(&found.method).unwrap_or(Method::OutputError);
     // Values that the method itself held (scales of gusts) stay beside those that were ordered.
     found.data_sets.iter_mut().for_each(|d| d.held = [request.hold.as_slice(), &d.held].concat());
     if found.identifiability.is_none() {
@@ -88,24 +89,29 @@ const NORMAL_95: f64 = 1.959_963_985;
 /// Name of the likelihood in results.
 const LIKELIHOOD: &str = "likelihood";
 
-/// Where a campaign says what is uncertain of its constants, or which effects its model has, the parameters by the likelihood that
-/// carries them; the other methods take constants as exact.
-fn with_knowledge(campaign: &Campaign, found: &mut Identification) {
-    if campaign.is_point_mass() || (campaign.knowledge.constants.is_empty() && campaign.knowledge.effects.is_empty()) {
-        return;
-    }
-    let mut all = Vec::new();
-    for d in &found.data_sets {
+/// Whether a campaign says what is uncertain of its constants, or which effects its model has.
+fn says_more(campaign: &Campaign) -> bool {
+    !campaign.is_point_mass() && !(campaign.knowledge.constants.is_empty() && campaign.knowledge.effects.is_empty())
+}
+
+/// Parameters by the likelihood that carries what a campaign says; the other methods take constants as exact. How well each coefficient is
+/// explained is regression's.
+fn by_likelihood(campaign: &Campaign, options: &Options) -> Result<Identification, VerifyError> {
+    let mut found = identify_by(campaign, Method::EquationError, options)?;
+    let fit = |d: &DataSet, near: Option<&Model>| {
         let indices: Vec<usize> = (0..campaign.runs.len()).filter(|&i| d.runs.contains(&campaign.runs[i].name)).collect();
-        let fit = windfall_likelihood::Engine::new(campaign, &indices)
-            .ok_or_else(|| "no run is long enough".to_owned())
-            .and_then(|engine| windfall_likelihood::identify(&engine));
-        match fit {
-            Ok(fit) => all.push(fit),
-            Err(words) => {
-                found.warnings.push(format!("declared uncertainties are not used for {}: {words}", d.name));
-                return;
-            }
+        let engine = Engine::new(campaign, &indices).ok_or_else(|| "no run is long enough".to_owned());
+        let end = engine.and_then(|engine| windfall_likelihood::identify(&engine, near));
+        end.map_err(|words| VerifyError::NoEnd { campaign: format!("{}, {}", campaign.name, d.name), words })
+    };
+    // All runs first: they lead the others.
+    let whole = found.data_sets.iter().position(|d| d.name == "combined");
+    let lead = whole.map(|i| fit(&found.data_sets[i], None)).transpose()?;
+    let mut all = Vec::new();
+    for (i, d) in found.data_sets.iter().enumerate() {
+        match &lead {
+            Some(f) if Some(i) == whole => all.push(f.clone()),
+            _ => all.push(fit(d, lead.as_ref().map(|f| &f.model))?),
         }
     }
     for (d, fit) in found.data_sets.iter_mut().zip(&all) {
@@ -136,11 +142,21 @@ fn with_knowledge(campaign: &Campaign, found: &mut Identification) {
             }
         }
     }
-    let before =
-        found.reason.take().map_or_else(String::new, |r| format!("; the quality of the fits is that of {}: {r}", found.method));
-    found.reason = Some(format!("the campaign states what is uncertain of its constants or which effects act{before}"));
+    for (d, fit) in found.data_sets.iter().zip(&all) {
+        if fit.chi > MORE {
+            found.warnings.push(format!(
+                "{}: the innovations' mean square is {:.2} of what noise leaves: `windfall close` says what the model lacks",
+                d.name, fit.chi
+            ));
+        }
+    }
+    found.reason = Some("the campaign says what is uncertain of its constants or which effects act".to_owned());
     LIKELIHOOD.clone_into(&mut found.method);
+    Ok(found)
 }
+
+/// Mean square of whitened innovations from which more than noise is left.
+const MORE: f64 = 1.15;
 
 /// The campaign with what is to be held at its value and no longer declared.
 fn held(campaign: &Campaign, request: &Identify) -> Result<Campaign, VerifyError> {
