@@ -557,7 +557,7 @@ fn polish(engine: &mut Engine, start: Fit, next: Option<Model>, floor: f64, log:
     let mut model = next.unwrap_or(start.model);
     let mut seen: Vec<(String, Fit)> = Vec::new();
     for round in 0..ROUNDS {
-            let mut fit = climb_down(engine, &model)?;
+        let mut fit = climb_down(engine, &model)?;
         if !crate::engine::random_numbers(&fit.model).is_empty() {
             fit = engine.settle_random(&fit, if round == 0 { 5 } else { 2 });
             fit = without_idle(engine, fit);

@@ -361,7 +361,8 @@ impl Engine {
                 let mut next = model.clone();
                 for (&(m, i), s) in places.iter().zip(step.iter()) {
                     let [low, high] = log_range(&model, m, i);
-                    next.members[m].values[i] = (model.members[m].values[i].max(1e-12).ln() + fraction * s).clamp(low, high).exp();
+                    next.members[m].values[i] =
+                        (model.members[m].values[i].max(1e-12).ln() + fraction * s).clamp(low, high).exp();
                 }
                 if self.sum(&next, &[], &[]).is_ok_and(|s| s.log_likelihood > here) {
                     better = Some(next);

@@ -111,8 +111,7 @@ pub(crate) fn pass(run: &Prepared, s: &Setting<'_>) -> Result<Seen, Departed> {
     let nm = if s.plant.vehicle.loose.is_some() { MOTION } else { STATES };
     let n = nm + ORDER * random.len() + coloured.len();
     let white = std::array::from_fn(|c| s.noise[c].white.max(1e-6 * s.noise[c].coloured));
-    let filter =
-        Filter { run, plant: s.plant, craft, random, coloured, white, step_s, nm, n, nc: columns.len() };
+    let filter = Filter { run, plant: s.plant, craft, random, coloured, white, step_s, nm, n, nc: columns.len() };
     filter.run(columns)
 }
 

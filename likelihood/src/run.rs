@@ -54,14 +54,7 @@ pub(crate) struct Prepared {
 
 impl Prepared {
     /// Blocks of about `node_s`; `noise` is the tunnel speed's.
-    pub(crate) fn new(
-        index: usize,
-        name: &str,
-        record: &Record,
-        gas_constant: f64,
-        node_s: f64,
-        noise: &ChannelNoise,
-    ) -> Self {
+    pub(crate) fn new(index: usize, name: &str, record: &Record, gas_constant: f64, node_s: f64, noise: &ChannelNoise) -> Self {
         let (n, dt) = (record.len(), record.interval_s());
         let block = whole(node_s / dt).max(1);
         let channels = record.channels();

@@ -178,7 +178,8 @@ mod tests {
         let normal = |rng: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(rng) };
         let y: Vec<f64> = (0..3000).map(|i| truth(f64::from(i) * h) + std * normal(&mut rng)).collect();
         let speed = Speed::new(&y, h, &ChannelNoise::white(std), &|i| i % 10 == 3);
-        let error: f64 = (100..2900).map(|i| (speed.at((f64::from(i) + 0.3) * h)[0] - truth((f64::from(i) + 0.3) * h)).powi(2)).sum();
+        let error: f64 =
+            (100..2900).map(|i| (speed.at((f64::from(i) + 0.3) * h)[0] - truth((f64::from(i) + 0.3) * h)).powi(2)).sum();
         let rms = (error / 2800.0).sqrt();
         assert!(rms < 0.4 * std, "{rms}");
         let ratio = speed.innovations[2] / speed.innovations[3];
