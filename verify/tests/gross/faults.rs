@@ -4,11 +4,11 @@ use windfall_model::frames::Vec3;
 use windfall_model::{Campaign, Data, Record, Use};
 
 /// One fault.
-pub struct Wrong {
-    pub name: &'static str,
+pub(crate) struct Wrong {
+    pub(crate) name: &'static str,
     /// One of these is in the message.
-    pub words: &'static [&'static str],
-    pub apply: fn(&mut Campaign),
+    pub(crate) words: &'static [&'static str],
+    pub(crate) apply: fn(&mut Campaign),
 }
 
 fn records(c: &mut Campaign, f: impl Fn(&mut Record)) {
@@ -96,7 +96,7 @@ fn from_half(x: &mut [f64], by: f64) {
 }
 
 /// The table.
-pub const WRONG: &[Wrong] = &[
+pub(crate) const WRONG: &[Wrong] = &[
     Wrong { name: "X up", words: &["X points up"], apply: |c| positions(c, [-1.0, 1.0, 1.0]) },
     Wrong { name: "Y mirrored", words: &["Y is mirrored"], apply: |c| positions(c, [1.0, -1.0, 1.0]) },
     Wrong { name: "Z mirrored", words: &["Z is mirrored"], apply: |c| positions(c, [1.0, 1.0, -1.0]) },
