@@ -54,6 +54,9 @@ pub(super) struct Ratio {
     pub(super) std: f64,
 }
 
+/// A state and the acceleration of the origin, m/s², tunnel axes.
+type Seen = (State, [f64; 3]);
+
 /// Equations of one instant: six accelerations by aerodynamics to be explained, and what each parameter gives.
 struct Equations {
     wanted: [f64; 6],
@@ -66,7 +69,7 @@ pub(super) fn balance(points: &[Point], plant: &Plant, declared: &[bool], second
         let density = plant.environment.density_kg_m3(p.ps_pa, p.ts_k);
         state(p.t_s, &p.motion, density, plant).ok().map(|s| (s, [0, 1, 2].map(|k| p.motion[k][2])))
     };
-    let states: Vec<(State, [f64; 3])> = points.iter().filter_map(at).collect();
+    let states: Vec<Seen> = points.iter().filter_map(at).collect();
     if states.is_empty() || states.len() as f64 <= (1.0 - UNDEFINED) * points.len() as f64 {
         return None;
     }
@@ -84,7 +87,7 @@ pub(super) fn balance(points: &[Point], plant: &Plant, declared: &[bool], second
     let kept: Vec<usize> = order.into_iter().map(|o| o.1).collect();
     let (found, inverse) = fit(&rows, &kept, &weight, plant, &free)?;
     let left = left(&rows, &kept, &found);
-    let states: Vec<(State, [f64; 3])> = states.into_iter().zip(accelerations).collect();
+    let states: Vec<Seen> = states.into_iter().zip(accelerations).collect();
     let signal = signal(&states, &kept);
     let independent = (seconds * PER_S).clamp(1.0, rows.len() as f64);
     let ratio = |(k, i): (usize, &usize)| {
@@ -100,10 +103,8 @@ pub(super) fn balance(points: &[Point], plant: &Plant, declared: &[bool], second
 }
 
 /// Root mean square of the accelerations themselves at some instants, per group (m/s², rad/s²).
-fn signal(states: &[(State, [f64; 3])], which: &[usize]) -> [f64; 4] {
-    let mean = |f: &dyn Fn(&(State, [f64; 3])) -> f64| {
-        (which.iter().map(|i| f(&states[*i])).sum::<f64>() / which.len().max(1) as f64).sqrt()
-    };
+fn signal(states: &[Seen], which: &[usize]) -> [f64; 4] {
+    let mean = |f: &dyn Fn(&Seen) -> f64| (which.iter().map(|i| f(&states[*i])).sum::<f64>() / which.len().max(1) as f64).sqrt();
     [
         mean(&|(_, a)| a[0] * a[0]),
         mean(&|(_, a)| 0.5 * (a[1] * a[1] + a[2] * a[2])),
