@@ -5,8 +5,8 @@
 //! constants. Undeclared effects, noise of any kind and aerodynamics half to twice the declared ones are no faults; what is in doubt
 //! passes. Runs without attitude are not looked at.
 //!
-//! One file per kind of check: [`frozen`] and [`jump`] on samples, [`twice`] on pairs of runs, [`line`] on the tether's geometry,
-//! [`contest`] and [`constants`] on the balance of forces and moments.
+//! One file per kind of check: `frozen` and `jump` on samples, `twice` on pairs of runs, `line` on the tether's geometry,
+//! `contest` and `constants` on the balance of forces and moments.
 
 mod balance;
 mod change;
