@@ -7,6 +7,7 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
 use windfall_model::{Aero, Campaign, Constant, Data, Effect, Knowledge, Plant, TunnelSpeed};
+use windfall_pid::plausible::plausible;
 use windfall_scenarios::{
     FileKind, ScenarioFile, key_reference, kind_of, read_campaign_with_warnings, read_record_pieces, read_structure,
     sensors_of_table_a3,
@@ -46,7 +47,11 @@ fn understand(file: &Path) -> Result<Understood, Failure> {
     }
     match kind_of(file)? {
         FileKind::Run => run_file(file),
-        FileKind::Campaign => Ok(read_campaign_with_warnings(file).map(|(c, w)| campaign(&c, w))?),
+        FileKind::Campaign => {
+            let (c, warnings) = read_campaign_with_warnings(file)?;
+            plausible(&c).map_err(Failure::of_identification)?;
+            Ok(campaign(&c, warnings))
+        }
         FileKind::Structure => structure(file),
         FileKind::Study => study(file),
         FileKind::Scenario => scenario(file).map(|s| scenario_summary(&s)),

@@ -73,6 +73,14 @@ pub enum PidError {
         /// Pitch angle, rad.
         ry_rad: f64,
     },
+    /// A record or constant that is not what the campaign says it is.
+    #[error("campaign {campaign}: {fault}")]
+    Implausible {
+        /// Campaign name.
+        campaign: String,
+        /// Where, what and under which change it makes sense.
+        fault: Box<crate::plausible::Fault>,
+    },
     /// No run can be used.
     #[error("campaign {campaign}: no tunnel run with use = \"identify\": mark at least one")]
     NoRuns {

@@ -18,6 +18,7 @@ mod instrument;
 pub mod output_error;
 pub mod plan;
 mod plant;
+pub mod plausible;
 pub mod regress;
 pub mod simplex;
 pub mod smooth;

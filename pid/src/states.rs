@@ -73,7 +73,8 @@ pub fn states(s: &Smoothed, plant: &Plant) -> Result<Vec<State>, PidError> {
         .collect()
 }
 
-fn state(t_s: f64, x: &Sample, density: f64, plant: &Plant) -> Result<State, PidError> {
+/// State of one instant.
+pub(crate) fn state(t_s: f64, x: &Sample, density: f64, plant: &Plant) -> Result<State, PidError> {
     let pick = |first: usize, order: usize| [x[first][order], x[first + 1][order], x[first + 2][order]];
     let (position, velocity, acceleration) = (pick(0, 0), pick(0, 1), pick(0, 2));
     let (euler, euler_rate) = (pick(3, 0), pick(3, 1));

@@ -92,8 +92,9 @@ fn runs_of(campaign: &Campaign, used: Use) -> Vec<usize> {
 /// Closes the loop of a campaign.
 ///
 /// # Errors
-/// No run to identify on, runs too short, or a declared model that cannot be fitted.
+/// A record that is not what its campaign says it is, no run to identify on, runs too short, or a declared model that cannot be fitted.
 pub fn close(campaign: &Campaign, options: &Options) -> Result<Closing, VerifyError> {
+    windfall_pid::plausible::plausible(campaign)?;
     if campaign.is_point_mass() || options.search == Search::Rounds {
         close_by_rounds(campaign, options)
     } else {

@@ -9,6 +9,7 @@ use windfall_model::Campaign;
 use windfall_pid::bands::add_curves;
 use windfall_pid::compatibility::{Compatibility, pressure};
 use windfall_pid::output_error::{Handling, Options, Prior};
+use windfall_pid::plausible::plausible;
 use windfall_pid::{
     DataSet, Estimate, Held, Identification, Method, identifiability, identify_by, identify_chosen, relative_percent,
 };
@@ -54,8 +55,9 @@ pub struct Identified {
 /// bands, and copies where they are asked for. `notes` are what the reader of the campaign had to say; they lead the warnings.
 ///
 /// # Errors
-/// Knowledge of parameters that the structure does not have, and what the method refuses ([`windfall_pid::PidError`]).
+/// A record that is not what its campaign says it is, knowledge of parameters that the structure does not have, and what the method refuses ([`windfall_pid::PidError`]).
 pub fn identify(campaign: &Campaign, notes: &[String], request: &Identify) -> Result<Identified, VerifyError> {
+    plausible(campaign)?;
     let campaign = held(campaign, request)?;
     let options = options(&campaign, request)?;
     let mut found = match request.method {

@@ -1,0 +1,168 @@
+//! pid: the record as it stands against every other reading of it. In: instants. Out: a fault where one other reading closes the
+//! balance and the record as it stands does not.
+
+use super::balance::{Balance, GROUPS, PER_S, Point, Ratio, balance};
+use super::change::{Act, Change, all};
+use super::motion::{DELAYS, Instant};
+use super::{Fault, median};
+use windfall_model::{Campaign, Coefficient, Factor, Plant, Variable};
+
+/// What is left of a group of accelerations counts down to this share: below it is undeclared detail.
+const FLOOR: f64 = 0.05;
+/// Aerodynamics within a factor of three of the declared cost little, in logarithms.
+const SPREAD: f64 = 0.7;
+/// Most that one parameter may cost, and what one of the wrong sign does.
+const DEAREST: f64 = 12.0;
+/// Groups that count: roll moves too little to tell.
+const COUNTED: [usize; 3] = [0, 1, 3];
+/// By how much, in logarithms of likelihood, another reading must be better, and better in what it leaves alone.
+const MARGIN: [f64; 2] = [60.0, 50.0];
+/// By how much it must be better than the record as it stands with an effect that nobody declared.
+const ROOM: f64 = 25.0;
+/// Readings within this of the best say the same: the most usual slip is named.
+const ALIKE: f64 = 8.0;
+/// The same as a share of their lead.
+const ALIKE_SHARE: f64 = 0.05;
+/// What another reading must leave of the group that it improves most, over what the record leaves as it stands.
+const IMPROVED: f64 = 0.7;
+/// Share of that group that another reading may leave at most.
+const CLOSED: f64 = 0.7;
+/// Share that is left of that group from which on the record as it stands is in doubt.
+const DOUBTFUL: f64 = 0.3;
+
+/// A reading with its balance.
+struct Outcome {
+    change: Option<Change>,
+    /// What is left over what there is, per group.
+    share: [f64; 4],
+    /// Minus logarithms of likelihood: of what is left, and of aerodynamics.
+    cost: [f64; 2],
+}
+
+impl Outcome {
+    fn total(&self) -> f64 {
+        self.cost[0] + self.cost[1]
+    }
+}
+
+/// Cost of aerodynamics far from the declared, where the runs tell them.
+fn aerodynamics(ratio: &[Ratio]) -> f64 {
+    let told = |r: &&Ratio| r.std < 0.3 * r.value.abs().max(0.3);
+    let one = |r: &Ratio| if r.value > 0.0 { (0.5 * (r.value.ln() / SPREAD).powi(2)).min(DEAREST) } else { DEAREST };
+    ratio.iter().filter(told).map(one).sum()
+}
+
+/// One reading; what it leaves is measured against the accelerations of `as_recorded` where it keeps their size.
+fn outcome(
+    act: Act,
+    change: Option<Change>,
+    campaign: &Campaign,
+    plant: &Plant,
+    instants: &[Instant],
+    seconds: f64,
+    as_recorded: Option<&Balance>,
+) -> Option<(Outcome, Balance)> {
+    let points: Vec<Point> = instants.iter().map(|i| act.apply(i)).collect();
+    let b = balance(&points, plant, &campaign.declared, seconds)?;
+    let signal = as_recorded.filter(|_| act.keeps_size()).map_or(b.signal, |r| r.signal);
+    let share: [f64; 4] = std::array::from_fn(|g| b.left[g] / signal[g].max(1e-12));
+    let left: f64 = COUNTED.iter().map(|g| share[*g].max(FLOOR).ln()).sum();
+    let cost = [seconds * PER_S * left, aerodynamics(&b.ratio)];
+    Some((Outcome { change, share, cost }, b))
+}
+
+/// A fault, where one reading is far better than the record as it stands.
+pub(super) fn fault(campaign: &Campaign, instants: &[Instant]) -> Option<Fault> {
+    if instants.is_empty() {
+        return None;
+    }
+    let recorded: f64 = instants.iter().map(|i| i.span_s).sum();
+    // A clock in other units says nothing of how long the runs are.
+    let seconds = recorded.clamp(5.0, 100.0);
+    let declared = &campaign.plant;
+    let now = outcome(Act::Late(0), None, campaign, declared, instants, seconds, None);
+    let reference = now.as_ref().map(|(_, b)| b);
+    let readings =
+        all().into_iter().filter_map(|c| Some(outcome(c.act, Some(c), campaign, declared, instants, seconds, reference)?.0));
+    let list: Vec<Outcome> = readings.collect();
+    let least = list.iter().map(Outcome::total).fold(f64::INFINITY, f64::min);
+    let lead = now.as_ref().map_or(0.0, |n| n.0.total() - least).max(0.0);
+    let best = list.iter().find(|o| o.total() < least + ALIKE.max(ALIKE_SHARE * lead))?;
+    let change = best.change.as_ref()?;
+    let evidence = match &now {
+        Some((now, _)) => {
+            let evidence = against(now, best)?;
+            let mut sound = effects(campaign, instants).into_iter().flat_map(|p| (0..=DELAYS).map(move |k| (p.clone(), k)));
+            let explained = |(plant, k): (Plant, usize)| {
+                let o = outcome(Act::Late(k), None, campaign, &plant, instants, seconds, reference);
+                o.is_some_and(|o| o.0.total() < best.total() + ROOM)
+            };
+            if sound.any(explained) {
+                return None;
+            }
+            evidence
+        }
+        None if COUNTED.iter().all(|g| best.share[*g] < 0.8) => {
+            format!("then {}, as it stands the model flies on its back or beyond the horizontal", closes(best))
+        }
+        None => return None,
+    };
+    Some(Fault {
+        place: "all runs together".to_owned(),
+        cause: change.cause.clone(),
+        change: format!("with {} the record makes sense", change.words),
+        evidence,
+    })
+}
+
+/// The declared plant with undeclared effects that bend the vertical balance as a wrong clock or axis does, each at the largest size
+/// that is seen: drag that varies with speed, a line that pulls by its rate. With them and a late anemometer (V_W some tenths of a
+/// second old) a sound record closes.
+fn effects(campaign: &Campaign, instants: &[Instant]) -> Vec<Plant> {
+    let speed = median(&instants.iter().map(|i| i.motion[6][0]).collect::<Vec<_>>());
+    let aero = &campaign.plant.aero;
+    let drag =
+        aero.structure.contributions.iter().find(|c| c.coefficient == Coefficient::CA).map_or(0.0, |c| aero.values[c.parameter]);
+    let mut all = Vec::new();
+    for by_speed in [0.0, -0.5, 0.5, -1.0, 1.0] {
+        for by_rate in [0.0, 0.5, 1.0] {
+            let mut plant = campaign.plant.clone();
+            if speed > 0.0 {
+                plant.aero.add(Coefficient::CA, by_speed * drag, 1.0 / speed, &[Factor::Power(Variable::Speed, 1)]);
+                plant.aero.add(Coefficient::CA, by_speed * drag, -1.0, &[]);
+            }
+            if let Some(t) = plant.tether.as_mut() {
+                t.line_rate_n_s_m = by_rate;
+            }
+            all.push(plant);
+        }
+    }
+    all
+}
+
+/// What speaks for a reading, where it is far enough ahead.
+fn against(now: &Outcome, other: &Outcome) -> Option<String> {
+    let ahead = [now.total() - other.total(), now.cost[0] - other.cost[0]];
+    let gain = |g: &usize| other.share[*g] / now.share[*g].max(1e-12);
+    let most = COUNTED.into_iter().min_by(|a, b| gain(a).total_cmp(&gain(b)))?;
+    let none_worse = COUNTED.iter().all(|g| other.share[*g] < 1.15 * now.share[*g] + 0.03);
+    let sure = none_worse
+        && other.share[most] < CLOSED
+        && ahead[0] > MARGIN[0]
+        && ahead[1] > MARGIN[1]
+        && gain(&most) < IMPROVED
+        && now.share[most] > DOUBTFUL;
+    sure.then(|| {
+        format!(
+            "then the equations of motion leave {:.0} % of the {} accelerations unexplained, as it stands {:.0} %",
+            100.0 * other.share[most],
+            GROUPS[most],
+            100.0 * now.share[most]
+        )
+    })
+}
+
+fn closes(o: &Outcome) -> String {
+    let each: Vec<String> = COUNTED.iter().map(|g| format!("{:.0} % of the {}", 100.0 * o.share[*g], GROUPS[*g])).collect();
+    format!("the equations of motion leave {} accelerations unexplained", each.join(", "))
+}
