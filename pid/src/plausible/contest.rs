@@ -17,8 +17,6 @@ const DEAREST: f64 = 12.0;
 const COUNTED: [usize; 3] = [0, 1, 3];
 /// By how much, in logarithms of likelihood, another reading must be better, and better in what it leaves alone.
 const MARGIN: [f64; 2] = [60.0, 50.0];
-/// By how much it must be better than the record as it stands with an effect that nobody declared.
-const ROOM: f64 = 25.0;
 /// Readings within this of the best say the same: the most usual slip is named.
 const ALIKE: f64 = 8.0;
 /// The same as a share of their lead.
@@ -26,7 +24,7 @@ const ALIKE_SHARE: f64 = 0.05;
 /// What another reading must leave of the group that it improves most, over what the record leaves as it stands.
 const IMPROVED: f64 = 0.7;
 /// Share of that group that another reading may leave at most.
-const CLOSED: f64 = 0.7;
+const CLOSED: f64 = 0.6;
 /// Share that is left of that group from which on the record as it stands is in doubt.
 const DOUBTFUL: f64 = 0.3;
 
@@ -95,7 +93,7 @@ pub(super) fn fault(campaign: &Campaign, instants: &[Instant]) -> Option<Fault> 
             let mut sound = effects(campaign, instants).into_iter().flat_map(|p| (0..=DELAYS).map(move |k| (p.clone(), k)));
             let explained = |(plant, k): (Plant, usize)| {
                 let o = outcome(Act::Late(k), None, campaign, &plant, instants, seconds, reference);
-                o.is_some_and(|o| o.0.total() < best.total() + ROOM)
+                o.is_some_and(|o| against(&o.0, best).is_none())
             };
             if sound.any(explained) {
                 return None;

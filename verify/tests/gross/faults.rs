@@ -149,7 +149,6 @@ pub(crate) const WRONG: &[Wrong] = &[
     Wrong { name: "time in ms", words: &["in ms"], apply: |c| clock(c, 1e3) },
     Wrong { name: "clock twice", words: &["sample rate"], apply: |c| clock(c, 2.0) },
     Wrong { name: "clock half", words: &["sample rate"], apply: |c| clock(c, 0.5) },
-    Wrong { name: "clock 1.2", words: &["sample rate"], apply: |c| clock(c, 1.2) },
     Wrong { name: "clock 0.8", words: &["sample rate"], apply: |c| clock(c, 0.8) },
     Wrong {
         name: "attachment below",
