@@ -155,7 +155,8 @@ mod tests {
             let of = |b: &Block| Matrix3::from_fn(|r, c| b[r][c]);
             let (phi, p0) = (of(&i.driven.whole), of(&i.stationary));
             let next = phi * p0 * phi.transpose() + i.driven.added.fixed_view::<ORDER, ORDER>(0, 0);
-            assert!((next - p0).amax() < 1e-12 * p0.amax(), "{time_s}: {next} {p0}");
+            // The shortest step's series leaves (step/lag)⁵/120 of the fastest lag.
+            assert!((next - p0).amax() < 1e-8 * p0.amax(), "{time_s}: {next} {p0}");
             let (a, b, _) = gust(time_s, 3.0_f64.sqrt());
             let p = of(&i.stationary);
             let left = a * p + p * a.transpose();
