@@ -92,15 +92,15 @@ fn exact_both_simulators_agree_on_every_family() {
     same("roll-periodic", &[0.2, -0.1, 3.0], &[(K::RpCos, 0.2), (K::RpSin, -0.1), (K::RpN, 3.0)], CLOSE);
     let profile = [(K::Prof, 0.03 * 3.05 * 3.05), (K::TiltY, 0.02), (K::TiltZ, -0.01)];
     same("flow-profile", &[0.03, 0.02, -0.01], &profile, CLOSE);
-    same("swirl", &[0.02], &[(K::Swirl, 0.02)], CLOSE);
-    same("cross-flow", &[0.01, -0.02], &[(K::Vy, 0.01), (K::Vz, -0.02)], CLOSE);
+    same("swirl", &[0.02, 0.0], &[(K::Swirl, 0.02)], CLOSE);
+    same("cross-flow", &[0.01, -0.02, 0.0], &[(K::Vy, 0.01), (K::Vz, -0.02)], CLOSE);
     same("tether-line-rate", &[0.6], &[(K::TethC, 0.6)], CLOSE);
     same("tether-length", &[2.0], &[(K::TethLen, 2.0)], CLOSE);
     let pulled = |c: &mut Craft| {
         c.drag_area *= 4.0;
         c.line_weight *= 4.0;
     };
-    same_with("tether-geometry", &[3.0, 0.5, -0.3], &[(K::RingY, 0.5), (K::RingZ, -0.3)], CLOSE, pulled);
+    same_with("tether-geometry", &[3.0, 3.0, 0.5, -0.3], &[(K::RingY, 0.5), (K::RingZ, -0.3)], CLOSE, pulled);
     same_with("center-of-mass", &[0.002, -0.001, 0.0025], &[], CLOSE, |c| c.cm = [0.002, -0.001, 0.0025]);
     // The moment about y is already the vehicle's.
     same("inertia", &[3e-4, -4e-4, 2e-4, 1e-4], &[(K::Ixy, 3e-4), (K::Ixz, -4e-4), (K::Iyz, 2e-4)], CLOSE);
