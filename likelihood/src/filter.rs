@@ -15,6 +15,8 @@ use windfall_pid::equations::{ADDED, Air, Craft, LOOSE, Local, MOTION, STATES};
 
 /// Spread of the first state about its start: wide, so that the data decide (m, rad, m/s, rad/s).
 const START_STD: [f64; STATES] = [0.05, 0.05, 0.05, 0.05, 0.05, 0.05, 0.5, 0.5, 0.5, 1.0, 1.0, 1.0];
+/// Time in which a run's first state is found; its innovations say little of the noise, s.
+const SETTLED_S: f64 = 0.5;
 /// Accelerations of a search's start that no model need explain, m/s² and rad/s²: of the order of those of a model in free flight.
 const SLACK: [f64; 6] = [2.0, 2.0, 2.0, 5.0, 10.0, 10.0];
 /// Rows of the whitened columns that are multiplied at a time.
@@ -27,7 +29,7 @@ pub(crate) struct Seen {
     pub(crate) b: DVector<f64>,
     /// Log-likelihood of the innovations.
     pub(crate) log_likelihood: f64,
-    /// Per channel: sum of squares of innovations, of expected ones, of whitened ones, and count.
+    /// Per channel, once the first state is found: sum of squares of innovations, of expected ones, of whitened ones, and count.
     pub(crate) channels: [[f64; 4]; POSE],
     /// Whitened innovations of the pose, a row a node (zero where nothing was measured).
     pub(crate) whitened: Vec<[f64; POSE]>,
@@ -374,8 +376,10 @@ impl<'a> Filter<'a> {
             let root = variance.sqrt();
             let w = innovation / root;
             seen.log_likelihood -= 0.5 * w * w + root.ln();
-            let sums = &mut seen.channels[c];
-            *sums = [sums[0] + innovation * innovation, sums[1] + variance, sums[2] + w * w, sums[3] + 1.0];
+            if node.t_s > SETTLED_S {
+                let sums = &mut seen.channels[c];
+                *sums = [sums[0] + innovation * innovation, sums[1] + variance, sums[2] + w * w, sums[3] + 1.0];
+            }
             whitened[c] = w;
             rows.extend(d.iter().map(|x| x / root));
             rows.push(w);

@@ -12,6 +12,8 @@ use nalgebra::{Matrix4, Vector4};
 /// Decades of intensity over the noise's variance (per s⁵) searched, and the width at which the search ends.
 const DECADES: [f64; 2] = [-6.0, 8.0];
 const WIDTH: f64 = 0.05;
+/// Samples in which the first speed and its derivatives are found; their innovations say little of the noise.
+const SETTLED: usize = 50;
 
 /// A run's tunnel speed.
 #[derive(Clone, Debug)]
@@ -133,11 +135,13 @@ impl Filter {
         let mut sums = [0.0; 4];
         // After each update: state, covariance, and what the sample said.
         let mut kept = Vec::with_capacity(y.len());
-        for y in y {
+        for (k, y) in y.iter().enumerate() {
             let mut said = None;
             if let Some(y) = y {
                 let (nu, s, ph) = self.innovation(*y, &x, &p);
-                sums = [sums[0] + nu * nu, sums[1] + s, sums[2] + nu * nu / s, sums[3] + 1.0];
+                if k >= SETTLED {
+                    sums = [sums[0] + nu * nu, sums[1] + s, sums[2] + nu * nu / s, sums[3] + 1.0];
+                }
                 x += ph * (nu / s);
                 p -= ph * ph.transpose() / s;
                 said = Some((nu / s, ph / s));
