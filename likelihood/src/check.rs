@@ -6,10 +6,10 @@
 //! effect of the catalogue accounts for what it does.
 
 use crate::columns::{Along, Basis, CHANNEL_NAMES, LOADS};
-use crate::discover::{Contest, contest};
-use crate::engine::Engine;
+use crate::engine::{Engine, Summed};
 use crate::model::Model;
-use crate::run::{POSE, Prepared};
+use crate::noise::POSE;
+use crate::run::Prepared;
 use realfft::RealFftPlanner;
 use windfall_model::Plant;
 use windfall_pid::equations::{ADDED, Air, Craft, MOTION};
@@ -100,38 +100,23 @@ pub(crate) fn alternatives(engine: &Engine) -> Vec<Alternative> {
         add([1, 2, 3].into_iter().flat_map(|n| [Basis::Roll(n, false), Basis::Roll(n, true)]).collect());
         add(vec![Basis::Height(1), Basis::Height(2)]);
         if runs.len() > 1 {
-            let bases = runs.iter().map(|r| Basis::Step(*r, f64::NEG_INFINITY)).collect();
+            let bases = runs.iter().map(|r| Basis::Run(*r)).collect();
             all.push(Alternative { error: true, place, bases, prior });
         }
     }
     all
 }
 
-/// Effects and generic alternatives in one contest at a fitted model.
-#[must_use]
-pub(crate) fn with_alternatives(engine: &Engine, model: &Model) -> Option<Contest> {
-    contest(engine, model, &alternatives(engine))
-}
-
 impl Alternative {
     pub(crate) fn lead(&self, gain: f64, amplitudes: Vec<f64>) -> Lead {
         let channel = if self.error { CHANNEL_NAMES[self.place] } else { LOADS[self.place] };
         let variable = self.bases.first().map_or_else(String::new, |b| b.words());
-        let run = matches!(self.bases.first(), Some(Basis::Step(..)));
-        Lead {
-            channel: channel.to_owned(),
-            variable: if run { "run".to_owned() } else { variable },
-            gain,
-            line_hz: None,
-            of_instrument: false,
-            amplitudes,
-        }
+        Lead { channel: channel.to_owned(), variable, gain, line_hz: None, of_instrument: false, amplitudes }
     }
 }
 
 /// Whitened innovations of each channel of the pose beyond five standard deviations, of which normal noise has two in ten million.
-pub(crate) fn outliers(engine: &Engine, model: &Model) -> [usize; POSE] {
-    let Ok(sum) = engine.sum(model, &[], &[]) else { return [0; POSE] };
+pub(crate) fn outliers(sum: &Summed) -> [usize; POSE] {
     std::array::from_fn(|c| sum.runs.iter().flat_map(|r| &r.whitened).filter(|w| w[c].abs() > 5.0).count())
 }
 
@@ -170,9 +155,7 @@ fn load_of(plant: &Plant, run: &Prepared, channel: usize, hz: f64, amplitude: f6
 
 /// Lines in the spectra of the whitened innovations beyond what noise has, strongest first: power of a line in nats, the number of
 /// frequencies looked at taken off.
-#[must_use]
-pub(crate) fn lines(engine: &Engine, model: &Model) -> Vec<Lead> {
-    let Ok(sum) = engine.sum(model, &[], &[]) else { return Vec::new() };
+pub(crate) fn lines(engine: &Engine, model: &Model, sum: &Summed) -> Vec<Lead> {
     let plant = model.plant(&engine.campaign);
     let pitch_hz = engine.runs.iter().map(|r| pitch_hz(&plant, r)).fold(0.0, f64::max);
     let mut all = Vec::new();

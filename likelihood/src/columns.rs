@@ -1,7 +1,7 @@
 //! likelihood: columns, directions in which the model may be changed. In: numbers of a plant, or forces and errors over a variable. Out:
 //! what each does to the rates of motion and to what is measured, at one instant.
 
-use crate::run::{CHANNELS, POSE};
+use crate::noise::{CHANNELS, POSE};
 use windfall_model::Plant;
 
 /// What a column is a change of.
@@ -19,7 +19,7 @@ pub(crate) enum Column {
 
 /// A function of what is known along a run; each is of order one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Basis {
+pub(crate) enum Basis {
     /// cos or sin of whole turns of half the run's duration: 1, 2, … .
     Time(u8),
     /// One in a run, zero in the others.
@@ -36,10 +36,6 @@ pub enum Basis {
     Roll(u8, bool),
     /// Sign of a body rate: 0 roll, 1 pitch, 2 yaw; and the same times the angle in its plane, of 0.3 rad.
     Hysteresis(usize, bool),
-    /// sin² pulse in one run: run, start, duration.
-    Pulse(usize, f64, f64),
-    /// One after an instant in one run.
-    Step(usize, f64),
     /// Straight line over time in every run, from -1 to 1.
     Drift,
     /// The slope over an angle (1 angle of attack, 2 sideslip, of 0.3 rad; 0 none) in proportion to a variable.
@@ -50,7 +46,7 @@ pub enum Basis {
 
 /// A variable along a run, of order one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Along {
+pub(crate) enum Along {
     /// Time, from -1 to 1.
     Time,
     /// The airspeed's excess over its mean, of a tenth of it.
@@ -112,11 +108,6 @@ impl Basis {
                 let angle = if axis == 2 { v.beta_rad } else { v.alpha_rad };
                 if by_angle { sign * angle.abs() / 0.3 } else { sign }
             }
-            Self::Pulse(run, start_s, duration_s) => {
-                let x = (v.t_s - start_s) / duration_s;
-                if run == v.run && (0.0..=1.0).contains(&x) { 2.0 * (PI * x).sin().powi(2) / duration_s } else { 0.0 }
-            }
-            Self::Step(run, at_s) => f64::from(u8::from(run == v.run && v.t_s >= at_s)),
             Self::Drift => 2.0 * v.t_s / v.duration_s.max(1e-9) - 1.0,
             Self::Slope(plane, along) => along.basis().value(v) * [1.0, v.alpha_rad / 0.3, v.beta_rad / 0.3][plane],
             Self::Damping(axis, along) => along.basis().value(v) * v.rates_rad_s[axis],
@@ -124,8 +115,7 @@ impl Basis {
     }
 
     /// In words of a report.
-    #[must_use]
-    pub fn words(self) -> String {
+    pub(crate) fn words(self) -> String {
         match self {
             Self::Time(_) => "time".to_owned(),
             Self::Run(_) => "run".to_owned(),
@@ -134,8 +124,6 @@ impl Basis {
             Self::Angle(..) | Self::TotalAngle(_) => "angle of attack".to_owned(),
             Self::Roll(..) => "roll angle".to_owned(),
             Self::Hysteresis(..) => "sign of the body rates (hysteresis)".to_owned(),
-            Self::Pulse(_, start_s, duration_s) => format!("a pulse of {duration_s} s at {start_s:.2} s"),
-            Self::Step(_, at_s) => format!("a step at {at_s:.2} s"),
             Self::Drift => "time (a drift)".to_owned(),
             Self::Slope(_, along) | Self::Damping(_, along) => along.basis().words(),
         }

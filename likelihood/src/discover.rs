@@ -3,11 +3,11 @@
 //! Start in wide gusts, where the filter cannot lose the data, and narrow them; at every level all sets are weighed. The best are fitted
 //! in full, random inputs searched together with the set, and all sets weighed again at the new point until the set stays.
 
-use crate::check::{Alternative, Lead, lines, outliers, with_alternatives};
+use crate::check::{Alternative, Lead, alternatives, lines, outliers};
 use crate::engine::{Engine, Fit, always};
 use crate::gram::Gram;
 use crate::model::{Id, Member, Model, Number, candidates, catalogue};
-use crate::run::POSE;
+use crate::noise::POSE;
 use crate::search::{Set, Unit, search, units};
 use windfall_model::{CATALOGUE, Effect, Role};
 
@@ -101,14 +101,14 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     // Random inputs that every start may have: none, or one effect in one form at one size.
     let starts = ladder(&engine.coarse(), &declared, &mut log)?;
     let mut best: Option<(f64, Fit, Weighed)> = None;
-    let top = starts.first().map_or(f64::NEG_INFINITY, |s| s.0);
-    for (total, fit, set) in starts.into_iter().take(STARTS) {
+    let top = starts.first().map_or(f64::NEG_INFINITY, |s| s.total);
+    for Start { total, at, next } in starts.into_iter().take(STARTS) {
         let floor = best.as_ref().map_or(f64::NEG_INFINITY, |b| b.0);
         if total < top - FAR && best.as_ref().is_some_and(|b| b.1.chi < LEFT) {
             continue;
         }
-        log.push(format!("start at {total:.1}: {}", describe(&fit.model)));
-        let Some((fit, weighed)) = polish(engine, fit, set, floor, &mut log) else { continue };
+        log.push(format!("start at {total:.1}: {}", describe(&at)));
+        let Some((fit, weighed)) = polish(engine, next, floor, &mut log) else { continue };
         let score = fit.total - cost_of(&fit.model, engine);
         log.push(format!("  ends at {score:.1}: {}", describe(&fit.model)));
         if best.as_ref().is_none_or(|b| score > b.0) {
@@ -121,8 +121,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
         && engine.refine_noise(&fit.model)
     {
         log.push(format!("noise {:?}", engine.noise.map(|n| format!("{:.3e}/{:.2}", n.std(), n.correlation))));
-        let (fit, model) = (fit.clone(), fit.model.clone());
-        if let Some((fit, weighed)) = polish(engine, fit, Some(model), f64::NEG_INFINITY, &mut log) {
+        if let Some((fit, weighed)) = polish(engine, fit.model.clone(), f64::NEG_INFINITY, &mut log) {
             best = Some((fit.total, fit, weighed));
         }
     }
@@ -136,7 +135,9 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
         Ok(fit) => (Some(fit), Ok(())),
         Err(words) => (None, Err(words)),
     };
-    let (lines, outliers) = (lines(engine, &after.model), outliers(engine, &after.model));
+    let innovations = engine.sum(&after.model, &[], &[]).ok();
+    let lines = innovations.as_ref().map_or_else(Vec::new, |s| lines(engine, &after.model, s));
+    let outliers = innovations.as_ref().map_or([0; POSE], outliers);
     Ok(Discovery {
         before,
         before_fault,
@@ -169,7 +170,7 @@ pub fn identify(engine: &Engine, near: Option<&Model>) -> Result<Fit, String> {
     let start = still.as_ref().map_or_else(|| led.clone().unwrap_or_else(|| declared.clone()), |f| f.model.clone());
     let gusts = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random && moves_air(m, engine));
     let gusty = gusts
-        .filter(|m| !declared.members.iter().any(|d| d.effect.family == m.effect.family))
+        .filter(|m| !has(&declared, m))
         .filter_map(|null| {
             let mut model = start.clone();
             let forms = null.forms();
@@ -196,23 +197,19 @@ fn moves_air(m: &Member, engine: &Engine) -> bool {
 }
 
 /// The best set held against generic alternatives: members that those make needless are taken out, and the rest fitted again.
-fn against_alternatives(
-    engine: &mut Engine,
-    fit: Fit,
-    weighed: Weighed,
-    log: &mut Vec<String>,
-) -> (Fit, Weighed, Option<Contest>) {
-    let Some(contest) = with_alternatives(engine, &fit.model) else { return (fit, weighed, None) };
-    let keep = |m: &Member| m.declared || m.random || contest.families.contains(&m.effect.family);
-    if contest.leads.is_empty() || fit.model.members.iter().all(keep) {
-        return (fit, weighed, Some(contest));
+fn against_alternatives(engine: &Engine, fit: Fit, weighed: Weighed, log: &mut Vec<String>) -> (Fit, Weighed, Option<Contest>) {
+    let all = alternatives(engine);
+    let Some(first) = contest(engine, &fit.model, &all) else { return (fit, weighed, None) };
+    let keep = |m: &Member| m.declared || m.random || first.families.contains(&m.effect.family);
+    if first.leads.is_empty() || fit.model.members.iter().all(keep) {
+        return (fit, weighed, Some(first));
     }
     let mut model = fit.model.clone();
     model.members.retain(keep);
     log.push(format!("generic alternatives leave {}", describe(&model)));
     let fewer = engine.climb(&model, true, 6).ok().and_then(|f| Some((self::weighed(engine, &f.model)?, f)));
-    let Some((w, f)) = fewer else { return (fit, weighed, Some(contest)) };
-    let again = with_alternatives(engine, &f.model).or(Some(contest));
+    let Some((w, f)) = fewer else { return (fit, weighed, Some(first)) };
+    let again = contest(engine, &f.model, &all).or(Some(first));
     (f, w, again)
 }
 
@@ -248,7 +245,7 @@ fn random_bounds(engine: &Engine, fit: &Fit) -> Vec<(&'static str, String, f64, 
     let here = fit.log_likelihood;
     let absent = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random);
     absent
-        .filter(|m| !fit.model.members.iter().any(|o| o.effect.family == m.effect.family))
+        .filter(|m| !has(&fit.model, m))
         .flat_map(|null| {
             let strengths: Vec<usize> = null.strengths().collect();
             let mut form = null.values.clone();
@@ -295,88 +292,93 @@ fn cost(m: &Member, engine: &Engine) -> f64 {
     families().ln() + (forms as f64).ln()
 }
 
-/// Fits of the declared model at every size and form of every random effect, with the best set at each; best first.
-fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Result<Vec<(f64, Fit, Option<Model>)>, String> {
+/// Where a search may start: a fit with random inputs, and the best set at it.
+struct Start {
+    /// Log marginal likelihood of that set.
+    total: f64,
+    at: Model,
+    next: Model,
+}
+
+/// Starts with random inputs of every effect, sizes and forms, or none; best first, those that lead to the same set once.
+fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Result<Vec<Start>, String> {
     let random: Vec<Member> = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random).collect();
-    let mut all: Vec<(f64, Fit, Option<Model>)> = Vec::new();
-    let mut followed: Option<Model> = None;
+    let mut fits: Vec<Fit> = Vec::new();
     let mut last = String::new();
     let air = random.iter().find(|m| moves_air(m, engine));
-    // Gusts from wide to none, each starting from the fit before; where gusts are declared they are in every set already.
-    if let Some(air) = air.filter(|a| !declared.members.iter().any(|m| m.effect.family == a.effect.family)) {
-        for (k, level) in LEVELS.iter().enumerate() {
-            let mut model = followed.clone().unwrap_or_else(|| declared.clone());
-            model.members.retain(|m| m.effect.family != air.effect.family);
-            let forms = air.forms();
-            model.members.push(sized(air, *level, &forms[forms.len() / 2]));
-            let mut fit = engine.climb(&model, false, if k == 0 { 6 } else { 3 });
-            if k == 0
-                && let Some(led) = lead_in(engine, &model)
-                && let Ok(other) = engine.climb(&led, false, 3)
-                && fit.as_ref().map_or(true, |f| f.total < other.total)
-            {
-                fit = Ok(other);
-            }
-            match fit {
-                Ok(fit) => {
-                    followed = Some(fit.model.clone());
-                    // The likeliest of the lengths; very wide gusts only lead the parameters near.
-                    if k > 0 {
-                        let other = |form: &Vec<f64>| {
-                            let mut model = fit.model.clone();
-                            model.members.pop();
-                            model.members.push(sized(air, *level, form));
-                            engine.climb(&model, false, 1).ok()
-                        };
-                        let best = forms.iter().filter_map(other).max_by(|a, b| a.total.total_cmp(&b.total));
-                        consider(engine, best.filter(|b| b.total > fit.total).unwrap_or(fit), &mut all, log);
-                    }
-                }
-                Err(d) => last = format!("the model departs at {:.2} s of run {}", d.t_s, d.run + 1),
-            }
-        }
+    let mut model = declared.clone();
+    // Where gusts are declared they are in every set already.
+    if let Some(air) = air.filter(|a| !has(declared, a)) {
+        model = in_gusts(engine, declared, air, &mut fits, &mut last);
     }
     // No random input but the declared ones.
-    let mut model = followed.clone().unwrap_or_else(|| declared.clone());
-    if let Some(air) = air {
-        model.members.retain(|m| m.effect.family != air.effect.family || m.declared);
-    }
     match engine.climb(&model, false, 4) {
-        Ok(fit) => consider(engine, fit, &mut all, log),
-        Err(d) => last = format!("the model departs at {:.2} s of run {}", d.t_s, d.run + 1),
+        Ok(fit) => fits.push(fit),
+        Err(d) => last = d.words(),
     }
-    // Other random inputs, in every form, at two sizes.
+    // Other random inputs, in every form.
     for other in random.iter().filter(|m| air.is_none_or(|a| a.effect.family != m.effect.family)) {
-        let mut here: Vec<(f64, Fit)> = Vec::new();
-        for form in scanned(other) {
+        let at_once = scanned(other).into_iter().filter_map(|form| {
             let mut with = model.clone();
             with.members.push(sized(other, 0.03, &form));
-            if let Ok(fit) = engine.climb(&with, false, 0) {
-                here.push((fit.total, fit));
-            }
-        }
-        here.sort_by(|a, b| b.0.total_cmp(&a.0));
-        for (_, fit) in here.into_iter().take(1) {
-            if let Ok(fit) = engine.climb(&fit.model, false, 3) {
-                consider(engine, fit, &mut all, log);
-            }
-        }
+            engine.climb(&with, false, 0).ok()
+        });
+        let best = at_once.min_by(|a, b| b.total.total_cmp(&a.total));
+        fits.extend(best.and_then(|fit| engine.climb(&fit.model, false, 3).ok()));
     }
-    all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    // Starts that say the same are followed once.
-    let mut distinct: Vec<(f64, Fit, Option<Model>)> = Vec::new();
+    let mut all: Vec<Start> = fits.into_iter().filter_map(|fit| start(engine, fit, log)).collect();
+    all.sort_by(|a, b| b.total.total_cmp(&a.total));
+    let mut distinct: Vec<Start> = Vec::new();
     for one in all {
-        let key = |m: &(f64, Fit, Option<Model>)| {
-            let model = m.2.as_ref().unwrap_or(&m.1.model);
-            let mut f: Vec<&str> = model.members.iter().map(|m| m.effect.family).collect();
-            f.sort_unstable();
-            f.join("+")
-        };
-        if distinct.iter().all(|d| key(d) != key(&one)) {
+        if distinct.iter().all(|d| names(&d.next) != names(&one.next)) {
             distinct.push(one);
         }
     }
     if distinct.is_empty() { Err(last) } else { Ok(distinct) }
+}
+
+/// Fits in gusts from wide to narrow, each starting from the one before, in the likeliest form; the last model, its gusts taken out.
+fn in_gusts(engine: &Engine, declared: &Model, air: &Member, fits: &mut Vec<Fit>, last: &mut String) -> Model {
+    let without = |mut model: Model| {
+        model.members.retain(|m| m.effect.family != air.effect.family);
+        model
+    };
+    let with = |model: &Model, level: f64, form: &[f64]| {
+        let mut model = without(model.clone());
+        model.members.push(sized(air, level, form));
+        model
+    };
+    let forms = air.forms();
+    let mut followed = declared.clone();
+    for (k, level) in LEVELS.iter().enumerate() {
+        let model = with(&followed, *level, &forms[forms.len() / 2]);
+        let mut fit = engine.climb(&model, false, if k == 0 { 6 } else { 3 });
+        if k == 0
+            && let Some(led) = lead_in(engine, &model)
+            && let Ok(other) = engine.climb(&led, false, 3)
+            && fit.as_ref().map_or(true, |f| f.total < other.total)
+        {
+            fit = Ok(other);
+        }
+        match fit {
+            Ok(fit) => {
+                followed = fit.model.clone();
+                // Very wide gusts only lead the parameters near.
+                if k > 0 {
+                    let others = forms.iter().filter_map(|form| engine.climb(&with(&fit.model, *level, form), false, 1).ok());
+                    let best = others.max_by(|a, b| a.total.total_cmp(&b.total));
+                    fits.push(best.filter(|b| b.total > fit.total).unwrap_or(fit));
+                }
+            }
+            Err(d) => *last = d.words(),
+        }
+    }
+    without(followed)
+}
+
+/// Whether a model has that effect.
+fn has(model: &Model, of: &Member) -> bool {
+    model.members.iter().any(|m| m.effect.family == of.effect.family)
 }
 
 /// Parameters found while accelerations are left free, less and less: from far starting values no gust leads a model's roll.
@@ -421,8 +423,9 @@ fn sized(null: &Member, level: f64, form: &[f64]) -> Member {
     m
 }
 
-fn consider(engine: &Engine, fit: Fit, all: &mut Vec<(f64, Fit, Option<Model>)>, log: &mut Vec<String>) {
-    let Some(w) = weighed(engine, &fit.model) else { return };
+/// A fit as a start: all sets weighed at it.
+fn start(engine: &Engine, fit: Fit, log: &mut Vec<String>) -> Option<Start> {
+    let w = weighed(engine, &fit.model)?;
     let total = w.total - random_cost(&fit.model, engine);
     let next = with_set(&fit.model, &w, w.choice(), engine);
     log.push(format!(
@@ -432,7 +435,7 @@ fn consider(engine: &Engine, fit: Fit, all: &mut Vec<(f64, Fit, Option<Model>)>,
         fit.stop.words(),
         describe(&next)
     ));
-    all.push((total, fit, Some(next)));
+    Some(Start { total, at: fit.model, next })
 }
 
 fn random_cost(model: &Model, engine: &Engine) -> f64 {
@@ -513,7 +516,7 @@ pub struct Contest {
 }
 
 /// Effects and generic alternatives weighed together at a fitted model.
-pub(crate) fn contest(engine: &Engine, model: &Model, alternatives: &[Alternative]) -> Option<Contest> {
+fn contest(engine: &Engine, model: &Model, alternatives: &[Alternative]) -> Option<Contest> {
     let w = weighed_beside(engine, model, alternatives)?;
     let best = w.sets.first()?;
     let is_generic = |u: usize| w.families[u].0 >= GENERIC;
@@ -609,8 +612,7 @@ fn with_set(model: &Model, w: &Weighed, set: &Set, engine: &Engine) -> Model {
 }
 
 /// Fits a set in full and weighs all sets again, until the set stays.
-fn polish(engine: &mut Engine, start: Fit, next: Option<Model>, floor: f64, log: &mut Vec<String>) -> Option<(Fit, Weighed)> {
-    let mut model = next.unwrap_or(start.model);
+fn polish(engine: &Engine, mut model: Model, floor: f64, log: &mut Vec<String>) -> Option<(Fit, Weighed)> {
     let mut seen: Vec<(String, Fit)> = Vec::new();
     for round in 0..ROUNDS {
         let mut fit = climb_down(engine, &model)?;

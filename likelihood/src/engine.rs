@@ -4,8 +4,8 @@ use crate::columns::Basis;
 use crate::filter::{Departed, Seen, Setting, pass};
 use crate::gram::Gram;
 use crate::model::{Id, Model, Number, VAGUE_PRIOR};
-use crate::noise::{ChannelNoise, declared, learn};
-use crate::run::{CHANNELS, POSE, Prepared};
+use crate::noise::{CHANNELS, ChannelNoise, POSE, declared, learn};
+use crate::run::Prepared;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use windfall_model::{Campaign, Constant, Data, Plant, Record, Role};
@@ -68,7 +68,7 @@ impl Stop {
             Self::Converged => "converged".to_owned(),
             Self::NoAscent => "no shorter step raises the likelihood".to_owned(),
             Self::Iterations => "the number of steps allowed is used up".to_owned(),
-            Self::Departs { run, t_s } => format!("with these parameters the model departs at {t_s:.2} s of run {}", run + 1),
+            Self::Departs { run, t_s } => format!("with these parameters {}", Departed { run, t_s }.words()),
         }
     }
 }
@@ -268,7 +268,7 @@ impl Engine {
     ///
     /// # Errors
     /// [`Departed`] where the model departs at the start already.
-    pub fn climb(&self, model: &Model, shapes: bool, most: usize) -> Result<Fit, Departed> {
+    pub(crate) fn climb(&self, model: &Model, shapes: bool, most: usize) -> Result<Fit, Departed> {
         let mut model = model.clone();
         let (mut gram, mut chi) = self.gram(&model, self.free(&model, shapes))?;
         let penalty = |g: &Gram| 0.5 * g.numbers.iter().map(|n| (n.value / n.prior).powi(2)).sum::<f64>();

@@ -6,9 +6,9 @@
 //! over two opposite points of the unresolved gust, so that what is not linear in the flow angles acts as it does on average (Gelb 1974, §6.2).
 
 use crate::columns::{Basis, Column, Shown, View, body_to_tunnel, lag_s, shown};
-use crate::noise::ChannelNoise;
+use crate::noise::{CHANNELS, ChannelNoise, POSE};
 use crate::random::{Input, ORDER, inputs};
-use crate::run::{CHANNELS, POSE, Prepared};
+use crate::run::Prepared;
 use nalgebra::{DMatrix, DVector};
 use windfall_model::{Entry, Plant};
 use windfall_pid::equations::{ADDED, Air, Craft, LOOSE, Local, MOTION, STATES};
@@ -41,9 +41,16 @@ pub(crate) struct Seen {
 
 /// Why a pass ended before its run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Departed {
+pub(crate) struct Departed {
     pub(crate) run: usize,
     pub(crate) t_s: f64,
+}
+
+impl Departed {
+    /// In words.
+    pub(crate) fn words(self) -> String {
+        format!("the model departs at {:.2} s of run {}", self.t_s, self.run + 1)
+    }
 }
 
 /// What a pass is made at.

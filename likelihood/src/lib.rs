@@ -22,10 +22,9 @@ mod search;
 mod wind;
 
 pub use check::Lead;
-pub use columns::{Basis, CHANNEL_NAMES};
+pub use columns::CHANNEL_NAMES;
 pub use discover::{Contest, Discovery, discover, identify};
 pub use engine::{Engine, Fit, Stop};
-pub use filter::Departed;
 pub use gram::{Gram, Posterior};
 pub use model::{Id, Member, Model, Number};
 pub use noise::{ChannelNoise, declared as declared_noise};

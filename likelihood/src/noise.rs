@@ -3,9 +3,13 @@
 //! Above the motion's frequencies the spectrum of a channel's differences is its noise alone. White noise plus a first-order
 //! autoregressive one is fitted there by Whittle's likelihood (Whittle 1953); what is declared is a prior where little is seen.
 
-use crate::run::CHANNELS;
 use realfft::RealFftPlanner;
 use windfall_model::{Record, Sensors};
+
+/// Channels of the pose: X, Y, Z (m), R_x, R_y, R_z (rad).
+pub(crate) const POSE: usize = 6;
+/// All channels whose noise is learnt: the pose and V_W (m/s).
+pub(crate) const CHANNELS: usize = POSE + 1;
 
 /// Noise of one channel: variance of its samples' white part, and variance and lag-one correlation of its coloured part.
 #[derive(Clone, Copy, Debug, PartialEq)]

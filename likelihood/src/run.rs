@@ -3,14 +3,9 @@
 //! A node stands for a block of samples: the mean of what was measured less what motion over the block explains carries all that a filter
 //! can use below the block's own rate, at a fraction of its cost. Missing samples leave a node with fewer, or none.
 
-use crate::noise::ChannelNoise;
+use crate::noise::{ChannelNoise, POSE};
 use crate::wind::Speed;
 use windfall_model::Record;
-
-/// Channels of the pose: X, Y, Z (m), R_x, R_y, R_z (rad).
-pub(crate) const POSE: usize = 6;
-/// All channels whose noise is learnt: the pose and V_W (m/s).
-pub(crate) const CHANNELS: usize = POSE + 1;
 
 /// Mean over the samples of a block that were measured.
 #[derive(Clone, Copy, Debug, Default)]

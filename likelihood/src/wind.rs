@@ -31,23 +31,9 @@ impl Speed {
     pub(crate) fn new(record_m_s: &[f64], interval_s: f64, noise: &ChannelNoise, missing: &dyn Fn(usize) -> bool) -> Self {
         let measured: Vec<Option<f64>> = record_m_s.iter().enumerate().map(|(i, v)| (!missing(i)).then_some(*v)).collect();
         let variance = (noise.white + noise.coloured).max(1e-12);
-        let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-        let value = |x: f64| Filter::new(interval_s, noise, 10.0_f64.powf(x) * variance).cost(&measured);
-        let [mut a, mut b] = DECADES;
-        let (mut c, mut d) = (b - golden * (b - a), a + golden * (b - a));
-        let (mut at_c, mut at_d) = (value(c), value(d));
-        while b - a > WIDTH {
-            if at_c < at_d {
-                (b, d, at_d) = (d, c, at_c);
-                c = b - golden * (b - a);
-                at_c = value(c);
-            } else {
-                (a, c, at_c) = (c, d, at_d);
-                d = a + golden * (b - a);
-                at_d = value(d);
-            }
-        }
-        let (smoothed, innovations) = Filter::new(interval_s, noise, 10.0_f64.powf(0.5 * (a + b)) * variance).smooth(&measured);
+        let filter = |decade: f64| Filter::new(interval_s, noise, 10.0_f64.powf(decade) * variance);
+        let decade = windfall_pid::golden::minimise(|x| filter(x).cost(&measured), DECADES, WIDTH);
+        let (smoothed, innovations) = filter(decade).smooth(&measured);
         let share = measured.iter().flatten().count() as f64 / measured.len().max(1) as f64;
         let r = noise.correlation;
         let density = (noise.white + noise.coloured * (1.0 + r) / (1.0 - r)) * interval_s / share.max(0.01);

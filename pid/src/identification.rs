@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use windfall_model::Structure;
 
 /// Standard errors on either side of a 95 % interval of a normal estimate.
-pub(crate) const NORMAL_95: f64 = 1.959_963_985;
+pub const NORMAL_95: f64 = 1.959_963_985;
 
 /// Result of one method on one campaign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,5 +1,7 @@
 //! scenarios: the bundled scenarios and what is written of them. In: bundled names. Out: read, written, read again the same.
 
+mod common;
+
 use windfall_model::{FroudeScale, TunnelSpeed};
 use windfall_scenarios::{
     BUNDLED, RunLine, read_bundled, read_campaign, read_scenario_file, write_campaign_toml, write_record_csv,
@@ -66,19 +68,7 @@ fn pub_full_scale_is_table_2_2() {
 fn law_a_written_campaign_is_read() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = read_bundled("sage-combined").expect("bundled");
-    let n = 400;
-    let t_s: Vec<f64> = (0..n).map(|i| f64::from(i) / 150.0).collect();
-    let wave = |a: f64| t_s.iter().map(|t| a * (3.0 * t).sin()).collect::<Vec<f64>>();
-    let record = windfall_model::Record {
-        position_m: [wave(0.1), wave(0.2), wave(0.1)],
-        attitude_rad: [wave(0.9), wave(0.2), wave(0.1)],
-        vw_m_s: vec![7.43; t_s.len()],
-        ps_pa: vec![101_325.0; t_s.len()],
-        ts_k: vec![299.0; t_s.len()],
-        qw_pa: None,
-        bridged: Vec::new(),
-        t_s,
-    };
+    let record = common::waves();
     let lines: Vec<RunLine> = file
         .scenario
         .flights

@@ -1,5 +1,7 @@
 //! scenarios: what a campaign says of its constants, effects and noise. In: files with such tables. Out: read, refused, written.
 
+mod common;
+
 use std::path::{Path, PathBuf};
 use windfall_model::{Campaign, Use};
 use windfall_scenarios::{
@@ -42,18 +44,7 @@ fn scenario(folder: &Path, tables: &str) -> PathBuf {
 fn campaign(tables: &str, change: impl Fn(String) -> String) -> Result<Campaign, ReadError> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = read_scenario_file(&scenario(folder.path(), tables))?;
-    let t_s: Vec<f64> = (0..400).map(|i| f64::from(i) / 150.0).collect();
-    let wave = |a: f64| t_s.iter().map(|t| a * (3.0 * t).sin()).collect::<Vec<f64>>();
-    let record = windfall_model::Record {
-        position_m: [wave(0.1), wave(0.2), wave(0.1)],
-        attitude_rad: [wave(0.9), wave(0.2), wave(0.1)],
-        vw_m_s: vec![7.43; t_s.len()],
-        ps_pa: vec![101_325.0; t_s.len()],
-        ts_k: vec![299.0; t_s.len()],
-        qw_pa: None,
-        bridged: Vec::new(),
-        t_s,
-    };
+    let record = common::waves();
     write_record_csv(&folder.path().join("a.csv"), &record).expect("writable");
     let path = folder.path().join("campaign.toml");
     let line = RunLine { file: "a.csv".to_owned(), kind: "perturbed".to_owned(), used: Use::Identify };

@@ -19,6 +19,7 @@ mod rehearse;
 mod result;
 
 pub use figures::{Figure, Role, Series, Topic, figures};
+pub(crate) use likely::LEFT;
 pub use result::{
     After, Bound, CandidateLine, ChannelResidual, Check, Closing, ConstantLine, EffectLine, Form, HeldOut, HeldOutTrajectory,
     NoiseLine, ParameterLine, SetLine, Shift, Unexplained, Verdict,

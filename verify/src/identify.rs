@@ -3,6 +3,7 @@
 
 use crate::VerifyError;
 use crate::bootstrap::{Bootstrap, bootstrap};
+use crate::close::LEFT;
 use serde::{Deserialize, Serialize};
 use windfall_likelihood::{Engine, Id, Model};
 use windfall_model::Campaign;
@@ -11,7 +12,7 @@ use windfall_pid::compatibility::{Compatibility, pressure};
 use windfall_pid::output_error::{Handling, Options, Prior};
 use windfall_pid::plausible::plausible;
 use windfall_pid::{
-    DataSet, Estimate, Held, Identification, Method, identifiability, identify_by, identify_chosen, relative_percent,
+    DataSet, Estimate, Held, Identification, Method, NORMAL_95, identifiability, identify_by, identify_chosen, relative_percent,
 };
 
 /// What is asked for.
@@ -86,8 +87,6 @@ pub fn identify(campaign: &Campaign, notes: &[String], request: &Identify) -> Re
     Ok(Identified { found, bootstrap: copies })
 }
 
-/// Standard errors on either side of a 95 % interval of a normal estimate.
-const NORMAL_95: f64 = 1.959_963_985;
 /// Name of the likelihood in results.
 const LIKELIHOOD: &str = "likelihood";
 
@@ -131,22 +130,16 @@ fn by_likelihood(campaign: &Campaign, options: &Options) -> Result<Identificatio
             e.ci95 = [value - NORMAL_95 * std, value + NORMAL_95 * std];
             e.rse_percent = relative_percent(std, value);
         }
-        let n = places.len();
-        if d.covariance.len() == n {
-            for (a, pa) in places.iter().enumerate() {
-                for (b, pb) in places.iter().enumerate() {
-                    d.covariance[a][b] = match (pa, pb) {
-                        (Some((_, i)), Some((_, k))) => fit.covariance[(*i, *k)],
-                        // Gusts and parameters of the mean are not correlated.
-                        (Some(_), None) | (None, Some(_)) => 0.0,
-                        (None, None) => d.covariance[a][b],
-                    };
+        for (row, a) in d.covariance.iter_mut().zip(&places) {
+            for (x, b) in row.iter_mut().zip(&places) {
+                if let (Some((_, i)), Some((_, k))) = (a, b) {
+                    *x = fit.covariance[(*i, *k)];
                 }
             }
         }
     }
     for (d, fit) in found.data_sets.iter().zip(&all) {
-        if fit.chi > MORE {
+        if fit.chi > LEFT {
             found.warnings.push(format!(
                 "{}: the innovations' mean square is {:.2} of what noise leaves: `windfall close` says what the model lacks",
                 d.name, fit.chi
@@ -157,9 +150,6 @@ fn by_likelihood(campaign: &Campaign, options: &Options) -> Result<Identificatio
     LIKELIHOOD.clone_into(&mut found.method);
     Ok(found)
 }
-
-/// Mean square of whitened innovations from which more than noise is left.
-const MORE: f64 = 1.15;
 
 /// The campaign with what is to be held at its value and no longer declared.
 fn held(campaign: &Campaign, request: &Identify) -> Result<Campaign, VerifyError> {

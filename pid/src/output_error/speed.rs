@@ -21,23 +21,8 @@ const WIDTH: f64 = 0.02;
 
 /// Most likely liveliness of a record sampled every `interval_s`.
 pub fn liveliness(speed_m_s: &[f64], interval_s: f64) -> Liveliness {
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let value = |x: f64| filter(speed_m_s, interval_s, 10.0_f64.powf(x)).0;
-    let [mut a, mut b] = DECADES;
-    let (mut c, mut d) = (b - golden * (b - a), a + golden * (b - a));
-    let (mut at_c, mut at_d) = (value(c), value(d));
-    while b - a > WIDTH {
-        if at_c < at_d {
-            (b, d, at_d) = (d, c, at_c);
-            c = b - golden * (b - a);
-            at_c = value(c);
-        } else {
-            (a, c, at_c) = (c, d, at_d);
-            d = a + golden * (b - a);
-            at_d = value(d);
-        }
-    }
-    let ratio = 10.0_f64.powf(0.5 * (a + b));
+    let decade = crate::golden::minimise(|x| filter(speed_m_s, interval_s, 10.0_f64.powf(x)).0, DECADES, WIDTH);
+    let ratio = 10.0_f64.powf(decade);
     let variance = filter(speed_m_s, interval_s, ratio).1;
     Liveliness { intensity: ratio * variance, noise_std: variance.sqrt() }
 }

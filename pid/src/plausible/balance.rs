@@ -9,7 +9,7 @@ use crate::coefficients::{Row, coefficients};
 use crate::instrument::Sample;
 use crate::states::{State, state};
 use nalgebra::{DMatrix, DVector};
-use windfall_model::Plant;
+use windfall_model::{Aero, Plant};
 
 /// Groups of accelerations: along X, across, roll, pitch and yaw.
 pub(super) const GROUPS: [&str; 4] = ["vertical", "lateral", "roll", "pitch and yaw"];
@@ -77,7 +77,10 @@ pub(super) fn balance(points: &[Point], plant: &Plant, declared: &[bool], second
     let rough = signal(&states, &all);
     let (states, accelerations): (Vec<State>, Vec<[f64; 3]>) = states.into_iter().unzip();
     let free: Vec<usize> = (0..declared.len()).filter(|i| declared[*i]).collect();
-    let rows: Vec<Equations> = coefficients(&states, plant).iter().map(|r| equations(r, plant, &free)).collect();
+    // What is not fitted is taken off: effects that the plant has, and parameters that are not declared.
+    let mut rest = plant.aero.clone();
+    free.iter().for_each(|i| rest.values[*i] = 0.0);
+    let rows: Vec<Equations> = coefficients(&states, plant).iter().map(|r| equations(r, plant, &rest, &free)).collect();
     let weight = GROUP.map(|g| rough[g].max(1e-9).powi(-2));
     let (first, _) = fit(&rows, &all, &weight, plant, &free)?;
     let mut order: Vec<(f64, usize)> = all.iter().map(|i| (size(&residual(&rows[*i], &first), &weight), *i)).collect();
@@ -113,14 +116,12 @@ fn signal(states: &[Seen], which: &[usize]) -> [f64; 4] {
     ]
 }
 
-fn equations(row: &Row, plant: &Plant, free: &[usize]) -> Equations {
+/// `rest` is the plant's aerodynamics without what is fitted.
+fn equations(row: &Row, plant: &Plant, rest: &Aero, free: &[usize]) -> Equations {
     let v = &plant.vehicle;
     let force = row.q_pa * v.area_m2() / v.mass_kg;
     let turn = |inertia: f64| row.q_pa * v.area_m2() * v.diameter_m / inertia;
     let scale = [force, force, force, turn(v.inertia.xx), turn(v.inertia.yy), turn(v.inertia.zz)];
-    // What is not fitted is taken off: effects that the plant has, and parameters that are not declared.
-    let mut rest = plant.aero.clone();
-    free.iter().for_each(|i| rest.values[*i] = 0.0);
     let known = rest.coefficients(&row.flow);
     let wanted = std::array::from_fn(|c| (row.exp_origin[c] - known[c]) * scale[c]);
     let mut by = vec![[0.0; 6]; free.len()];

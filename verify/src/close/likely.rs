@@ -17,7 +17,7 @@ const LEAD: f64 = 4.0;
 /// How well noise is known from the record, as a share of its variance.
 const NOISE_KNOWN: f64 = 0.03;
 /// Mean square of the whitened innovations over what it should be from which a residual is left, whatever it varies with.
-const LEFT: f64 = 1.15;
+pub(crate) const LEFT: f64 = 1.15;
 
 /// Closes the loop of a campaign of tunnel runs.
 ///
