@@ -7,12 +7,10 @@
 
 use crate::columns::{Along, Basis, CHANNEL_NAMES, LOADS};
 use crate::engine::{Engine, Summed};
+use crate::hum::{FORCE, MOMENT, ROLL, Stream, of_instrument};
 use crate::model::Model;
 use crate::noise::POSE;
-use crate::run::Prepared;
 use realfft::RealFftPlanner;
-use windfall_model::Plant;
-use windfall_pid::equations::{ADDED, Air, Craft, MOTION};
 
 /// A group of generic columns: functions of one variable in one load or channel.
 #[derive(Clone, Debug)]
@@ -44,10 +42,6 @@ pub struct Lead {
     pub amplitudes: Vec<f64>,
 }
 
-/// Prior sizes of coefficients that vary: of forces, of the roll moment, of pitch and yaw moments.
-const FORCE: f64 = 0.05;
-const ROLL: f64 = 0.005;
-const MOMENT: f64 = 0.02;
 /// Prior sizes of drifts, in standard deviations of a sample's noise.
 const DRIFT: f64 = 5.0;
 
@@ -120,49 +114,17 @@ pub(crate) fn outliers(sum: &Summed) -> [usize; POSE] {
     std::array::from_fn(|c| sum.runs.iter().flat_map(|r| &r.whitened).filter(|w| w[c].abs() > 5.0).count())
 }
 
-/// A line above this multiple of the pitch mode's frequency is the instrument's when the load that would make it is above this multiple
-/// of what is plausible for loads that vary.
-const FAST: f64 = 5.0;
-const IMPLAUSIBLE: f64 = 10.0;
-
-/// Frequency of the pitch mode at small angles, Hz, from the rates of motion's slope.
-fn pitch_hz(plant: &Plant, run: &Prepared) -> f64 {
-    let Ok(craft) = Craft::complete(plant) else { return 0.0 };
-    let mut x = [0.0; MOTION];
-    let density = run.nodes.first().map_or(1.2, |n| n.density_kg_m3);
-    let air = Air { t_s: 0.0, density_kg_m3: density, vw_m_s: run.speed_m_s, vw_rate_m_s2: 0.0 };
-    let mut rate = |angle: f64| {
-        x[4] = angle;
-        craft.rates(&x, air, &[0.0; ADDED], &mut Vec::new()).map_or(0.0, |r| r[10])
-    };
-    const ANGLE: f64 = 0.02;
-    let stiffness = -(rate(ANGLE) - rate(-ANGLE)) / (2.0 * ANGLE);
-    stiffness.max(0.0).sqrt() / std::f64::consts::TAU
-}
-
-/// Coefficient of the load that would move a channel by an amplitude at a frequency against the model's inertia, over what is plausible.
-fn load_of(plant: &Plant, run: &Prepared, channel: usize, hz: f64, amplitude: f64) -> f64 {
-    let v = &plant.vehicle;
-    let density = run.nodes.first().map_or(1.2, |n| n.density_kg_m3);
-    let qs = 0.5 * density * run.speed_m_s * run.speed_m_s * v.area_m2();
-    let acceleration = (std::f64::consts::TAU * hz).powi(2) * amplitude;
-    match channel {
-        0..3 => v.mass_kg * acceleration / qs / FORCE,
-        3 => v.inertia.xx * acceleration / (qs * v.diameter_m) / ROLL,
-        _ => v.inertia.yy * acceleration / (qs * v.diameter_m) / MOMENT,
-    }
-}
-
 /// Lines in the spectra of the whitened innovations beyond what noise has, strongest first: power of a line in nats, the number of
 /// frequencies looked at taken off.
 pub(crate) fn lines(engine: &Engine, model: &Model, sum: &Summed) -> Vec<Lead> {
     let plant = model.plant(&engine.campaign);
-    let pitch_hz = engine.runs.iter().map(|r| pitch_hz(&plant, r)).fold(0.0, f64::max);
     let mut all = Vec::new();
     let looked: f64 = sum.runs.iter().map(|r| (r.whitened.len() / 2 * POSE) as f64).sum();
     for (run, seen) in engine.runs.iter().zip(&sum.runs) {
         let skip = 20.min(seen.whitened.len());
         let n = seen.whitened.len() - skip;
+        let density_kg_m3 = run.nodes.first().map_or(1.2, |n| n.density_kg_m3);
+        let stream = Stream { density_kg_m3, speed_m_s: run.speed_m_s };
         if n < 64 {
             continue;
         }
@@ -188,7 +150,7 @@ pub(crate) fn lines(engine: &Engine, model: &Model, sum: &Summed) -> Vec<Lead> {
                         variable: format!("a line in the spectrum of {}", run.name),
                         gain,
                         line_hz: Some(hz),
-                        of_instrument: hz > FAST * pitch_hz && load_of(&plant, run, c, hz, amplitude) > IMPLAUSIBLE,
+                        of_instrument: of_instrument(&plant, stream, c, hz, amplitude),
                         amplitudes: Vec::new(),
                     });
                 }

@@ -3,9 +3,11 @@
 use crate::columns::Basis;
 use crate::filter::{Departed, Seen, Setting, pass};
 use crate::gram::Gram;
+use crate::hum::{Hum, take_off};
 use crate::model::{Id, Model, Number, VAGUE_PRIOR};
 use crate::noise::{CHANNELS, ChannelNoise, POSE, declared, learn};
 use crate::run::Prepared;
+use crate::shock::{Shock, strongest};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use windfall_model::{Campaign, Constant, Data, Plant, Record, Role};
@@ -17,6 +19,8 @@ pub struct Engine {
     pub(crate) runs: Vec<Prepared>,
     /// Noise of the pose channels.
     pub noise: [ChannelNoise; CHANNELS],
+    /// Lines of the instruments that were taken off the records.
+    pub hum: Vec<Hum>,
     /// Freedom of the accelerations at a search's start, zero otherwise.
     pub(crate) slack: f64,
 }
@@ -97,9 +101,18 @@ impl Engine {
     /// Makes these runs of a campaign ready, and learns their noise; `None` without a tunnel run.
     #[must_use]
     pub fn new(campaign: &Campaign, indices: &[usize]) -> Option<Self> {
+        let mut owned = campaign.clone();
+        let mut hum = Vec::new();
+        if !campaign.knowledge.exact_noise {
+            for &i in indices {
+                if let Data::Tunnel(r) = &mut owned.runs[i].data {
+                    hum.extend(take_off(r, &campaign.plant));
+                }
+            }
+        }
         let records: Vec<(usize, &Record)> = indices
             .iter()
-            .filter_map(|&i| match &campaign.runs[i].data {
+            .filter_map(|&i| match &owned.runs[i].data {
                 Data::Tunnel(r) if r.len() > 60 => Some((i, r)),
                 _ => None,
             })
@@ -110,7 +123,6 @@ impl Engine {
         let sensors = &campaign.plant.sensors;
         let all: Vec<&Record> = records.iter().map(|(_, r)| *r).collect();
         let noise = if campaign.knowledge.exact_noise { declared(sensors) } else { learn(&all, sensors) };
-        let mut owned = campaign.clone();
         let interval_s = records.iter().map(|(_, r)| r.interval_s()).fold(f64::INFINITY, f64::min);
         if !owned.knowledge.constants.iter().any(|c| c.key == STAMP) {
             owned.knowledge.constants.push(Constant {
@@ -123,7 +135,7 @@ impl Engine {
         }
         let (gas, wind) = (campaign.plant.environment.gas_constant_j_kg_k, noise[POSE]);
         let runs = records.par_iter().map(|(i, r)| Prepared::new(*i, &campaign.runs[*i].name, r, gas, NODE_S, &wind)).collect();
-        Some(Self { campaign: owned, runs, noise, slack: 0.0 })
+        Some(Self { campaign: owned, runs, noise, hum, slack: 0.0 })
     }
 
     /// The campaign with what its runs leave uncertain: the instant of a pose within its sample interval.
@@ -223,7 +235,7 @@ impl Engine {
                         other => other.clone(),
                     })
                     .collect();
-                pass(run, &Setting { plant: &own, noise: &self.noise, columns: &columns, slack: self.slack })
+                pass(run, &Setting { plant: &own, noise: &self.noise, columns: &columns, slack: self.slack, traced: false })
             })
             .collect();
         let runs: Vec<Seen> = seen.into_iter().collect::<Result<_, _>>()?;
@@ -244,6 +256,24 @@ impl Engine {
             [sum(0) / n, sum(1) / n, sum(2) / n, n]
         });
         Ok(Summed { g, b, log_likelihood, channels, runs })
+    }
+
+    /// The instant at which a kick would explain most, over all runs: the run's index and the shock.
+    pub(crate) fn shock(&self, model: &Model) -> Option<(usize, Shock)> {
+        let plant = model.plant(&self.campaign);
+        let one = |run: &Prepared| {
+            let own = plant.for_run(run.index, &self.campaign.runs[run.index].inputs);
+            let setting = Setting { plant: &own, noise: &self.noise, columns: &[], slack: self.slack, traced: true };
+            let seen = pass(run, &setting).ok()?;
+            Some((run.index, strongest(&seen.trace, seen.states)?))
+        };
+        let all: Vec<Option<(usize, Shock)>> = self.runs.par_iter().map(one).collect();
+        all.into_iter().flatten().max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))
+    }
+
+    /// Number of instants at which something may happen.
+    pub(crate) fn instants(&self) -> usize {
+        self.runs.iter().map(|r| r.nodes.len()).sum()
     }
 
     /// Normal equations of numbers at a model.
@@ -268,7 +298,7 @@ impl Engine {
     ///
     /// # Errors
     /// [`Departed`] where the model departs at the start already.
-    pub(crate) fn climb(&self, model: &Model, shapes: bool, most: usize) -> Result<Fit, Departed> {
+    pub fn climb(&self, model: &Model, shapes: bool, most: usize) -> Result<Fit, Departed> {
         let mut model = model.clone();
         let (mut gram, mut chi) = self.gram(&model, self.free(&model, shapes))?;
         let penalty = |g: &Gram| 0.5 * g.numbers.iter().map(|n| (n.value / n.prior).powi(2)).sum::<f64>();

@@ -9,6 +9,7 @@ use crate::columns::{Basis, Column, Shown, View, body_to_tunnel, lag_s, shown};
 use crate::noise::{CHANNELS, ChannelNoise, POSE};
 use crate::random::{Input, ORDER, inputs};
 use crate::run::Prepared;
+use crate::shock::{Innovation, Taken, Trace};
 use nalgebra::{DMatrix, DVector};
 use windfall_model::{Entry, Plant};
 use windfall_pid::equations::{ADDED, Air, Craft, LOOSE, Local, MOTION, STATES};
@@ -37,18 +38,22 @@ pub(crate) struct Seen {
     pub(crate) nodes: Vec<f64>,
     /// What a basis may look at, a row a node.
     pub(crate) views: Vec<View>,
+    /// What the filter did, where asked for.
+    pub(crate) trace: Trace,
+    /// Number of its states.
+    pub(crate) states: usize,
 }
 
 /// Why a pass ended before its run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Departed {
+pub struct Departed {
     pub(crate) run: usize,
     pub(crate) t_s: f64,
 }
 
 impl Departed {
     /// In words.
-    pub(crate) fn words(self) -> String {
+    pub fn words(self) -> String {
         format!("the model departs at {:.2} s of run {}", self.t_s, self.run + 1)
     }
 }
@@ -61,6 +66,8 @@ pub(crate) struct Setting<'a> {
     pub(crate) columns: &'a [Column],
     /// Share of [`SLACK`] that the accelerations are left free by from node to node.
     pub(crate) slack: f64,
+    /// Whether to keep what the filter did.
+    pub(crate) traced: bool,
 }
 
 /// A column made ready for a run.
@@ -101,6 +108,7 @@ struct Filter<'a> {
     coloured: Vec<(usize, f64, f64)>,
     white: [f64; POSE],
     slack: f64,
+    traced: bool,
     step_s: f64,
     /// Motion states, all states, columns.
     nm: usize,
@@ -125,7 +133,20 @@ pub(crate) fn pass(run: &Prepared, s: &Setting<'_>) -> Result<Seen, Departed> {
     let nm = if s.plant.vehicle.loose.is_some() { MOTION } else { STATES };
     let n = nm + ORDER * random.len() + coloured.len();
     let white = std::array::from_fn(|c| s.noise[c].white.max(1e-6 * s.noise[c].coloured));
-    let filter = Filter { run, plant: s.plant, craft, random, coloured, white, slack: s.slack, step_s, nm, n, nc: columns.len() };
+    let filter = Filter {
+        run,
+        plant: s.plant,
+        craft,
+        random,
+        coloured,
+        white,
+        slack: s.slack,
+        traced: s.traced,
+        step_s,
+        nm,
+        n,
+        nc: columns.len(),
+    };
     filter.run(columns)
 }
 
@@ -161,6 +182,8 @@ impl<'a> Filter<'a> {
             whitened: Vec::with_capacity(self.run.nodes.len()),
             nodes: Vec::with_capacity(self.run.nodes.len()),
             views: Vec::with_capacity(self.run.nodes.len()),
+            trace: Trace::default(),
+            states: n,
         };
         let mut rows: Vec<f64> = Vec::with_capacity(ROWS * (nc + 1));
         let mut work = Work::new(self);
@@ -168,6 +191,9 @@ impl<'a> Filter<'a> {
             let departed = Departed { run: self.run.index, t_s: self.run.nodes[k].t_s };
             let rate = self.rates(&z, k, Stage::Now, [0.0; 3], &mut work.terms).ok_or(departed)?;
             let view = self.view(&z, k);
+            if self.traced {
+                seen.trace.nodes.push(Taken { t_s: self.run.nodes[k].t_s, ..Taken::default() });
+            }
             self.update(k, &mut z, &mut p, &mut s, &rate, &columns, &view, &mut seen, &mut rows, &mut work);
             seen.views.push(view);
             if rows.len() >= ROWS * (nc + 1) {
@@ -179,6 +205,9 @@ impl<'a> Filter<'a> {
             self.predict(k, &mut z, &mut p, &mut s, &mut columns, &view, &mut work).ok_or(departed)?;
             if !z.iter().all(|v| v.is_finite()) {
                 return Err(departed);
+            }
+            if let Some(node) = seen.trace.nodes.last_mut() {
+                node.phi.clone_from(&work.phi);
             }
         }
         multiply(&mut rows, &mut seen.g);
@@ -390,6 +419,9 @@ impl<'a> Filter<'a> {
             whitened[c] = w;
             rows.extend(d.iter().map(|x| x / root));
             rows.push(w);
+            if let Some(node) = seen.trace.nodes.last_mut() {
+                node.channels.push(Innovation { slope: hc.to_vec(), covariance: ph.clone(), value: innovation, variance });
+            }
             pulp::Arch::new().dispatch(|| {
                 for i in 0..n {
                     let gain = ph[i] / variance;

@@ -142,6 +142,7 @@ plant_numbers! {
     loose "vehicle.loose_frequency_hz" "", "Hz" RATE ANY, Effect "natural frequency of the loose part", l => &mut l.frequency_hz;
     loose "vehicle.loose_damping_ratio" "", "-" PURE ANY, Effect "damping ratio of the loose part", l => &mut l.damping_ratio;
     loose "vehicle.loose_x_cm_m" "", "m" LENGTH ANY, Effect "rest place of the loose part from the c.m. along x", l => &mut l.x_cm_m;
+    loose "vehicle.loose_in_full" "", "-" PURE ANY, Effect "how much of what is of second order in the loose part's displacement acts", l => &mut l.in_full;
     tether "tether.attachment_m" "x", "m" LENGTH [-1e3, 1e3], Declared HOOK, t => &mut t.p_origin_hook.xyz[0];
     tether "tether.attachment_m" "y", "m" LENGTH [-1e3, 1e3], Declared HOOK, t => &mut t.p_origin_hook.xyz[1];
     tether "tether.attachment_m" "z", "m" LENGTH [-1e3, 1e3], Declared HOOK, t => &mut t.p_origin_hook.xyz[2];

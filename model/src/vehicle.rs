@@ -99,23 +99,35 @@ pub struct LooseMass {
     pub damping_ratio: f64,
     /// Rest position from the c.m. along x, m.
     pub x_cm_m: f64,
+    /// How much of what is of second order in its displacement acts (the body's turning at the displaced place): 1 in full, 0 to first
+    /// order, as textbooks and many simulators have it.
+    pub in_full: f64,
 }
 
 impl LooseMass {
-    /// Relative acceleration (m/s², body y and z) of the loose part at displacement and rate `[y, z, ẏ, ż]` (m, m/s), when its
-    /// mount has specific force `a − g` (m/s², body axes): `ξ̈ = −ω²ξ − 2ζω ξ̇ − (a − g)`, across x only.
+    /// What the body's turning adds to the part's acceleration at displacement and rate `[y, z, ẏ, ż]` (m, m/s) beyond its mount's,
+    /// m/s², body axes: Euler's, centripetal and Coriolis' at body rates `w` (rad/s) and their rate.
     #[must_use]
-    pub fn acceleration(&self, state: [f64; 4], specific_force: Vec3<Body>) -> [f64; 2] {
+    pub fn carried(&self, state: [f64; 4], w: Vec3<Body>, w_rate: Vec3<Body>) -> Vec3<Body> {
+        let (off, rate) = (Vec3::new(0.0, state[0], state[1]), Vec3::new(0.0, state[2], state[3]));
+        (w_rate.cross(off) + w.cross(w.cross(off)) + w.cross(rate) * 2.0) * self.in_full
+    }
+    /// Relative acceleration (m/s², body y and z) of the loose part at displacement and rate `[y, z, ẏ, ż]` (m, m/s), when its
+    /// mount has specific force `a − g` (m/s², body axes): `ξ̈ = −ω²ξ − 2ζω ξ̇ − (a − g) − carried`, across x only.
+    #[must_use]
+    pub fn acceleration(&self, state: [f64; 4], specific_force: Vec3<Body>, carried: Vec3<Body>) -> [f64; 2] {
         let w = std::f64::consts::TAU * self.frequency_hz;
         let along = |x: f64, rate: f64, f: f64| -w * w * x - 2.0 * self.damping_ratio * w * rate - f;
-        [along(state[0], state[2], specific_force.y()), along(state[1], state[3], specific_force.z())]
+        let pushed = specific_force + carried;
+        [along(state[0], state[2], pushed.y()), along(state[1], state[3], pushed.z())]
     }
-    /// What the loose part does to the body beyond a fixed one, about the c.m. (N, N m, body axes): force `−m ξ̈` at the
-    /// mount, and its weight and inertia displaced by ξ. First order in ξ.
+    /// What the loose part does to the body beyond a fixed one, about the c.m. (N, N m, body axes): force `−m (ξ̈ + carried)` where it
+    /// is, and its weight and inertia displaced by ξ.
     #[must_use]
-    pub fn wrench(&self, state: [f64; 4], acceleration: [f64; 2], specific_force: Vec3<Body>) -> Wrench {
-        let f = Vec3::new(0.0, -self.mass_kg * acceleration[0], -self.mass_kg * acceleration[1]);
-        let displaced = Vec3::new(0.0, state[0], state[1]).cross(specific_force * -self.mass_kg);
-        Wrench { f, m: Vec3::new(self.x_cm_m, 0.0, 0.0).cross(f) + displaced }
+    pub fn wrench(&self, state: [f64; 4], acceleration: [f64; 2], specific_force: Vec3<Body>, carried: Vec3<Body>) -> Wrench {
+        let f = (Vec3::new(0.0, acceleration[0], acceleration[1]) + carried) * -self.mass_kg;
+        let off = Vec3::new(0.0, state[0], state[1]);
+        let place = Vec3::new(self.x_cm_m, 0.0, 0.0) + off * self.in_full;
+        Wrench { f, m: place.cross(f) + off.cross(specific_force * -self.mass_kg) }
     }
 }

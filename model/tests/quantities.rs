@@ -15,7 +15,7 @@ fn plant() -> Plant {
             p_origin_cm: Vec3::zero(),
             diameter_m: 0.2,
             apparent: ApparentMass::default(),
-            loose: Some(LooseMass { mass_kg: 0.1, frequency_hz: 2.0, damping_ratio: 0.1, x_cm_m: 0.05 }),
+            loose: Some(LooseMass { mass_kg: 0.1, frequency_hz: 2.0, damping_ratio: 0.1, x_cm_m: 0.05, in_full: 1.0 }),
         },
         aero: Aero::new(Structure::axisymmetric(), vec![0.0; 11]),
         tether: Some(Tether::declared(Vec3::new(-0.25, 0.0, 0.0), Vec3::new(-3.0, 0.0, 0.0), 0.0013, 0.0165)),

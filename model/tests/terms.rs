@@ -346,7 +346,7 @@ fn exact_inertia_matrix_of_point_masses() {
 /// Free oscillation in closed form, and d'Alembert's forces of a particle beside its rest position.
 #[test]
 fn exact_loose_part_oscillates_and_pushes_back() {
-    let part = LooseMass { mass_kg: 0.05, frequency_hz: 3.0, damping_ratio: 0.2, x_cm_m: 0.07 };
+    let part = LooseMass { mass_kg: 0.05, frequency_hz: 3.0, damping_ratio: 0.2, x_cm_m: 0.07, in_full: 1.0 };
     let natural = std::f64::consts::TAU * 3.0;
     let damped = natural * (1.0_f64 - 0.04).sqrt();
     let place = |t: f64, phase: f64| (-0.2 * natural * t).exp() * (damped * t + phase).cos();
@@ -356,16 +356,26 @@ fn exact_loose_part_oscillates_and_pushes_back() {
         phases.map(|f| (place(t + d, f) - place(t - d, f)) / (2.0 * d))
     };
     let (push, v) = ([0.4, -0.9, 1.7], rates(0.0));
-    let a = part.acceleration([place(0.0, 0.3), place(0.0, 1.1), v[0], v[1]], vec(push));
+    let a = part.acceleration([place(0.0, 0.3), place(0.0, 1.1), v[0], v[1]], vec(push), Vec3::zero());
     let free = difference(rates);
     // Second differences of quantities near 400 at steps of 1e-6 and 1e-5.
     close(a[0], free[0] + 0.9, 1e-5);
     close(a[1], free[1] - 1.7, 1e-5);
-    let w = part.wrench([0.01, -0.02, 0.0, 0.0], [3.0, -2.0], vec(push));
-    let f = [0.0, -0.15, 0.1];
-    same(w.f.to_array(), f, 1e-12);
-    let displaced = cross([0.0, 0.01, -0.02], push.map(|x| -0.05 * x));
-    same(w.m.to_array(), combine(cross([0.07, 0.0, 0.0], f), 1.0, displaced), 1e-12);
+    // A particle at ρ = (0.07, 0.01, -0.02) of acceleration `felt + ω̇ × ρ' + ω × (ω × ρ') + 2 ω × v + ξ̈` beyond a fixed one's.
+    let (off, v, w, w_rate) = ([0.0, 0.01, -0.02], [0.0, 0.3, 0.2], [1.0, -2.0, 0.5], [4.0, 3.0, -6.0]);
+    let state = [off[1], off[2], v[1], v[2]];
+    let carried = part.carried(state, vec(w), vec(w_rate));
+    let turned = combine(cross(w_rate, off), 1.0, cross(w, cross(w, off)));
+    let expected = combine(turned, 2.0, cross(w, v));
+    same(carried.to_array(), expected, 1e-12);
+    let found = part.wrench(state, [3.0, -2.0], vec(push), carried);
+    let f = combine([0.0, 3.0, -2.0], 1.0, expected).map(|x| -0.05 * x);
+    same(found.f.to_array(), f, 1e-12);
+    let displaced = cross(off, push.map(|x| -0.05 * x));
+    same(found.m.to_array(), combine(cross([0.07, 0.01, -0.02], f), 1.0, displaced), 1e-12);
+    let first = LooseMass { in_full: 0.0, ..part };
+    same(first.carried(state, vec(w), vec(w_rate)).to_array(), [0.0; 3], 0.0);
+    same(first.wrench(state, [3.0, -2.0], vec(push), Vec3::zero()).f.to_array(), [0.0, -0.15, 0.1], 1e-12);
 }
 
 /// A ball with everything that acts on balls; vectors and triple products instead of components.

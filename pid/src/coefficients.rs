@@ -111,8 +111,10 @@ fn apparent(s: &State, plant: &Plant) -> Load {
 }
 
 /// What a loose part does along the measured motion. Its oscillator starts at rest; the specific force of its mount, which
-/// drives it, is taken as linear between samples, for which the step is exact.
+/// drives it, is taken as linear between samples, for which the step is exact. To first order in its displacement.
 fn loose_loads(states: &[State], loose: &LooseMass, gravity_m_s2: f64) -> Vec<Load> {
+    let loose = &LooseMass { in_full: 0.0, ..*loose };
+    let turned = windfall_model::frames::Vec3::zero();
     let force = |s: &State| {
         let ([u, v, w], [u_dot, v_dot, w_dot], [p, q, r]) = (s.uvw, s.uvw_rate, s.pqr);
         let g = transposed(&t_bef(s.euler_rad), [gravity_m_s2, 0.0, 0.0]);
@@ -137,7 +139,7 @@ fn loose_loads(states: &[State], loose: &LooseMass, gravity_m_s2: f64) -> Vec<Lo
         before = Some((s.t_s, now));
         let state = [xi[0][0], xi[1][0], xi[0][1], xi[1][1]];
         let specific = windfall_model::frames::Vec3::from_array(now);
-        let wrench = loose.wrench(state, loose.acceleration(state, specific), specific);
+        let wrench = loose.wrench(state, loose.acceleration(state, specific, turned), specific, turned);
         out.push(Load { f: wrench.f.to_array(), m: wrench.m.to_array() });
     }
     out

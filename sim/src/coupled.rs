@@ -36,7 +36,10 @@ pub(crate) fn solve(setup: &Setup<'_>, i: &Instant, loose: [f64; 4]) -> (Vec3<Bo
     }
     let (a, w_rate) = split(&x);
     let part = match &setup.plant.vehicle.loose {
-        Some(part) => part.acceleration(loose, specific_force(i, a, w_rate, Vec3::new(part.x_cm_m, 0.0, 0.0))),
+        Some(part) => {
+            let mount = specific_force(i, a, w_rate, Vec3::new(part.x_cm_m, 0.0, 0.0));
+            part.acceleration(loose, mount, part.carried(loose, i.w, w_rate))
+        }
         None => [0.0; 2],
     };
     (a, w_rate, part)
@@ -68,7 +71,8 @@ fn wrench(setup: &Setup<'_>, i: &Instant, loose: [f64; 4], a: Vec3<Body>, w_rate
     }
     if let Some(part) = &setup.plant.vehicle.loose {
         let mount = specific_force(i, a, w_rate, Vec3::new(part.x_cm_m, 0.0, 0.0));
-        total += part.wrench(loose, part.acceleration(loose, mount), mount);
+        let carried = part.carried(loose, i.w, w_rate);
+        total += part.wrench(loose, part.acceleration(loose, mount, carried), mount, carried);
     }
     total
 }

@@ -52,7 +52,7 @@ fn law_no_allocation_per_step() {
     let mut crowded = plant();
     crowded.vehicle.apparent =
         ApparentMass { axial_kg: 0.1, radial_kg: 0.1, transverse_kg_m2: 0.001, unturned: 0.0, in_gusts: 0.0 };
-    crowded.vehicle.loose = Some(LooseMass { mass_kg: 0.05, frequency_hz: 2.0, damping_ratio: 0.1, x_cm_m: 0.1 });
+    crowded.vehicle.loose = Some(LooseMass { mass_kg: 0.05, frequency_hz: 2.0, damping_ratio: 0.1, x_cm_m: 0.1, in_full: 1.0 });
     for plant in [plant(), crowded] {
         for method in [Method::Dop853, Method::Dopri5] {
             let (few, short) = counted(&plant, method, 1e-5);

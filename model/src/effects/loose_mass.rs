@@ -19,9 +19,11 @@ pub(super) static EFFECT: Effect = Effect {
             Parameter::shape("frequency_hz", "Hz", 0.3, 20.0, 2.0, &TRIED_HZ),
             Parameter::shape("damping_ratio", "-", 0.005, 1.0, 0.05, &[0.05]),
             Parameter::shape("x_cm_m", "m", -0.3, 0.3, 0.1, &[-0.1, 0.1]),
+            Parameter::shape("in_full", "-", 0.0, 1.0, 1.0, &[1.0]),
         ]
     },
     apply: |plant, v| {
-        plant.vehicle.loose = Some(LooseMass { mass_kg: v[0], frequency_hz: v[1], damping_ratio: v[2], x_cm_m: v[3] });
+        plant.vehicle.loose =
+            Some(LooseMass { mass_kg: v[0], frequency_hz: v[1], damping_ratio: v[2], x_cm_m: v[3], in_full: v[4] });
     },
 };

@@ -291,7 +291,7 @@ impl<'a> Craft<'a> {
     }
 
     /// Force and moment of the loose mass about the c.m. beyond those of a fixed part, and its acceleration along y and z
-    /// (Den Hartog 1956, §3.2), at accelerations in body axes.
+    /// ([`windfall_model::LooseMass`]), at accelerations in body axes.
     #[inline(always)]
     fn loose<S: Number>(
         &self,
@@ -313,11 +313,16 @@ impl<'a> Craft<'a> {
         ];
         let omega = std::f64::consts::TAU * part.frequency_hz;
         let along = |s: S, rate: S, f: S| -(s * (omega * omega)) - rate * (2.0 * part.damping_ratio * omega) - f;
-        let acceleration = [along(state[0], state[2], felt[1]), along(state[1], state[3], felt[2])];
+        // What the body's turning adds at the displaced place.
+        let (off, rate) = ([zero, state[0], state[1]], [zero, state[2], state[3]]);
+        let (euler, inward, coriolis) = (cross(w_rate, off), cross(w, cross(w, off)), cross(w, rate));
+        let carried = each(|k| (euler[k] + inward[k] + coriolis[k] * 2.0) * part.in_full);
+        let acceleration = [along(state[0], state[2], felt[1] + carried[1]), along(state[1], state[3], felt[2] + carried[2])];
         let m = part.mass_kg;
-        let force = [zero, -(acceleration[0] * m), -(acceleration[1] * m)];
-        let displaced = cross([zero, state[0], state[1]], each(|k| -(felt[k] * m)));
-        let moment = [displaced[0], displaced[1] - force[2] * x, displaced[2] + force[1] * x];
+        let force = [-(carried[0] * m), -((acceleration[0] + carried[1]) * m), -((acceleration[1] + carried[2]) * m)];
+        let displaced = cross(off, each(|k| -(felt[k] * m)));
+        let lever = cross([S::real(x), off[1] * part.in_full, off[2] * part.in_full], force);
+        let moment = each(|k| displaced[k] + lever[k]);
         (force, moment, acceleration)
     }
 

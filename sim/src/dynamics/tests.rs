@@ -30,7 +30,13 @@ fn plant(apparent: bool, loose: bool) -> Plant {
             } else {
                 ApparentMass::default()
             },
-            loose: loose.then_some(LooseMass { mass_kg: 0.05, frequency_hz: 3.0, damping_ratio: 0.2, x_cm_m: 0.07 }),
+            loose: loose.then_some(LooseMass {
+                mass_kg: 0.05,
+                frequency_hz: 3.0,
+                damping_ratio: 0.2,
+                x_cm_m: 0.07,
+                in_full: 1.0,
+            }),
         },
         aero: Aero::new(Structure::axisymmetric(), values),
         tether: Some(tether),
@@ -137,10 +143,11 @@ fn balance<const N: usize>(setup: &Setup<'_>, y: &SVector<f64, N>, vw: [f64; 2])
         let (turning, inward) = (cross(w_rate, x), cross(w, cross(w, x)));
         let mount = vector(std::array::from_fn(|k| felt[k] + turning[k] + inward[k]));
         let loose = [y[14], y[15], y[16], y[17]];
-        let a = part.acceleration(loose, mount);
+        let carried = part.carried(loose, vector(w), vector(w_rate));
+        let a = part.acceleration(loose, mount, carried);
         same([dy[14], dy[15], 0.0], [y[16], y[17], 0.0], 0.0);
         same([dy[16], dy[17], 0.0], [a[0], a[1], 0.0], 1e-10);
-        total += part.wrench(loose, a, mount);
+        total += part.wrench(loose, a, mount, carried);
     }
     same(felt.map(|x| 0.8 * x), total.f.to_array(), 1e-11);
     let i = &plant.vehicle.inertia;

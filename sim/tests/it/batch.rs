@@ -272,7 +272,7 @@ fn law_one_fault_leaves_the_others() {
     let mut broken = lander();
     broken.vehicle.mass_kg = -1.0;
     let mut loose = lander();
-    loose.vehicle.loose = Some(LooseMass { mass_kg: 0.05, frequency_hz: 2.0, damping_ratio: 0.1, x_cm_m: 0.1 });
+    loose.vehicle.loose = Some(LooseMass { mass_kg: 0.05, frequency_hz: 2.0, damping_ratio: 0.1, x_cm_m: 0.1, in_full: 1.0 });
     let mut coupled = lander();
     coupled.aero.add(Coefficient::CN, 1.0, 1.0, &[Factor::Power(Variable::PitchDamping, 1)]);
     let order = wandering(5.0, 100.0);

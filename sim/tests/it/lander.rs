@@ -208,7 +208,7 @@ fn exact_contact_pulse() {
 fn exact_loose_part_frequency() {
     let mut plant = torque_free(Inertia { xx: 0.02, yy: 0.014, zz: 0.014, ..Inertia::default() });
     let (m, x, hz) = (0.1, 0.1, 2.0);
-    plant.vehicle.loose = Some(LooseMass { mass_kg: m, frequency_hz: hz, damping_ratio: 0.0, x_cm_m: x });
+    plant.vehicle.loose = Some(LooseMass { mass_kg: m, frequency_hz: hz, damping_ratio: 0.0, x_cm_m: x, in_full: 1.0 });
     plant.contacts = vec![Contact {
         run: 0,
         start_s: 0.0,

@@ -98,7 +98,7 @@ fn noise(campaign: &Campaign, engine: &Engine, indices: &[usize], found: &Discov
                 learnt_std: shown(c, n.std()),
                 colour: if n.coloured > 0.0 { n.correlation } else { 0.0 },
                 coloured_share: n.coloured / (n.coloured + n.white),
-                lines_hz: lines_of(CHANNEL_NAMES[c], found),
+                lines_hz: lines_of(c, found, engine),
                 missing,
                 outliers: found.outliers.get(c).copied().unwrap_or(0),
             }
@@ -107,9 +107,11 @@ fn noise(campaign: &Campaign, engine: &Engine, indices: &[usize], found: &Discov
 }
 
 /// Frequencies of an instrument's lines in a channel, of all runs, ascending, one for each twentieth of a Hz.
-fn lines_of(channel: &str, found: &Discovery) -> Vec<f64> {
-    let mine = found.lines.iter().filter(|l| l.of_instrument && l.gain > LEAD && l.channel == channel);
-    let mut all: Vec<f64> = mine.filter_map(|l| l.line_hz).map(|hz| (20.0 * hz).round() / 20.0).collect();
+fn lines_of(channel: usize, found: &Discovery, engine: &Engine) -> Vec<f64> {
+    let mine = found.lines.iter().filter(|l| l.of_instrument && l.gain > LEAD && l.channel == CHANNEL_NAMES[channel]);
+    let left = mine.filter_map(|l| l.line_hz);
+    let off = engine.hum.iter().filter(|h| h.channel == channel).map(|h| h.hz);
+    let mut all: Vec<f64> = left.chain(off).map(|hz| (20.0 * hz).round() / 20.0).collect();
     all.sort_by(f64::total_cmp);
     all.dedup();
     all
@@ -295,7 +297,8 @@ fn bounds(found: &Discovery) -> Vec<Bound> {
 
 /// Generic alternatives that are in the best set, lines in the innovations, and what is left whatever it varies with.
 fn unexplained(found: &Discovery, engine: &Engine) -> Vec<Unexplained> {
-    let leads = found.contest.iter().flat_map(|c| &c.leads).chain(found.lines.iter().find(|l| !l.of_instrument));
+    let contested = found.contest.iter().flat_map(|c| &c.leads);
+    let leads = contested.chain(&found.faint).chain(found.lines.iter().find(|l| !l.of_instrument));
     let words = |l: &Lead| {
         let what = match l.line_hz {
             Some(hz) => format!("{} at {hz:.2} Hz, log-likelihood {:.0} above noise", l.variable, l.gain),

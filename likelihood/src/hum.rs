@@ -1,0 +1,169 @@
+//! likelihood: lines of the instruments. In: a record. Out: the record without the sinusoids that no load on the model makes.
+//!
+//! Mains hum and vibrating cameras put narrow lines into the pose. Above the model's modes such a line asks for loads that the air cannot
+//! give; it is then the instrument's, and is fitted by least squares and taken off.
+
+use crate::noise::POSE;
+use realfft::RealFftPlanner;
+use std::f64::consts::TAU;
+use windfall_model::{Plant, Record};
+use windfall_pid::equations::{ADDED, Air, Craft, MOTION};
+use windfall_pid::golden::minimise;
+
+/// Prior sizes of coefficients that vary: of forces, of the roll moment, of pitch and yaw moments.
+pub(crate) const FORCE: f64 = 0.05;
+pub(crate) const ROLL: f64 = 0.005;
+pub(crate) const MOMENT: f64 = 0.02;
+
+/// A line above this multiple of the pitch mode's frequency is the instrument's when the load that would make it is above this multiple
+/// of what is plausible for loads that vary.
+const FAST: f64 = 5.0;
+const IMPLAUSIBLE: f64 = 10.0;
+/// Most lines of a channel; chance of calling noise a line in a record; ordinates either side from which the level of noise is taken.
+const MOST: usize = 3;
+const CHANCE: f64 = 1e-4;
+const BESIDE: usize = 40;
+/// Ordinates of a Hann window's main lobe either side.
+const LOBE: usize = 3;
+
+/// A run's mean air: density, kg/m³, and speed, m/s.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stream {
+    pub(crate) density_kg_m3: f64,
+    pub(crate) speed_m_s: f64,
+}
+
+/// A line that was taken off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hum {
+    /// Channel of the pose.
+    pub channel: usize,
+    /// Its frequency, Hz.
+    pub hz: f64,
+    /// Its amplitude, SI (rad).
+    pub amplitude: f64,
+}
+
+/// Frequency of the pitch mode at small angles, Hz, from the rates of motion's slope.
+fn pitch_hz(plant: &Plant, stream: Stream) -> f64 {
+    let Ok(craft) = Craft::complete(plant) else { return 0.0 };
+    let mut x = [0.0; MOTION];
+    let air = Air { t_s: 0.0, density_kg_m3: stream.density_kg_m3, vw_m_s: stream.speed_m_s, vw_rate_m_s2: 0.0 };
+    let mut rate = |angle: f64| {
+        x[4] = angle;
+        craft.rates(&x, air, &[0.0; ADDED], &mut Vec::new()).map_or(0.0, |r| r[10])
+    };
+    const ANGLE: f64 = 0.02;
+    let stiffness = -(rate(ANGLE) - rate(-ANGLE)) / (2.0 * ANGLE);
+    stiffness.max(0.0).sqrt() / TAU
+}
+
+/// Coefficient of the load that would move a channel by an amplitude at a frequency against the model's inertia, over what is plausible.
+fn load_of(plant: &Plant, stream: Stream, channel: usize, hz: f64, amplitude: f64) -> f64 {
+    let v = &plant.vehicle;
+    let qs = 0.5 * stream.density_kg_m3 * stream.speed_m_s * stream.speed_m_s * v.area_m2();
+    let acceleration = (TAU * hz).powi(2) * amplitude;
+    match channel {
+        0..3 => v.mass_kg * acceleration / qs / FORCE,
+        3 => v.inertia.xx * acceleration / (qs * v.diameter_m) / ROLL,
+        _ => v.inertia.yy * acceleration / (qs * v.diameter_m) / MOMENT,
+    }
+}
+
+/// Whether a line of a channel is the instrument's.
+pub(crate) fn of_instrument(plant: &Plant, stream: Stream, channel: usize, hz: f64, amplitude: f64) -> bool {
+    hz > FAST * pitch_hz(plant, stream) && load_of(plant, stream, channel, hz, amplitude) > IMPLAUSIBLE
+}
+
+/// Takes the instruments' lines off the pose of a record; what they were, ascending by channel.
+pub(crate) fn take_off(record: &mut Record, plant: &Plant) -> Vec<Hum> {
+    let n = record.len() as f64;
+    let mean = |x: &[f64]| x.iter().sum::<f64>() / n;
+    let density = mean(&record.ps_pa) / (plant.environment.gas_constant_j_kg_k * mean(&record.ts_k));
+    let stream = Stream { density_kg_m3: density, speed_m_s: mean(&record.vw_m_s) };
+    let dt = record.interval_s();
+    let mut all = Vec::new();
+    for channel in 0..POSE {
+        let series = if channel < 3 { &mut record.position_m[channel] } else { &mut record.attitude_rad[channel - 3] };
+        for _ in 0..MOST {
+            let Some(w) = line(series) else { break };
+            let (c, s) = sinusoid(series, w);
+            let hum = Hum { channel, hz: w / TAU / dt, amplitude: c.hypot(s) };
+            if !of_instrument(plant, stream, channel, hum.hz, hum.amplitude) {
+                break;
+            }
+            series.iter_mut().enumerate().for_each(|(i, x)| *x -= c * (w * i as f64).cos() + s * (w * i as f64).sin());
+            all.push(hum);
+        }
+    }
+    all
+}
+
+fn hann(n: usize) -> impl Fn(usize) -> f64 {
+    move |i| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / n as f64).cos()
+}
+
+/// Frequency, rad a sample, of the line in the upper spectrum of a series' differences that stands out most, if any does.
+fn line(series: &[f64]) -> Option<f64> {
+    let n = series.len().checked_sub(1).filter(|n| *n >= 8 * BESIDE)?;
+    let window = hann(n);
+    let mut input: Vec<f64> = series.windows(2).enumerate().map(|(i, w)| (w[1] - w[0]) * window(i)).collect();
+    let plan = RealFftPlanner::new().plan_fft_forward(n);
+    let mut output = plan.make_output_vec();
+    plan.process(&mut input, &mut output).ok()?;
+    let power: Vec<f64> = output.iter().map(|z| z.norm_sqr()).collect();
+    let looked = BESIDE + LOBE..power.len().saturating_sub(LOBE + 1);
+    let over = |k: usize| {
+        let beside = (k.saturating_sub(BESIDE)..=(k + BESIDE).min(power.len() - 1)).filter(|i| i.abs_diff(k) > LOBE);
+        let mut beside: Vec<f64> = beside.map(|i| power[i]).collect();
+        let middle = beside.len() / 2;
+        // An exponential's median is ln 2 of its mean.
+        power[k] / (*beside.select_nth_unstable_by(middle, f64::total_cmp).1 / std::f64::consts::LN_2)
+    };
+    // Peaks only: a level is asked for where it may matter.
+    let peaks = looked.clone().filter(|&k| power[k] > power[k - 1] && power[k] >= power[k + 1]);
+    let (k, height) = peaks.map(|k| (k, over(k))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    if height < ((looked.len() * POSE) as f64 / CHANCE).ln() {
+        return None;
+    }
+    let bin = TAU / n as f64;
+    let at = |w: f64| {
+        let (c, s) = projected(series, w);
+        -(c * c + s * s)
+    };
+    Some(minimise(at, [(k as f64 - 1.0) * bin, (k as f64 + 1.0) * bin], 1e-3 * bin))
+}
+
+/// Projections of a series' windowed differences on cosine and sine of a frequency.
+fn projected(series: &[f64], w: f64) -> (f64, f64) {
+    let window = hann(series.len() - 1);
+    let pairs = series.windows(2).enumerate().map(|(i, x)| (w * (i as f64 + 0.5), (x[1] - x[0]) * window(i)));
+    pairs.fold((0.0, 0.0), |(c, s), (phase, x)| (c + x * phase.cos(), s + x * phase.sin()))
+}
+
+/// Amplitudes of cosine and sine of a frequency in a series, from its differences: those of `a cos wi + b sin wi` are
+/// `2 sin(w/2) (b cos w(i + ½) − a sin w(i + ½))`. The window keeps motion out.
+fn sinusoid(series: &[f64], w: f64) -> (f64, f64) {
+    let (c, s) = projected(series, w);
+    // A Hann window has a mean of one half, a squared sinusoid another.
+    let by = 4.0 / (series.len() - 1) as f64 / (2.0 * (0.5 * w).sin());
+    (-s * by, c * by)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn recover_a_line_beside_motion() {
+        let (a, b, w) = (3e-4, -4e-4, 0.6661);
+        let line = |i: usize| a * (w * i as f64).cos() + b * (w * i as f64).sin();
+        let motion = |i: usize| 0.3 * (0.06 * i as f64).sin() + 1e-4 * i as f64;
+        let series: Vec<f64> = (0..2500).map(|i| motion(i) + line(i)).collect();
+        let found = super::line(&series).expect("a line");
+        // A thousandth of an ordinate's width is 2.5e-6; Hann's sidelobes of the motion, 0.3 m, are under 1e-3 of the line.
+        assert!((found - w).abs() < 1e-5, "{found}");
+        let (c, s) = sinusoid(&series, found);
+        assert!((c - a).abs() < 1e-2 * 5e-4 && (s - b).abs() < 1e-2 * 5e-4, "{c} {s}");
+    }
+}

@@ -1,0 +1,88 @@
+//! likelihood: shocks. In: what a filter did along a run. Out: the instant at which a kick to velocities and rates would explain most.
+//!
+//! A kick before a node changes all later innovations; its score and information follow from one pass backward over the run (the
+//! disturbance smoother's auxiliary residuals: de Jong and Penzer 1998; Durbin and Koopman 2012, §4.5 and §7.5).
+
+use crate::noise::POSE;
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+
+/// Velocities and body rates among the states.
+const KICKED: [usize; 6] = [6, 7, 8, 9, 10, 11];
+/// Plausible kicks, m/s and rad/s.
+const PLAUSIBLE: [f64; 6] = [0.3, 0.3, 0.3, 2.0, 2.0, 2.0];
+/// Time at a run's start and end in which a kick is the first state's or not told from noise, s.
+const EDGE_S: f64 = 0.5;
+
+/// What a filter did: by node, the channels it took and the step to the next node.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Trace {
+    pub(crate) nodes: Vec<Taken>,
+}
+
+/// One node.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Taken {
+    pub(crate) t_s: f64,
+    /// Channels in the order taken.
+    pub(crate) channels: Vec<Innovation>,
+    /// Transition to the next node, by rows; empty at the last.
+    pub(crate) phi: Vec<f64>,
+}
+
+/// One channel's innovation.
+#[derive(Clone, Debug)]
+pub(crate) struct Innovation {
+    pub(crate) slope: Vec<f64>,
+    /// Covariance of the states with the innovation.
+    pub(crate) covariance: Vec<f64>,
+    pub(crate) value: f64,
+    pub(crate) variance: f64,
+}
+
+/// An instant at which something struck the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Shock {
+    /// Time from the run's first sample, s.
+    pub(crate) t_s: f64,
+    /// Gain of log marginal likelihood.
+    pub(crate) gain: f64,
+}
+
+/// The instant of the likeliest kick, of `n` states.
+pub(crate) fn strongest(trace: &Trace, n: usize) -> Option<Shock> {
+    let last_s = trace.nodes.last()?.t_s;
+    let mut score = DVector::<f64>::zeros(n);
+    let mut information = DMatrix::<f64>::zeros(n, n);
+    let mut best: Option<Shock> = None;
+    for node in trace.nodes.iter().rev() {
+        if node.phi.len() == n * n {
+            let phi = DMatrix::from_row_slice(n, n, &node.phi);
+            score = phi.tr_mul(&score);
+            information = phi.tr_mul(&information) * &phi;
+        }
+        for c in node.channels.iter().rev().take(POSE) {
+            let (h, m) = (DVector::from_column_slice(&c.slope), DVector::from_column_slice(&c.covariance));
+            let gain = m / c.variance;
+            let through = c.value / c.variance - gain.dot(&score);
+            score.axpy(through, &h, 1.0);
+            let kept = &information * &gain;
+            let all = gain.dot(&kept) + 1.0 / c.variance;
+            information.ger(-1.0, &h, &kept, 1.0);
+            information.ger(-1.0, &kept, &h, 1.0);
+            information.ger(all, &h, &h, 1.0);
+        }
+        if node.t_s < EDGE_S || node.t_s > last_s - EDGE_S {
+            continue;
+        }
+        let b = SVector::<f64, 6>::from_fn(|i, _| PLAUSIBLE[i] * score[KICKED[i]]);
+        let whole = SMatrix::<f64, 6, 6>::from_fn(|i, k| {
+            PLAUSIBLE[i] * PLAUSIBLE[k] * information[(KICKED[i], KICKED[k])] + if i == k { 1.0 } else { 0.0 }
+        });
+        let Some(factor) = whole.cholesky() else { continue };
+        let gain = 0.5 * b.dot(&factor.solve(&b)) - factor.l().diagonal().map(f64::ln).sum();
+        if best.is_none_or(|s| gain > s.gain) {
+            best = Some(Shock { t_s: node.t_s, gain });
+        }
+    }
+    best
+}
