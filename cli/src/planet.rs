@@ -126,8 +126,9 @@ pub(crate) fn summary(s: &PlanetScenario) -> Vec<String> {
         Winds::Steady { north_m_s, east_m_s } => format!("{north_m_s} m/s toward north, {east_m_s} m/s toward east"),
         Winds::Table(t) => format!("{} rows over height", t.rows().len()),
     };
+    let lengths = if s.body.point { String::new() } else { format!(", b = {} m, c = {} m", r.span_m, r.chord_m) };
     let mut all = vec![
-        format!("{kind}: {} kg, S = {:.6} m2, b = {} m, c = {} m", s.body.vehicle.mass_kg, r.area_m2, r.span_m, r.chord_m),
+        format!("{kind}: {} kg, S = {:.6} m2{lengths}", s.body.vehicle.mass_kg, r.area_m2),
         format!(
             "planet: radius {} m, flattening {}, turning at {} rad/s",
             p.figure.equatorial_radius_m, p.figure.flattening, p.rotation_rad_s
