@@ -99,7 +99,7 @@ fn check(scenario: &PlanetScenario, flight: &PlanetFlight) -> Result<(), SimErro
     if let Some(bad) = all.into_iter().find(|x| !x.is_finite()) {
         return setup("state at the first sample", bad, "finite");
     }
-    if !(place.height_m >= 0.0) {
+    if place.height_m.is_nan() || place.height_m < 0.0 {
         return setup(
             "height_m, height of the start over the ellipsoid",
             place.height_m,

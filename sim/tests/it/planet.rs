@@ -287,6 +287,6 @@ fn law_what_cannot_be_flown_is_named() {
     let low = message(fly(&earth(), &ball(0.1), start(0.0, 0.0, -1.0, [0.0; 3]), 30.0, 1.0));
     assert!(low.contains("height_m") && low.contains("zero or more"), "{low}");
     let circular =
-        told(fly(&earth(), &spinning(Variable::PitchDamping, Coefficient::CN), start(0.0, 0.0, 1e3, [0.0; 3]), 1.0, 1.0));
+        message(fly(&earth(), &spinning(Variable::PitchDamping, Coefficient::CN), start(0.0, 0.0, 1e3, [0.0; 3]), 1.0, 1.0));
     assert!(circular.contains("damping variable"), "{circular}");
 }
