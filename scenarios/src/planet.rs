@@ -49,6 +49,16 @@ pub(crate) fn is_planet(text: &str) -> bool {
         || flights.is_some_and(|f| starts(f) || f.as_array().is_some_and(|a| a.iter().any(|v| starts(v.get_ref()))))
 }
 
+/// Where a tunnel's files are read, a planet scenario is one fault, not one for each of its keys.
+pub(crate) fn refuse(source: &Source<'_>, text: &str) -> Result<(), ReadError> {
+    if is_planet(text) {
+        let what = "is a planet scenario, which is flown and checked only, not identified, studied or closed";
+        source.fault(None, "[environment] gravity", "", what, "windfall simulate, or a tunnel scenario");
+        return source.finish(None);
+    }
+    Ok(())
+}
+
 /// Reads a planet scenario.
 ///
 /// # Errors

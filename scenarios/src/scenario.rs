@@ -80,11 +80,7 @@ pub fn read_bundled(name: &str) -> Result<ScenarioFile, ReadError> {
 fn parse(path: &Path, text: &str, input: &str) -> Result<ScenarioFile, ReadError> {
     let source = Source::new(path, text);
     let root = source.parse()?;
-    if crate::planet::is_planet(text) {
-        let what = "is a planet scenario, which is flown and checked only, not identified, studied or closed";
-        source.fault(None, "[environment] gravity", "", what, "windfall simulate, or a tunnel scenario");
-        return source.finish(None);
-    }
+    crate::planet::refuse(&source, text)?;
     let file = Table::new(&source, "", &root, 0..0, &keys::SCENARIO_FILE);
     let head = file.table("scenario", &keys::SCENARIO).map(|t| (t.text("name"), t.text_if("note")));
     let seed = file.integer_if("seed").unwrap_or(DEFAULT_SEED);
