@@ -9,8 +9,8 @@ use std::path::Path;
 use windfall_model::{Aero, Campaign, Constant, Data, Effect, Knowledge, Plant, TunnelSpeed};
 use windfall_pid::plausible::plausible;
 use windfall_scenarios::{
-    FileKind, ScenarioFile, key_reference, kind_of, read_campaign_with_warnings, read_record_pieces, read_structure,
-    sensors_of_table_a3,
+    FileKind, PlanetFile, ScenarioFile, key_reference, kind_of, read_campaign_with_warnings, read_planet, read_record_pieces,
+    read_structure, sensors_of_table_a3,
 };
 
 /// What is printed with `--json`.
@@ -55,6 +55,11 @@ fn understand(file: &Path) -> Result<Understood, Failure> {
         FileKind::Structure => structure(file),
         FileKind::Study => study(file),
         FileKind::Scenario => scenario(file).map(|s| scenario_summary(&s)),
+        FileKind::Planet => {
+            let PlanetFile { scenario, .. } = read_planet(file)?;
+            let summary = crate::planet::summary(&scenario);
+            Ok(Understood { kind: "planet scenario", name: scenario.name, summary, warnings: Vec::new() })
+        }
     }
 }
 

@@ -13,6 +13,7 @@ mod identify;
 mod interrupt;
 mod knowledge;
 mod plan;
+mod planet;
 mod report;
 mod resimulate;
 mod session;

@@ -7,7 +7,7 @@ use std::io::{IsTerminal as _, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use windfall_pid::PidError;
-use windfall_scenarios::{ScenarioFile, json_text, write_json_atomically};
+use windfall_scenarios::{FileKind, PlanetFile, ScenarioFile, json_text, kind_of, read_planet, write_json_atomically};
 use windfall_sim::SimError;
 use windfall_verify::VerifyError;
 
@@ -30,7 +30,7 @@ impl Failure {
             Self::Interrupted(_) => crate::interrupt::EXIT_CODE,
         }
     }
-    /// A simulator's error: a number that cannot be flown is bad input, the rest is numerical.
+    /// A simulator's error: a number that cannot be flown, or an atmosphere that ends too soon, is bad input, the rest is numerical.
     pub(crate) fn of_flight(name: &str, error: SimError) -> Self {
         let numerical = is_numerical(&error);
         Self::of(numerical, anyhow::Error::new(error).context(format!("flight {name}")))
@@ -52,7 +52,7 @@ impl Failure {
 }
 
 fn is_numerical(error: &SimError) -> bool {
-    !matches!(error, SimError::Setup { .. })
+    !matches!(error, SimError::Setup { .. } | SimError::OutsideAtmosphere { .. })
 }
 
 impl<E: Into<anyhow::Error>> From<E> for Failure {
@@ -169,4 +169,10 @@ pub(crate) fn scenario(word: &Path) -> Result<ScenarioFile, Failure> {
         Some(name) => windfall_scenarios::read_bundled(name)?,
         None => windfall_scenarios::read_scenario_file(word)?,
     })
+}
+
+/// A planet scenario by path; none when the word is something else.
+pub(crate) fn planet_scenario(word: &Path) -> Result<Option<PlanetFile>, Failure> {
+    let is_planet = word.is_file() && matches!(kind_of(word), Ok(FileKind::Planet));
+    Ok(if is_planet { Some(read_planet(word)?) } else { None })
 }

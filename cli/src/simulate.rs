@@ -2,7 +2,7 @@
 
 use crate::args::SimulateArgs;
 use crate::flights::{end_words, fly_all, warn_of_end};
-use crate::session::{Failure, Session, scenario};
+use crate::session::{Failure, Session, planet_scenario, scenario};
 use serde::Serialize;
 use std::path::Path;
 use windfall_model::Flight;
@@ -33,6 +33,9 @@ struct FlightReport<'a> {
 }
 
 pub(crate) fn run(args: &SimulateArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
+    if let Some(file) = planet_scenario(&args.scenario)? {
+        return crate::planet::simulate(&file, session);
+    }
     let mut file = scenario(&args.scenario)?;
     file.scenario.seed = args.seed.unwrap_or(file.scenario.seed);
     let names: Vec<(String, String)> = file.scenario.flights.iter().map(|f| names(f, file.scenario.flights.len())).collect();

@@ -1,16 +1,18 @@
 //! model: axes, vectors and rotations. In: components. Out: typed vectors whose axes the compiler checks.
 //!
 //! Axes (design note "Frames"): **tunnel** X down, Y and Z horizontal; **body** x out of the nose (down in flight), origin at
-//! the c.m.; **ned** the north-east-down axes of the thesis' eq. B.67. A rotation `r_to_from` maps components in `from` to
+//! the c.m.; **ned** the north-east-down axes of the thesis' eq. B.67, or of a place over a planet; **inertial** x through the
+//! equator at longitude 0 when a flight starts, z through the north pole of a planet, not turning with it. A rotation `r_to_from` maps components in `from` to
 //! components in `to`, so letters that touch cancel: `r_tunnel_body * v_body` is in tunnel axes.
 //!
-//! Registered words for names: quantities `p v a w f m r i`, points `cm origin hook ring air`, axes `tunnel body ned`.
+//! Registered words for names: quantities `p v a w f m r i`, points `cm origin hook ring air`, axes `tunnel body ned inertial`,
+//! points of a planet `ground`.
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use std::marker::PhantomData;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
-/// A set of axes. Implemented by [`Tunnel`], [`Body`] and [`Ned`] only.
+/// A set of axes. Implemented by [`Tunnel`], [`Body`], [`Ned`] and [`Inertial`] only.
 pub trait Axes: Copy + Default + std::fmt::Debug + PartialEq + Send + Sync + 'static {}
 /// Tunnel axes: X down, Y and Z horizontal, fixed to the test section.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,12 +20,17 @@ pub struct Tunnel;
 /// Body axes: x out of the nose, y along the outrigger opposite the excavation arm, z completing a right-handed set.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Body;
-/// North-east-down axes of the thesis' simulation, eq. B.67: X_sim = Y, Y_sim = Z, Z_sim = X of the tunnel.
+/// North-east-down axes: of the thesis' simulation, eq. B.67 (X_sim = Y, Y_sim = Z, Z_sim = X of the tunnel), or of a place over a
+/// planet, down along the normal of its ellipsoid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ned;
+/// Axes through a planet's centre that do not turn: z through its north pole, x through the equator at longitude 0 at the time 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Inertial;
 impl Axes for Tunnel {}
 impl Axes for Body {}
 impl Axes for Ned {}
+impl Axes for Inertial {}
 
 /// A vector with its axes in the type; the unit is in the name of the variable that holds it (SI).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

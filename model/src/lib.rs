@@ -13,6 +13,7 @@ mod flow;
 pub mod frames;
 mod froude;
 mod knowledge;
+pub mod planet;
 mod plant;
 mod point;
 mod quantity;

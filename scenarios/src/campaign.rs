@@ -39,6 +39,7 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
     let text = text_of(path)?;
     let source = Source::new(path, &text);
     let root = source.parse()?;
+    crate::planet::refuse(&source, &text)?;
     let file = Table::new(&source, "", &root, 0..0, &keys::CAMPAIGN_FILE);
     let name = file.table("campaign", &keys::CAMPAIGN).map(|t| {
         t.text_if("note");

@@ -143,6 +143,8 @@ pub enum FileKind {
     Campaign,
     /// A scenario.
     Scenario,
+    /// A planet scenario.
+    Planet,
     /// An aerodynamic structure.
     Structure,
     /// A run.
@@ -180,6 +182,8 @@ pub fn kind_of(path: &Path) -> Result<FileKind, ReadError> {
         FileKind::Study
     } else if has("[[term]]") {
         FileKind::Structure
+    } else if crate::planet::is_planet(&text) {
+        FileKind::Planet
     } else {
         FileKind::Scenario
     })

@@ -1,5 +1,10 @@
 //! scenarios: every key of every table, once. In: nothing. Out: names, units, ranges and meanings, for the checks and the reference.
 
+mod planet;
+
+pub(crate) use planet::{
+    ATMOSPHERE_PLANET, ENVIRONMENT_PLANET, FLIGHT_PLANET, INITIAL, PLANET_FILE, VEHICLE_PLANET, WIND_PLANET,
+};
 use windfall_model::PLANT_NUMBERS;
 
 /// What a key holds.
@@ -21,6 +26,8 @@ pub(crate) enum Kind {
     Bool,
     /// A list of words.
     Words,
+    /// One of these words, or a table.
+    WordOrTable(&'static [&'static str]),
     /// A table with keys of its own, read by its own rules.
     Table,
     /// A list of tables.
@@ -628,8 +635,8 @@ pub(crate) static STOP: TableSpec = TableSpec {
     ],
 };
 
-/// All tables in the order of the reference: campaign files, scenario files, structure files, study files.
-pub(crate) static ALL: [(&str, &[&TableSpec]); 4] = [
+/// All tables in the order of the reference: campaign files, scenario files, planet scenarios, structure files, study files.
+pub(crate) static ALL: [(&str, &[&TableSpec]); 5] = [
     (
         "Campaign file",
         &[
@@ -683,6 +690,7 @@ pub(crate) static ALL: [(&str, &[&TableSpec]); 4] = [
             &PROVENANCE,
         ],
     ),
+    ("Planet scenario", &planet::PLANET_TABLES),
     ("Structure file", &[&STRUCTURE_FILE, &TERM]),
     (
         "Study file",

@@ -12,6 +12,8 @@ mod journal;
 mod keys;
 mod parquet_columns;
 mod parquet_rows;
+mod planet;
+mod planet_out;
 mod plant;
 mod point;
 mod record;
@@ -31,6 +33,8 @@ pub use bundled::{NAMES as BUNDLED, bundled};
 pub use campaign::{read_campaign, read_campaign_with_warnings};
 pub use columns::write_columns_csv;
 pub use error::{Fault, FileKind, ReadError, WriteError, kind_of, read_json};
+pub use planet::{PlanetFile, read_planet};
+pub use planet_out::write_resolved_planet;
 pub use point::{Down, read_track};
 pub use record::{
     FEWEST_SAMPLES, LONGEST_BRIDGE_S, Piece, SHORTEST_PIECE_S, read_record_csv, read_record_pieces, sensors_of_table_a3,

@@ -55,7 +55,20 @@ pub(crate) fn read_declared(file: &Table<'_>, scenario: bool) -> Option<Declared
 
 fn vehicle(file: &Table<'_>) -> Option<Vehicle> {
     let t = file.table("vehicle", &keys::VEHICLE)?;
-    let inertia = t.table("inertia_kg_m2", &keys::INERTIA).map(|i| {
+    let inertia = inertia(&t);
+    Some(Vehicle {
+        mass_kg: t.number("mass_kg"),
+        p_origin_cm: Vec3::from_array(t.numbers("center_of_mass_m")),
+        diameter_m: t.number("reference_diameter_m"),
+        inertia: inertia?,
+        apparent: ApparentMass::default(),
+        loose: None,
+    })
+}
+
+/// Moments and products of inertia of `[vehicle]`, which must be a real body's.
+pub(crate) fn inertia(t: &Table<'_>) -> Option<Inertia> {
+    t.table("inertia_kg_m2", &keys::INERTIA).map(|i| {
         let read = Inertia {
             xx: i.number("xx"),
             yy: i.number("yy"),
@@ -72,14 +85,6 @@ fn vehicle(file: &Table<'_>) -> Option<Vehicle> {
             t.source.fault(Some(i.span.clone()), t.full("inertia_kg_m2"), t.source.snippet(i.span.clone()), what, try_);
         }
         read
-    });
-    Some(Vehicle {
-        mass_kg: t.number("mass_kg"),
-        p_origin_cm: Vec3::from_array(t.numbers("center_of_mass_m")),
-        diameter_m: t.number("reference_diameter_m"),
-        inertia: inertia?,
-        apparent: ApparentMass::default(),
-        loose: None,
     })
 }
 

@@ -36,6 +36,7 @@ fn allowed(k: &Key) -> String {
         Kind::Series => format!("two numbers or more, each {}", range()),
         Kind::Text => "text".to_owned(),
         Kind::Choice(words) => words.join(", "),
+        Kind::WordOrTable(words) => format!("{}, table", words.join(", ")),
         Kind::Bool => "true, false".to_owned(),
         Kind::Words => "list of names".to_owned(),
         Kind::Table => "table".to_owned(),

@@ -80,6 +80,7 @@ pub fn read_bundled(name: &str) -> Result<ScenarioFile, ReadError> {
 fn parse(path: &Path, text: &str, input: &str) -> Result<ScenarioFile, ReadError> {
     let source = Source::new(path, text);
     let root = source.parse()?;
+    crate::planet::refuse(&source, text)?;
     let file = Table::new(&source, "", &root, 0..0, &keys::SCENARIO_FILE);
     let head = file.table("scenario", &keys::SCENARIO).map(|t| (t.text("name"), t.text_if("note")));
     let seed = file.integer_if("seed").unwrap_or(DEFAULT_SEED);
@@ -88,10 +89,13 @@ fn parse(path: &Path, text: &str, input: &str) -> Result<ScenarioFile, ReadError
     }
     let declared = read_declared(&file, true);
     let effects = read_effects(&file);
-    let common =
-        Common { section: section(&file), numerics: numerics(&file), air: declared.as_ref().map_or([f64::NAN; 2], |d| d.air) };
+    let common = Common {
+        section: section(&file),
+        numerics: numerics(&file, Numerics::default()),
+        air: declared.as_ref().map_or([f64::NAN; 2], |d| d.air),
+    };
     let flights: Vec<Flight> = file.tables("flight", &keys::FLIGHT).iter().filter_map(|t| flight(t, &common)).collect();
-    unique_names(&source, &flights);
+    unique_names(&source, &flights.iter().map(|f| f.name.as_str()).collect::<Vec<_>>());
     runs_exist(&source, &effects, flights.len());
     let built = declared.zip(head).filter(|_| !source.has_faults()).map(|(declared, (name, note))| {
         let Declared { plant: declared_plant, declared, knowledge, structure_file, .. } = declared;
@@ -247,8 +251,7 @@ fn section(file: &Table<'_>) -> Option<TestSection> {
     Some(s)
 }
 
-fn numerics(file: &Table<'_>) -> Numerics {
-    let default = Numerics::default();
+pub(crate) fn numerics(file: &Table<'_>, default: Numerics) -> Numerics {
     let Some(t) = file.has("numerics").then(|| file.table("numerics", &keys::NUMERICS)).flatten() else { return default };
     Numerics {
         method: match t.has("method").then(|| t.choice("method")).flatten() {
@@ -263,10 +266,7 @@ fn numerics(file: &Table<'_>) -> Numerics {
 
 fn flight(t: &Table<'_>, common: &Common) -> Option<Flight> {
     let name = t.text("name");
-    if !name.is_empty() && !name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c)) {
-        let what = "must be of letters, digits, - _ . (it becomes a file name)";
-        t.source.fault(t.at("name"), t.full("name"), name.clone(), what, "perturbed-1");
-    }
+    name_of_file(t, &name);
     let release = t.table("release", &keys::RELEASE).map(|r| Release {
         position_m: r.numbers("position_m"),
         velocity_m_s: r.numbers("velocity_m_s"),
@@ -293,6 +293,14 @@ fn flight(t: &Table<'_>, common: &Common) -> Option<Flight> {
         section: common.section,
         numerics: common.numerics,
     })
+}
+
+/// The name of a flight becomes a file's.
+pub(crate) fn name_of_file(t: &Table<'_>, name: &str) {
+    if !name.is_empty() && !name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c)) {
+        let what = "must be of letters, digits, - _ . (it becomes a file name)";
+        t.source.fault(t.at("name"), t.full("name"), name, what, "perturbed-1");
+    }
 }
 
 fn speed(t: &Table<'_>) -> Option<TunnelSpeed> {
@@ -325,10 +333,10 @@ fn operator(t: &Table<'_>) -> Operator {
     }
 }
 
-fn unique_names(source: &Source<'_>, flights: &[Flight]) {
-    for (i, f) in flights.iter().enumerate() {
-        if flights[..i].iter().any(|o| o.name == f.name) {
-            source.fault(None, "[[flight]] name", &f.name, "appears twice", "give each flight its own name");
+pub(crate) fn unique_names(source: &Source<'_>, names: &[&str]) {
+    for (i, name) in names.iter().enumerate() {
+        if names[..i].contains(name) {
+            source.fault(None, "[[flight]] name", *name, "appears twice", "give each flight its own name");
         }
     }
 }

@@ -273,6 +273,27 @@ impl<'a> Table<'a> {
             }
         }
     }
+    /// One of the words of a key that may be a table as well; `Err` holds the table, opened.
+    pub(crate) fn word_or_table(&self, name: &str, spec: &'static TableSpec) -> Option<Result<usize, Table<'a>>> {
+        let at = self.value(name)?;
+        let Kind::WordOrTable(words) = self.key(name).kind else { return None };
+        if at.get_ref().as_table().is_some() {
+            return self.table(name, spec).map(Err);
+        }
+        let found = at.get_ref().as_str().and_then(|s| words.iter().position(|w| *w == s));
+        if found.is_none() {
+            let words = words.iter().map(|w| format!("\"{w}\"")).collect::<Vec<_>>().join(", ");
+            self.wrong(name, at, format!("must be one of {words}, or a table"));
+        }
+        found.map(Ok)
+    }
+    /// One table or a list of them, each opened.
+    pub(crate) fn one_or_more(&self, name: &str, spec: &'static TableSpec) -> Vec<Table<'a>> {
+        match self.table.get(name) {
+            Some(at) if at.get_ref().as_table().is_some() => self.open(name, at, name, spec).into_iter().collect(),
+            _ => self.tables(name, spec),
+        }
+    }
     /// A list of tables, each opened; an empty list is a fault.
     pub(crate) fn tables(&self, name: &str, spec: &'static TableSpec) -> Vec<Table<'a>> {
         let Some(at) = self.value(name) else { return Vec::new() };

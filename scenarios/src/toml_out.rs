@@ -7,7 +7,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 use windfall_model::frames::{Axes, Vec3};
 use windfall_model::{
-    Aero, Factor, Flight, Knowledge, Method, PLANT_NUMBERS, Plant, PlantNumber, Sensors, Structure, TunnelSpeed, Use,
+    Aero, Factor, Flight, Inertia, Knowledge, Method, Numerics, PLANT_NUMBERS, Plant, PlantNumber, Sensors, Structure,
+    TunnelSpeed, Use,
 };
 
 /// One run of a campaign that is written.
@@ -22,26 +23,38 @@ pub struct RunLine {
 }
 
 /// Text under construction.
-struct Toml(String);
+pub(crate) struct Toml(String);
+
+impl std::fmt::Write for Toml {
+    fn write_str(&mut self, s: &str) -> std::fmt::Result {
+        self.0.write_str(s)
+    }
+}
 
 impl Toml {
-    fn table(&mut self, name: &str) {
+    pub(crate) fn new(first: &str) -> Self {
+        Self(first.to_owned())
+    }
+    pub(crate) fn into_text(self) -> String {
+        self.0
+    }
+    pub(crate) fn table(&mut self, name: &str) {
         let _ = write!(self.0, "\n[{name}]\n");
     }
-    fn raw(&mut self, key: &str, value: &str) {
+    pub(crate) fn raw(&mut self, key: &str, value: &str) {
         let _ = writeln!(self.0, "{key} = {value}");
     }
-    fn number(&mut self, key: &str, value: f64) {
+    pub(crate) fn number(&mut self, key: &str, value: f64) {
         self.raw(key, &digits(value));
     }
     /// An angle in degrees under a name that ends in `_deg`.
     fn degrees(&mut self, key: &str, value_rad: f64) {
         self.number(key, degrees_of(value_rad));
     }
-    fn text(&mut self, key: &str, value: &str) {
+    pub(crate) fn text(&mut self, key: &str, value: &str) {
         self.raw(key, &quoted(value));
     }
-    fn numbers(&mut self, key: &str, values: &[f64]) {
+    pub(crate) fn numbers(&mut self, key: &str, values: &[f64]) {
         self.raw(key, &format!("[{}]", values.iter().map(|v| digits(*v)).collect::<Vec<_>>().join(", ")));
     }
     fn vector<A: Axes>(&mut self, key: &str, v: Vec3<A>) {
@@ -66,26 +79,30 @@ fn quoted(value: &str) -> String {
 }
 
 /// The shortest digits that give the number back, always a TOML float.
-fn digits(value: f64) -> String {
+pub(crate) fn digits(value: f64) -> String {
     format!("{value:?}")
 }
 
 /// Degrees that become exactly this angle again, when a number of 15 digits or its neighbours does.
-fn degrees_of(rad: f64) -> f64 {
+pub(crate) fn degrees_of(rad: f64) -> f64 {
     let d = rad.to_degrees();
     let short: f64 = format!("{d:.14e}").parse().unwrap_or(d);
     let back = |x: &f64| x.to_radians().to_bits() == rad.to_bits();
     [short, d, d.next_up(), d.next_down()].into_iter().find(back).unwrap_or(d)
 }
 
+/// Inertia as an inline table.
+pub(crate) fn inertia_line(i: &Inertia) -> String {
+    let pairs = [("xx", i.xx), ("yy", i.yy), ("zz", i.zz), ("xy", i.xy), ("xz", i.xz), ("yz", i.yz)];
+    let list = pairs.iter().map(|(n, x)| format!("{n} = {}", digits(*x))).collect::<Vec<_>>().join(", ");
+    format!("{{ {list} }}")
+}
+
 fn plant_tables(t: &mut Toml, plant: &Plant, knowledge: &Knowledge, air: Option<[f64; 2]>) {
     let v = &plant.vehicle;
     t.table("vehicle");
     t.number("mass_kg", v.mass_kg);
-    let i = &v.inertia;
-    let pairs = [("xx", i.xx), ("yy", i.yy), ("zz", i.zz), ("xy", i.xy), ("xz", i.xz), ("yz", i.yz)];
-    let list = pairs.iter().map(|(n, x)| format!("{n} = {}", digits(*x))).collect::<Vec<_>>().join(", ");
-    t.raw("inertia_kg_m2", &format!("{{ {list} }}"));
+    t.raw("inertia_kg_m2", &inertia_line(&v.inertia));
     t.vector("center_of_mass_m", v.p_origin_cm);
     t.number("reference_diameter_m", v.diameter_m);
     if let Some(tether) = &plant.tether {
@@ -150,7 +167,7 @@ fn bare(key: &str) -> String {
     if plain { key.to_owned() } else { quoted(key) }
 }
 
-fn aero_table(t: &mut Toml, aero: &Aero, declared: &[bool], own: bool) {
+pub(crate) fn aero_table(t: &mut Toml, aero: &Aero, declared: &[bool], own: bool) {
     t.table(&format!("aero.{}", bare(&aero.structure.name)));
     if own {
         t.text("structure", &structure_name(&aero.structure));
@@ -164,11 +181,11 @@ fn aero_table(t: &mut Toml, aero: &Aero, declared: &[bool], own: bool) {
     }
 }
 
-fn numerics_table(t: &mut Toml, f: &Flight) {
+pub(crate) fn numerics_table(t: &mut Toml, n: &Numerics) {
     t.table("numerics");
-    t.text("method", if f.numerics.method == Method::Dopri5 { "dopri5" } else { "dop853" });
-    t.number("relative_tolerance", f.numerics.relative_tolerance);
-    t.number("absolute_tolerance", f.numerics.absolute_tolerance);
+    t.text("method", if n.method == Method::Dopri5 { "dopri5" } else { "dop853" });
+    t.number("relative_tolerance", n.relative_tolerance);
+    t.number("absolute_tolerance", n.absolute_tolerance);
 }
 
 fn flight_table(t: &mut Toml, f: &Flight) {
@@ -237,7 +254,7 @@ fn scenario_text(file: &ScenarioFile) -> String {
         t.number("bottom_x_m", section.bottom_x_m);
     }
     if let Some(f) = first {
-        numerics_table(&mut t, f);
+        numerics_table(&mut t, &f.numerics);
     }
     s.flights.iter().for_each(|f| flight_table(&mut t, f));
     t.0
@@ -275,10 +292,11 @@ pub fn write_campaign_toml(path: &Path, file: &ScenarioFile, runs: &[RunLine]) -
 }
 
 fn write_own_structure(beside: &Path, file: &ScenarioFile) -> Result<(), WriteError> {
-    if !file.own_structure {
-        return Ok(());
-    }
-    let structure = &file.declared_plant.aero.structure;
+    if file.own_structure { write_structure_beside(beside, &file.declared_plant.aero.structure) } else { Ok(()) }
+}
+
+/// Writes a structure under the name by which `[aero.<name>]` refers to it.
+pub(crate) fn write_structure_beside(beside: &Path, structure: &Structure) -> Result<(), WriteError> {
     text_atomically(&beside.with_file_name(structure_name(structure)), &structure_text(structure))
 }
 

@@ -51,6 +51,21 @@ pub enum SimError {
         /// How fast it grows or decays by itself, 1/s.
         rate_per_s: f64,
     },
+    /// A flight over a planet beyond the heights that its atmosphere has.
+    #[error(
+        "height {height_m} m at t = {t_s} s is outside the atmosphere, which goes from {low_m} to {high_m} m; try: a shorter flight, another \
+         start, or an atmosphere file that reaches there"
+    )]
+    OutsideAtmosphere {
+        /// When, s.
+        t_s: f64,
+        /// Geodetic height, m.
+        height_m: f64,
+        /// Lowest height that the atmosphere has, m.
+        low_m: f64,
+        /// Highest height, m.
+        high_m: f64,
+    },
     /// The body spins faster and faster.
     #[error("body rate above {limit_rad_s} rad/s at t = {t_s} s; look for a damping parameter of the wrong sign or size")]
     Runaway {

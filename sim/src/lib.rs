@@ -12,6 +12,7 @@ mod fly;
 mod integrate;
 mod noise;
 mod operator;
+mod planet;
 mod point;
 mod record;
 mod seed;
@@ -23,6 +24,7 @@ pub use batch::{Order, States, Stepping, fly_batch, fly_truth_batch, for_each_st
 pub use error::SimError;
 pub use fly::{fly, fly_truth};
 pub use noise::realise;
+pub use planet::{PlanetEnd, PlanetFlown, PlanetTruth, fly_planet};
 pub use point::fly_point;
 pub use record::record;
 pub use seed::{Channel, Seed};

@@ -5,6 +5,7 @@
 
 mod exact;
 mod loops;
+mod planet;
 mod published;
 mod recovered;
 
@@ -147,6 +148,7 @@ pub fn checks(setups: &Setups<'_>) -> Result<Vec<Check>, VerifyError> {
     let mut all = exact::rigid_body(setups)?;
     all.extend(exact::air(setups)?);
     all.extend(published::checks(setups)?);
+    all.extend(planet::checks()?);
     all.extend(recovered::checks(setups)?);
     all.extend(loops::checks(setups)?);
     Ok(all)

@@ -7,6 +7,7 @@ mod common;
 mod ends;
 mod instruments;
 mod lander;
+mod planet;
 mod rigid;
 mod sage;
 mod scaling;

@@ -40,7 +40,7 @@ fn torque_free(plant: &Plant, inertia: Inertia) -> Plant {
     p
 }
 
-fn largest(errors: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn largest(errors: impl Iterator<Item = f64>) -> f64 {
     errors.map(f64::abs).fold(0.0, |a, b| if b.is_nan() { f64::NAN } else { a.max(b) })
 }
 

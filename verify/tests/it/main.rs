@@ -2,5 +2,6 @@
 
 mod checks;
 mod common;
+mod planet;
 mod recovery;
 mod resimulate;
