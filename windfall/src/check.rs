@@ -5,9 +5,7 @@ use crate::{Campaign, Drawing, Result, Scenario};
 use serde::Serialize;
 use std::path::Path;
 use windfall_pid::plausible::plausible;
-use windfall_scenarios::{
-    FileKind, Piece, kind_of, read_bundled, read_record_pieces, read_structure, sensors_of_table_a3,
-};
+use windfall_scenarios::{FileKind, Piece, kind_of, read_bundled, read_record_pieces, read_structure, sensors_of_table_a3};
 use windfall_verify::{Check, Setups, all_pass, checks};
 
 /// What a file is, checked.
