@@ -204,3 +204,28 @@ pub(crate) struct CheckArgs {
     #[command(flatten)]
     pub(crate) common: Common,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A default is written once: what no flag says is what the request's `Default` says.
+    #[test]
+    fn law_no_flag_is_the_default() {
+        let parse = |words: &[&str]| Cli::try_parse_from([&["windfall"], words].concat()).expect("right words").command;
+        let Command::Simulate(a) = parse(&["simulate", "x"]) else { unreachable!("as typed") };
+        assert_eq!(a.request, windfall::Fly::default());
+        let Command::Identify(a) = parse(&["identify", "x"]) else { unreachable!("as typed") };
+        assert_eq!(a.request, windfall::Identify::default());
+        let Command::Structure(a) = parse(&["structure", "x"]) else { unreachable!("as typed") };
+        assert_eq!(a.request, windfall::Structure::default());
+        let Command::Plan(a) = parse(&["plan", "x", "--target", "Cm_2=5%"]) else { unreachable!("as typed") };
+        assert!(a.request.between.total_cmp(&windfall::Plan::default().between).is_eq());
+        let Command::Resimulate(a) = parse(&["resimulate", "x", "--model", "y"]) else { unreachable!("as typed") };
+        assert_eq!(a.request, windfall::Resimulate::default());
+        let Command::Study(a) = parse(&["study", "x"]) else { unreachable!("as typed") };
+        assert_eq!(a.request, windfall::Study::default());
+        let Command::Identify(a) = parse(&["identify", "x", "--method", "filter-error"]) else { unreachable!("as typed") };
+        assert_eq!(a.request.method, Some(windfall::Method::FilterError));
+    }
+}

@@ -184,3 +184,58 @@ impl Study {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::de::DeserializeOwned;
+    use std::fmt::Debug;
+
+    fn round_trip<T: Serialize + DeserializeOwned + Debug + PartialEq>(request: T) {
+        let json = serde_json::to_string(&request).expect("JSON");
+        assert_eq!(serde_json::from_str::<T>(&json).expect(&json), request);
+    }
+
+    fn default<T: Serialize + DeserializeOwned + Debug + PartialEq + Default>() {
+        round_trip(T::default());
+        assert_eq!(serde_json::from_str::<T>("{}").expect("nothing said"), T::default());
+        assert!(serde_json::from_str::<T>(r#"{"sed": 1}"#).is_err_and(|e| e.to_string().contains("unknown field `sed`")));
+    }
+
+    #[test]
+    fn law_requests_are_json_and_misspelt_fields_are_refused() {
+        default::<Fly>();
+        default::<Identify>();
+        default::<Structure>();
+        default::<Plan>();
+        default::<Resimulate>();
+        default::<Close>();
+        default::<Study>();
+        round_trip(Identify {
+            method: Some(Method::FilterError),
+            hold: crate::hold("Cl_0=0.0125").into_iter().collect(),
+            tie: crate::tie("Cn_1=Cm_1").into_iter().collect(),
+            prior: crate::prior("Cl_p=-5.7±0.3").into_iter().collect(),
+            ..Identify::default()
+        });
+        round_trip(Plan { target: crate::target("Cm_2=5%").into_iter().collect(), between: 30.0 });
+        round_trip(Study { shard: "2/8".parse().ok(), ..Study::default() });
+        assert!(serde_json::from_str::<Study>(r#"{"shard": "9/8"}"#).is_err());
+    }
+
+    #[test]
+    fn law_what_cannot_be_is_said_before_any_work() {
+        let held = Held { name: "Cl_0".to_owned(), value: f64::NAN };
+        let prior = Prior { name: "Cl_p".to_owned(), mean: 1.0, std: 0.0 };
+        let all = [
+            (Identify { hold: vec![held], ..Identify::default() }, "hold Cl_0"),
+            (Identify { prior: vec![prior], ..Identify::default() }, "prior Cl_p"),
+            (Identify { bootstrap: Some(1), ..Identify::default() }, "bootstrap"),
+        ];
+        for (request, word) in all {
+            assert!(request.order().is_err_and(|e| e.to_string().contains(word)), "{word}");
+        }
+        let both = Study { resume: true, force: true, shard: None };
+        assert!(both.order().is_err_and(|e| e.to_string().contains("not both")));
+    }
+}

@@ -263,3 +263,31 @@ fn write_truth(path: &Path, truth: &Truth) -> Result<()> {
     let views: Vec<(&str, &[f64])> = columns.iter().map(|(n, c)| (*n, c.as_slice())).collect();
     Ok(write_columns_csv(path, &views)?)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is put into the truth is not in the campaign, which declares what the scenario declares, uncertainties included.
+    #[test]
+    fn law_a_campaign_declares_no_effect() {
+        let bare = Scenario::bundled("sage-perturbed").expect("bundled");
+        let mut scenario = bare.clone().with_effect("center-of-mass", &[("z_m", 0.002)]).expect("in range");
+        scenario.file.knowledge.exact_noise = true;
+        assert_ne!(scenario.file.scenario.plant, bare.file.scenario.plant);
+        let flights = scenario.fly(&Fly { seed: Some(3) }).expect("flown");
+        let campaign = flights.campaign().data;
+        assert_eq!((campaign.plant, campaign.declared), (bare.file.declared_plant.clone(), bare.file.declared.clone()));
+        assert!(campaign.knowledge.exact_noise && flights.scenario.file.scenario.seed == 3);
+        let names = scenario.files();
+        assert_eq!(names, ["run.csv", "truth.csv", "campaign.toml", "scenario.toml"]);
+        for (family, given, word) in [
+            ("centre-of-mass", &[][..], "families: "),
+            ("center-of-mass", &[("w_m", 0.0)], "parameters: x_m"),
+            ("center-of-mass", &[("z_m", f64::NAN)], "allowed: "),
+        ] {
+            let refused = bare.clone().with_effect(family, given);
+            assert!(refused.is_err_and(|e| e.to_string().contains(word)), "{family} {given:?}");
+        }
+    }
+}
