@@ -1,7 +1,7 @@
 //! cli: whether instruments agree, in words. In: the identifier's examination. Out: a few lines.
 
-use windfall_pid::compatibility::{Compatibility, InstrumentError, Instruments, Pressure};
-use windfall_report::{p_value, with_interval};
+use windfall::report::{p_value, with_interval};
+use windfall::results::{Compatibility, InstrumentError, Instruments, Pressure};
 
 /// Lines for people: pressure against speed, then what trajectories tell.
 pub(crate) fn lines(c: &Compatibility) -> Vec<String> {

@@ -1,8 +1,7 @@
 //! cli: the words of the command line. In: arguments. Out: commands as typed.
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
-use windfall_scenarios::Shard;
 
 /// Verification-first simulator of a tethered lander in a vertical wind tunnel, and identifier of its aerodynamics.
 ///
@@ -97,24 +96,10 @@ pub(crate) struct SimulateArgs {
     /// Scenario file (.toml) or bundled scenario: appendix-c, sage-unperturbed, sage-perturbed, sage-combined,
     /// sage-undeclared, drop-test, full-scale-venus-20km
     pub(crate) scenario: PathBuf,
-    /// Seed of all chance, in place of the scenario's
-    #[arg(long, value_name = "N")]
-    pub(crate) seed: Option<u64>,
+    #[command(flatten)]
+    pub(crate) request: windfall::Fly,
     #[command(flatten)]
     pub(crate) common: Common,
-}
-
-/// How to identify.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum MethodWord {
-    /// The thesis to the letter, its errors included
-    Thesis,
-    /// Joint side and normal force, ends handled, errors for coloured residuals
-    EquationError,
-    /// Maximum likelihood of trajectories: right where sensors' noise is all there is
-    OutputError,
-    /// Maximum likelihood of a Kalman filter's innovations: right in turbulence, whose size and scale it estimates
-    FilterError,
 }
 
 /// `identify`.
@@ -122,28 +107,8 @@ pub(crate) enum MethodWord {
 pub(crate) struct IdentifyArgs {
     /// Campaign file (.toml)
     pub(crate) campaign: PathBuf,
-    /// How to identify [default: output-error where its residual is noise, filter-error where process noise is found; the result says
-    /// which and why]
-    #[arg(long, value_enum)]
-    pub(crate) method: Option<MethodWord>,
-    /// Only all runs together, without each kind of run alone (methods that integrate)
-    #[arg(long)]
-    pub(crate) combined: bool,
-    /// Check the stated errors by N copies: the identified model is flown again with the campaign's own inputs and noise, and identified
-    /// again; scatter over stated error is known to 1/√(2N)
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
-    pub(crate) bootstrap: Option<u16>,
-    /// Hold a parameter: it is not estimated but kept at this value (Cl_0=0.0125); may be repeated
-    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::knowledge::hold)]
-    pub(crate) hold: Vec<windfall_pid::Held>,
-    /// Tie a parameter to another: both are one unknown (Cn_1=Cm_1: pitch and yaw damping shared); methods that integrate; may be
-    /// repeated
-    #[arg(long, value_name = "NAME=NAME", value_parser = crate::knowledge::tie)]
-    pub(crate) tie: Vec<windfall_verify::Tie>,
-    /// What is known of a parameter beforehand: mean and standard deviation (Cl_p=-5.7±0.3 or Cl_p=-5.7:0.3); methods that integrate;
-    /// may be repeated
-    #[arg(long, value_name = "NAME=MEAN±STD", value_parser = crate::knowledge::prior)]
-    pub(crate) prior: Vec<windfall_pid::output_error::Prior>,
+    #[command(flatten)]
+    pub(crate) request: windfall::Identify,
     #[command(flatten)]
     pub(crate) common: Common,
 }
@@ -153,10 +118,8 @@ pub(crate) struct IdentifyArgs {
 pub(crate) struct StructureArgs {
     /// Campaign file (.toml)
     pub(crate) campaign: PathBuf,
-    /// By which terms are chosen: likelihood (trajectories and gusts), subset or f or agreed (regression, residuals of any colour), bic,
-    /// pse, press, cross-validation; white-f and white-pse take residuals as white
-    #[arg(long, value_name = "NAME", default_value = "likelihood", value_parser = crate::structure::criterion)]
-    pub(crate) criterion: windfall_pid::structure::Criterion,
+    #[command(flatten)]
+    pub(crate) request: windfall::Structure,
     #[command(flatten)]
     pub(crate) common: Common,
 }
@@ -166,12 +129,8 @@ pub(crate) struct StructureArgs {
 pub(crate) struct PlanArgs {
     /// Campaign file (.toml)
     pub(crate) campaign: PathBuf,
-    /// Parameter and wanted standard error, in percent of its estimate (Cm_2=5%) or in its unit (Cm_2=10); may be repeated
-    #[arg(long, value_name = "PARAMETER=ERROR", required = true, value_parser = crate::plan::target)]
-    pub(crate) target: Vec<windfall_pid::plan::Target>,
-    /// Time between runs that counts as tunnel time, s
-    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = crate::plan::seconds)]
-    pub(crate) between: f64,
+    #[command(flatten)]
+    pub(crate) request: windfall::Plan,
     #[command(flatten)]
     pub(crate) common: Common,
 }
@@ -184,13 +143,8 @@ pub(crate) struct ResimulateArgs {
     /// Result of `windfall identify`
     #[arg(long, value_name = "identification.json")]
     pub(crate) model: PathBuf,
-    /// Number of seeds over which simulated statistics are averaged
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
-    pub(crate) seeds: u16,
-    /// Also fly N models with parameters drawn from their covariance: 95 % bands on Θ and ω_q,r, intervals of the statistics; 40 to
-    /// 200 are enough, 0 is none
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub(crate) draws: u16,
+    #[command(flatten)]
+    pub(crate) request: windfall::Resimulate,
     #[command(flatten)]
     pub(crate) common: Common,
 }
@@ -206,6 +160,8 @@ pub(crate) struct CloseArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "campaign")]
     pub(crate) statistics: Option<PathBuf>,
     #[command(flatten)]
+    pub(crate) request: windfall::Close,
+    #[command(flatten)]
     pub(crate) common: Common,
 }
 
@@ -214,22 +170,10 @@ pub(crate) struct CloseArgs {
 pub(crate) struct StudyArgs {
     /// Study file (.toml)
     pub(crate) study: PathBuf,
-    /// Go on with the draws that another run of this study left in the folder
-    #[arg(long, conflicts_with = "force")]
-    pub(crate) resume: bool,
-    /// Draw share i of n only, i from 1 to n; when all shares are there, --resume without --shard joins them
-    #[arg(long, value_name = "i/n", value_parser = shard, conflicts_with = "force")]
-    pub(crate) shard: Option<Shard>,
+    #[command(flatten)]
+    pub(crate) request: windfall::Study,
     #[command(flatten)]
     pub(crate) common: Common,
-}
-
-fn shard(word: &str) -> Result<Shard, String> {
-    let parts = word.split_once('/').and_then(|(i, n)| Some((i.parse::<u64>().ok()?, n.parse::<u64>().ok()?)));
-    match parts {
-        Some((i, of)) if i >= 1 && i <= of => Ok(Shard { index: i - 1, of }),
-        _ => Err("must be i/n with whole numbers and i from 1 to n, e.g. 1/8".to_owned()),
-    }
 }
 
 /// `report`.
@@ -259,4 +203,29 @@ pub(crate) struct CheckArgs {
     pub(crate) keys: bool,
     #[command(flatten)]
     pub(crate) common: Common,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A default is written once: what no flag says is what the request's `Default` says.
+    #[test]
+    fn law_no_flag_is_the_default() {
+        let parse = |words: &[&str]| Cli::try_parse_from([&["windfall"], words].concat()).expect("right words").command;
+        let Command::Simulate(a) = parse(&["simulate", "x"]) else { unreachable!("as typed") };
+        assert_eq!(a.request, windfall::Fly::default());
+        let Command::Identify(a) = parse(&["identify", "x"]) else { unreachable!("as typed") };
+        assert_eq!(a.request, windfall::Identify::default());
+        let Command::Structure(a) = parse(&["structure", "x"]) else { unreachable!("as typed") };
+        assert_eq!(a.request, windfall::Structure::default());
+        let Command::Plan(a) = parse(&["plan", "x", "--target", "Cm_2=5%"]) else { unreachable!("as typed") };
+        assert!(a.request.between.total_cmp(&windfall::Plan::default().between).is_eq());
+        let Command::Resimulate(a) = parse(&["resimulate", "x", "--model", "y"]) else { unreachable!("as typed") };
+        assert_eq!(a.request, windfall::Resimulate::default());
+        let Command::Study(a) = parse(&["study", "x"]) else { unreachable!("as typed") };
+        assert_eq!(a.request, windfall::Study::default());
+        let Command::Identify(a) = parse(&["identify", "x", "--method", "filter-error"]) else { unreachable!("as typed") };
+        assert_eq!(a.request.method, Some(windfall::Method::FilterError));
+    }
 }

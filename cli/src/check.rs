@@ -1,17 +1,15 @@
 //! cli: `windfall check`. In: any file of the program. Out: what was understood, or every fault.
 
 use crate::args::CheckArgs;
-use crate::session::{Failure, Session, is_bundled, scenario};
-use crate::study::Drawing;
+use crate::session::{Failure, Session};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
-use windfall_model::{Aero, Campaign, Constant, Data, Effect, Knowledge, Plant, TunnelSpeed};
-use windfall_pid::plausible::plausible;
-use windfall_scenarios::{
-    FileKind, PlanetFile, ScenarioFile, key_reference, kind_of, read_campaign_with_warnings, read_planet, read_record_pieces,
-    read_structure, sensors_of_table_a3,
-};
+use windfall::files::{Piece, key_reference};
+use windfall::model::{Aero, Constant, Data, Effect, Knowledge, Plant, Structure, TunnelSpeed};
+use windfall::planet::PlanetFile;
+use windfall::results::FALSE_ALARM_RATE;
+use windfall::{Campaign, Checked, Drawing, Scenario};
 
 /// What is printed with `--json`.
 #[derive(Default, Serialize)]
@@ -27,40 +25,28 @@ pub(crate) fn run(args: &CheckArgs, session: &mut Session<'_>) -> Result<bool, F
         session.print(&key_reference())?;
         return Ok(true);
     };
-    let understood = understand(file)?;
-    understood.warnings.iter().for_each(|w| session.warn(w));
-    if session.common.json {
-        session.print_json(&understood)?;
-    } else {
+    let understood = match windfall::check(file)? {
+        Checked::Run(pieces) => run_file(file, pieces),
+        Checked::Campaign(c) => campaign(*c),
+        Checked::Structure(s) => structure(s),
+        Checked::Study(drawing) => study(&drawing),
+        Checked::Scenario(s) => scenario(&s),
+        Checked::Planet(file) => planet(*file),
+    };
+    session.warn_all(&understood.warnings);
+    session.show(&understood, || {
         let mut text = format!("{} {}\n", understood.kind, understood.name);
         understood.summary.iter().for_each(|l| {
             let _ = writeln!(text, "  {l}");
         });
-        session.print(&text)?;
-    }
+        text
+    })?;
     Ok(true)
 }
 
-fn understand(file: &Path) -> Result<Understood, Failure> {
-    if is_bundled(file) {
-        return scenario(file).map(|s| scenario_summary(&s));
-    }
-    match kind_of(file)? {
-        FileKind::Run => run_file(file),
-        FileKind::Campaign => {
-            let (c, warnings) = read_campaign_with_warnings(file)?;
-            plausible(&c).map_err(Failure::of_identification)?;
-            Ok(campaign(&c, warnings))
-        }
-        FileKind::Structure => structure(file),
-        FileKind::Study => study(file),
-        FileKind::Scenario => scenario(file).map(|s| scenario_summary(&s)),
-        FileKind::Planet => {
-            let PlanetFile { scenario, .. } = read_planet(file)?;
-            let summary = crate::planet::summary(&scenario);
-            Ok(Understood { kind: "planet scenario", name: scenario.name, summary, warnings: Vec::new() })
-        }
-    }
+fn planet(file: PlanetFile) -> Understood {
+    let summary = crate::planet::summary(&file.scenario);
+    Understood { kind: "planet scenario", name: file.scenario.name, summary, warnings: Vec::new() }
 }
 
 fn plant_lines(plant: &Plant, declared: &[bool]) -> Vec<String> {
@@ -102,7 +88,8 @@ fn knowledge_lines(known: &Knowledge, plant: &Plant, inputs: &[String]) -> Vec<S
     all
 }
 
-fn campaign(c: &Campaign, warnings: Vec<String>) -> Understood {
+fn campaign(campaign: Campaign) -> Understood {
+    let c = &campaign.data;
     let mut summary = plant_lines(&c.plant, &c.declared);
     summary.extend(knowledge_lines(&c.knowledge, &c.plant, &c.inputs));
     for run in &c.runs {
@@ -112,13 +99,14 @@ fn campaign(c: &Campaign, warnings: Vec<String>) -> Understood {
         };
         summary.push(format!("run {}: {}, {}, {samples} samples, {seconds:.3} s", run.name, run.kind, run.used.name()));
     }
-    if let Some(p) = windfall_pid::compatibility::pressure(c) {
-        summary.push(crate::agreement::pressure(&p, windfall_pid::compatibility::FALSE_ALARM_RATE));
+    if let Some(p) = campaign.pressure() {
+        summary.push(crate::agreement::pressure(&p, FALSE_ALARM_RATE));
     }
-    Understood { kind: "campaign", name: c.name.clone(), summary, warnings }
+    Understood { kind: "campaign", name: c.name.clone(), summary, warnings: campaign.warnings }
 }
 
-fn scenario_summary(s: &ScenarioFile) -> Understood {
+fn scenario(scenario: &Scenario) -> Understood {
+    let s = &scenario.file;
     let mut summary = plant_lines(&s.declared_plant, &s.declared);
     summary.extend(knowledge_lines(&s.knowledge, &s.declared_plant, &[]));
     for e in &s.effects {
@@ -141,8 +129,7 @@ fn scenario_summary(s: &ScenarioFile) -> Understood {
     Understood { kind: "scenario", name: s.scenario.name.clone(), summary, warnings: Vec::new() }
 }
 
-fn study(file: &Path) -> Result<Understood, Failure> {
-    let (drawing, warnings) = Drawing::read(file)?;
+fn study(drawing: &Drawing) -> Understood {
     let s = drawing.prepared().study();
     let mut summary =
         vec![format!("{} draws of {} flights, seed {}, {} draws a part", s.draws, s.flights.len(), s.seed, s.part_draws)];
@@ -154,21 +141,19 @@ fn study(file: &Path) -> Result<Understood, Failure> {
         "columns: {}",
         drawing.prepared().columns().iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", ")
     ));
-    Ok(Understood { kind: "study", name: s.name.clone(), summary, warnings })
+    Understood { kind: "study", name: s.name.clone(), summary, warnings: drawing.warnings().to_vec() }
 }
 
-fn structure(file: &Path) -> Result<Understood, Failure> {
-    let s = read_structure(file)?;
+fn structure(s: Structure) -> Understood {
     let summary = s
         .contributions
         .iter()
         .map(|k| format!("{}: {} x {:?}", k.coefficient.name(), s.parameters[k.parameter], k.term))
         .collect();
-    Ok(Understood { kind: "structure", name: s.name, summary, warnings: Vec::new() })
+    Understood { kind: "structure", name: s.name, summary, warnings: Vec::new() }
 }
 
-fn run_file(file: &Path) -> Result<Understood, Failure> {
-    let pieces = read_record_pieces(file, &sensors_of_table_a3(), None)?;
+fn run_file(file: &Path, pieces: Vec<Piece>) -> Understood {
     let summary = pieces
         .iter()
         .map(|p| {
@@ -182,5 +167,5 @@ fn run_file(file: &Path) -> Result<Understood, Failure> {
         })
         .collect();
     let warnings = pieces.into_iter().flat_map(|p| p.notes).collect();
-    Ok(Understood { kind: "run", name: file.display().to_string(), summary, warnings })
+    Understood { kind: "run", name: file.display().to_string(), summary, warnings }
 }

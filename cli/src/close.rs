@@ -2,72 +2,66 @@
 //! `figures.json` and `report.html`.
 
 use crate::args::CloseArgs;
-use crate::close_statistics;
-use crate::flights;
-use crate::session::{Failure, Session, is_bundled, scenario};
+use crate::session::{Failure, Session};
 use std::fmt::Write as _;
 use std::path::Path;
-use windfall_model::Campaign;
-use windfall_report::{closing_page, number, p_value, sentence, with_interval};
-use windfall_scenarios::{FileKind, kind_of, read_campaign_with_warnings, text_atomically, write_json_atomically};
-use windfall_verify::close::{Closing, EffectLine, HeldOut, Options, Verdict, close, figures};
+use windfall::files::{text_atomically, write_json_atomically};
+use windfall::report::{closing_page, number, p_value, sentence, with_interval};
+use windfall::results::{Closing, EffectLine, HeldOut, Verdict, statistics_table};
+use windfall::{Close, Fly, Published, Source};
 
-/// Names of the result files.
-pub(crate) const FILES: [&str; 3] = ["close.json", "figures.json", "report.html"];
+/// Names of the result files; without a campaign there are no figures.
+const FILES: [&str; 3] = ["close.json", "figures.json", "report.html"];
+const STATISTICS_FILES: [&str; 2] = [FILES[0], FILES[2]];
 
 pub(crate) fn run(args: &CloseArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
     match (&args.campaign, &args.statistics) {
-        (_, Some(file)) => close_statistics::run(file, session),
-        (Some(campaign), None) => close_campaign(campaign, session),
+        (_, Some(file)) => close_statistics(file, &args.request, session),
+        (Some(campaign), None) => close_campaign(campaign, &args.request, session),
         (None, None) => Ok(true),
     }
 }
 
-fn close_campaign(word: &Path, session: &mut Session<'_>) -> Result<bool, Failure> {
-    let read = read(word, session)?;
-    let folder = session.outputs(&FILES.map(str::to_owned))?;
-    let campaign = match read {
-        Input::Campaign(campaign) => *campaign,
-        Input::Scenario(file) => flights::campaign(&file, session)?,
+fn close_campaign(word: &Path, request: &Close, session: &mut Session<'_>) -> Result<bool, Failure> {
+    let source = Source::find(word)?;
+    if let Source::Campaign(campaign) = &source {
+        session.warn_all(&campaign.warnings);
+    }
+    let folder = session.outputs(&FILES)?;
+    let campaign = match source {
+        Source::Campaign(campaign) => *campaign,
+        Source::Scenario(scenario) => {
+            let flights = session.fly(&scenario, &Fly::default())?;
+            flights.summary(false).flights.iter().filter_map(|f| f.warning.as_deref()).for_each(|w| session.warn(w));
+            flights.campaign()
+        }
     };
-    let options = Options::default();
-    let spinner = session.spinner("closing the loop");
-    let closed = session.pool()?.install(|| {
-        let closing = close(&campaign, &options)?;
-        let drawn = if folder.is_some() { figures(&campaign, &closing, &options).unwrap_or_default() } else { Vec::new() };
+    let (closing, drawn) = session.work("closing the loop", || {
+        let closing = campaign.close(request)?;
+        let drawn = if folder.is_some() { campaign.figures(&closing).unwrap_or_default() } else { Vec::new() };
         Ok((closing, drawn))
-    });
-    spinner.finish_and_clear();
-    let (closing, drawn) = closed.map_err(Failure::of_verification)?;
+    })?;
     if let Some(folder) = &folder {
         write_json_atomically(&folder.join(FILES[0]), &closing)?;
         write_json_atomically(&folder.join(FILES[1]), &drawn)?;
         text_atomically(&folder.join(FILES[2]), &closing_page(&closing, &drawn))?;
     }
-    if session.common.json {
-        session.print_json(&closing)?
-    } else {
-        session.print(&story(&closing))?
-    }
-    if let Some(folder) = &folder {
-        session.say(&format!("written to {}: {}", folder.display(), FILES.join(", ")));
-    }
+    session.show(&closing, || story(&closing))?;
+    session.written(folder.as_deref(), &FILES);
     Ok(closing.verdict != Verdict::Unexplained)
 }
 
-/// What the word on the command line names.
-enum Input {
-    Campaign(Box<Campaign>),
-    Scenario(Box<windfall_scenarios::ScenarioFile>),
-}
-
-fn read(word: &Path, session: &mut Session<'_>) -> Result<Input, Failure> {
-    if is_bundled(word) || (word.is_file() && kind_of(word)? == FileKind::Scenario) {
-        return Ok(Input::Scenario(Box::new(scenario(word)?)));
+fn close_statistics(word: &Path, request: &Close, session: &mut Session<'_>) -> Result<bool, Failure> {
+    let published = Published::find(word)?;
+    let folder = session.outputs(&STATISTICS_FILES)?;
+    let closing = session.work("searching the catalogue", || published.close(request))?;
+    if let Some(folder) = &folder {
+        write_json_atomically(&folder.join(FILES[0]), &closing)?;
+        text_atomically(&folder.join(FILES[2]), &published.page(&closing)?)?;
     }
-    let (campaign, notes) = read_campaign_with_warnings(word)?;
-    notes.iter().for_each(|n| session.warn(n));
-    Ok(Input::Campaign(Box::new(campaign)))
+    session.show(&closing, || statistics_table(&closing))?;
+    session.written(folder.as_deref(), &STATISTICS_FILES);
+    Ok(closing.verdict != "unexplained")
 }
 
 /// The result on a screenful.

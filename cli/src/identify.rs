@@ -1,49 +1,27 @@
 //! cli: `windfall identify`. In: a campaign. Out: a table of parameters, and `identification.json`.
 
-use crate::args::{IdentifyArgs, MethodWord};
+use crate::args::IdentifyArgs;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
-use windfall_pid::{DataSet, Estimate, Identifiability, Identification, Method};
-use windfall_scenarios::read_campaign_with_warnings;
-use windfall_verify::{Bootstrap, Identify, identify};
+use windfall::results::{Bootstrap, DataSet, Estimate, Identifiability, Identification};
 
 /// Name of the result file.
-pub(crate) const FILE: &str = "identification.json";
+const FILE: &str = "identification.json";
 
 pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
-    let (campaign, notes) = read_campaign_with_warnings(&args.campaign)?;
-    notes.iter().for_each(|n| session.warn(n));
-    let folder = session.outputs(&[FILE.to_owned()])?;
-    let spinner = session.spinner(if args.bootstrap.is_some() { "identifying, then copies" } else { "identifying" });
-    let result = session.pool()?.install(|| identify(&campaign, &notes, &request(args)));
-    spinner.finish_and_clear();
-    let result = result.map_err(Failure::of_verification)?;
+    let campaign = session.campaign(&args.campaign)?;
+    let folder = session.outputs(&[FILE])?;
+    let what = if args.request.bootstrap.is_some() { "identifying, then copies" } else { "identifying" };
+    let result = session.work(what, || campaign.identify(&args.request))?;
     if let Some(reason) = &result.found.reason {
         session.say(&format!("method {}: {reason}", result.found.method));
     }
     // The reader's notes, which lead the warnings, are said already.
-    result.found.warnings.iter().skip(notes.len()).for_each(|w| session.warn(w));
+    session.warn_all(&result.found.warnings[campaign.warnings.len()..]);
     session.deliver(folder.as_deref(), FILE, &result, || {
-        table(&campaign.name, &result.found) + &result.bootstrap.as_ref().map_or_else(String::new, bootstrap_table)
+        table(&campaign.data.name, &result.found) + &result.bootstrap.as_ref().map_or_else(String::new, bootstrap_table)
     })?;
     Ok(true)
-}
-
-fn request(args: &IdentifyArgs) -> Identify {
-    let method = args.method.map(|word| match word {
-        MethodWord::Thesis => Method::Thesis,
-        MethodWord::EquationError => Method::EquationError,
-        MethodWord::OutputError => Method::OutputError,
-        MethodWord::FilterError => Method::FilterError,
-    });
-    Identify {
-        method,
-        combined_only: args.combined,
-        hold: args.hold.clone(),
-        tie: args.tie.clone(),
-        prior: args.prior.clone(),
-        bootstrap: args.bootstrap.map(usize::from),
-    }
 }
 
 fn bootstrap_table(b: &Bootstrap) -> String {
@@ -149,7 +127,7 @@ mod tests {
     #[test]
     fn law_a_zero_has_no_relative_error() {
         let json = serde_json::json!({"coefficient": "turbulence", "name": "axial_rms_m_s", "estimate": 0.0, "std_error": 0.001,
-            "rse_percent": windfall_pid::relative_percent(0.001, 0.0), "ci95": [0.0, 0.002], "std_error_white": 0.001});
+            "rse_percent": windfall::results::relative_percent(0.001, 0.0), "ci95": [0.0, 0.002], "std_error_white": 0.001});
         assert!(json["rse_percent"].is_null());
         let shown = line(&serde_json::from_value(json).expect("an estimate"));
         assert!(shown.contains("1.000e-3         –   [0.000000, 0.002000]") && shown.chars().count() < 110, "{shown}");

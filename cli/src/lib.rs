@@ -1,17 +1,14 @@
 //! cli: words, paths and exit codes. In: arguments. Out: results on standard output and in files, talk on standard error.
 //!
-//! Nothing is decided here: commands check their input, open their outputs, call the rooms and print what they return.
+//! Nothing is decided here: commands read their input, open their outputs, call `windfall` and print what it returns.
 //! Exit codes: 0 done; 1 done, and the verdict is no; 2 bad input or usage; 3 numerical failure; 130 interrupted.
 
 mod agreement;
 mod args;
 mod check;
 mod close;
-mod close_statistics;
-mod flights;
 mod identify;
 mod interrupt;
-mod knowledge;
 mod plan;
 mod planet;
 mod report;
@@ -21,8 +18,6 @@ mod simulate;
 mod structure;
 mod study;
 mod verify;
-
-pub use study::{Drawing, PartRule, StudyError};
 
 use args::{Cli, Command};
 use clap::{CommandFactory as _, Parser as _};
@@ -34,7 +29,7 @@ use std::io::Write;
 ///
 /// ```
 /// let (mut out, mut err) = (Vec::new(), Vec::new());
-/// assert_eq!(windfall::run(["windfall", "check", "appendix-c"], &mut out, &mut err), 0);
+/// assert_eq!(windfall_cli::run(["windfall", "check", "appendix-c"], &mut out, &mut err), 0);
 /// assert!(String::from_utf8_lossy(&out).contains("CA_T0"));
 /// ```
 pub fn run<I, T>(args: I, out: &mut dyn Write, err: &mut dyn Write) -> u8

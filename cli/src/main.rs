@@ -4,5 +4,5 @@ use std::io::{stderr, stdout};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    ExitCode::from(windfall::run(std::env::args_os(), &mut stdout().lock(), &mut stderr()))
+    ExitCode::from(windfall_cli::run(std::env::args_os(), &mut stdout().lock(), &mut stderr()))
 }

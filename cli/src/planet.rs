@@ -1,54 +1,18 @@
-//! cli: planet scenarios. In: a planet scenario. Out: its truths and the resolved scenario; what `windfall check` says of it.
+//! cli: planet scenarios in words. In: a planet scenario. Out: its truths and the resolved scenario; what `windfall check` says of it.
 
 use crate::session::{Failure, Session};
-use rayon::prelude::*;
-use serde::Serialize;
-use std::path::Path;
-use windfall_model::planet::{Atmosphere, Gravity, PlanetFlight, PlanetScenario, Winds};
-use windfall_scenarios::{PlanetFile, write_columns_csv, write_resolved_planet};
-use windfall_sim::{PlanetEnd, PlanetFlown, PlanetTruth, fly_planet};
-
-/// What is printed with `--json`.
-#[derive(Serialize)]
-struct Report<'a> {
-    scenario: &'a str,
-    flights: Vec<FlightReport<'a>>,
-}
-
-/// One flight of it.
-#[derive(Serialize)]
-struct FlightReport<'a> {
-    name: &'a str,
-    samples: usize,
-    end: &'static str,
-    end_t_s: f64,
-    steps: u64,
-    truth: Option<String>,
-    /// Velocity over the ground at its end, toward north, east, down.
-    end_velocity_ned_m_s: [f64; 3],
-}
+use windfall::planet::{self, Atmosphere, Gravity, PlanetFile, PlanetScenario, Winds};
 
 pub(crate) fn simulate(file: &PlanetFile, session: &mut Session<'_>) -> Result<bool, Failure> {
-    let s = &file.scenario;
-    let truths: Vec<String> = s
-        .flights
-        .iter()
-        .map(|f| if s.flights.len() == 1 { "truth.csv".to_owned() } else { format!("{}-truth.csv", f.name) })
-        .collect();
-    let mut outputs = truths.clone();
-    outputs.extend(file.tables());
-    outputs.push("scenario.toml".to_owned());
-    let folder = session.outputs(&outputs)?;
-    let flown = fly_all(s, session)?;
+    let outputs = planet::files(file);
+    let names: Vec<&str> = outputs.iter().map(String::as_str).collect();
+    let folder = session.outputs(&names)?;
+    let flown = session.pool()?.install(|| planet::fly(file))?;
     if let Some(folder) = &folder {
-        for (flown, name) in flown.iter().zip(&truths) {
-            write_truth(&folder.join(name), &flown.truth)?;
-        }
-        write_resolved_planet(&folder.join("scenario.toml"), file)?;
+        planet::write(folder, file, &flown)?;
     }
-    let all = s.flights.iter().zip(&flown).zip(&truths);
-    let reports: Vec<FlightReport<'_>> = all.map(|((f, flown), t)| report(f, flown, folder.is_some().then_some(t))).collect();
-    for (r, f) in reports.iter().zip(&s.flights) {
+    let simulation = planet::summary(file, &flown, folder.is_some());
+    for (r, f) in simulation.flights.iter().zip(&file.scenario.flights) {
         session.say(&format!("{}: {} samples, {} at {:.3} s, {} steps", r.name, r.samples, r.end, r.end_t_s, r.steps));
         if r.end == "ground" {
             let [north, east, down] = r.end_velocity_ned_m_s;
@@ -63,48 +27,9 @@ pub(crate) fn simulate(file: &PlanetFile, session: &mut Session<'_>) -> Result<b
         session.say(&format!("written to {}: {}", folder.display(), outputs.join(", ")));
     }
     if session.common.json {
-        session.print_json(&Report { scenario: &s.name, flights: reports })?;
+        session.print_json(&simulation)?;
     }
     Ok(true)
-}
-
-fn fly_all(s: &PlanetScenario, session: &Session<'_>) -> Result<Vec<PlanetFlown>, Failure> {
-    let one = |f: &PlanetFlight| fly_planet(s, f).map_err(|e| Failure::of_flight(&f.name, e));
-    let all: Vec<Result<PlanetFlown, Failure>> = session.pool()?.install(|| s.flights.par_iter().map(one).collect());
-    all.into_iter().collect()
-}
-
-fn report<'a>(flight: &'a PlanetFlight, flown: &PlanetFlown, truth: Option<&String>) -> FlightReport<'a> {
-    let last = |x: &[f64]| x.last().copied().unwrap_or(0.0);
-    let (end, end_t_s, end_velocity_ned_m_s) = match flown.end {
-        PlanetEnd::Completed => {
-            ("completed", last(&flown.truth.t_s), flown.truth.v_ground_ned.last().copied().unwrap_or_default())
-        }
-        PlanetEnd::Ground { t_s, v_ground_ned, .. } => ("ground", t_s, v_ground_ned),
-    };
-    let (name, samples, steps) = (flight.name.as_str(), flown.truth.len(), flown.steps);
-    FlightReport { name, samples, end, end_t_s, steps, truth: truth.cloned(), end_velocity_ned_m_s }
-}
-
-fn write_truth(path: &Path, truth: &PlanetTruth) -> Result<(), Failure> {
-    let mut columns: Vec<(&str, Vec<f64>)> = vec![
-        ("t_s", truth.t_s.clone()),
-        ("altitude_m", truth.place.iter().map(|g| g.height_m).collect()),
-        ("latitude_deg", truth.place.iter().map(|g| g.latitude_rad.to_degrees()).collect()),
-        ("longitude_deg", truth.place.iter().map(|g| g.longitude_rad.to_degrees()).collect()),
-    ];
-    for (names, series, angle) in [
-        (["v_north_m_s", "v_east_m_s", "v_down_m_s"], &truth.v_ground_ned, false),
-        (["roll_deg", "pitch_deg", "yaw_deg"], &truth.attitude_rad, true),
-        (["p_deg_s", "q_deg_s", "r_deg_s"], &truth.w_inertial_body, true),
-    ] {
-        if !series.is_empty() {
-            let of = |x: f64| if angle { x.to_degrees() } else { x };
-            columns.extend(names.into_iter().enumerate().map(|(k, n)| (n, series.iter().map(|v| of(v[k])).collect())));
-        }
-    }
-    let views: Vec<(&str, &[f64])> = columns.iter().map(|(n, c)| (*n, c.as_slice())).collect();
-    Ok(write_columns_csv(path, &views)?)
 }
 
 /// What `windfall check` understood.

@@ -3,25 +3,19 @@
 use crate::args::ResimulateArgs;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
-use windfall_pid::Identification;
-use windfall_scenarios::{read_campaign_with_warnings, read_json};
-use windfall_verify::{Resimulation, RunComparison, Statistic, resimulate_with_draws};
+use windfall::files::read_json;
+use windfall::results::{Identification, Resimulation, RunComparison, Statistic};
 
 /// Name of the result file.
 const FILE: &str = "resimulation.json";
 
 pub(crate) fn run(args: &ResimulateArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
-    let (campaign, notes) = read_campaign_with_warnings(&args.campaign)?;
-    notes.iter().for_each(|n| session.warn(n));
+    let campaign = session.campaign(&args.campaign)?;
     let model: Identification = read_json(&args.model)?;
-    let folder = session.outputs(&[FILE.to_owned()])?;
-    let spinner = session.spinner("flying the identified model");
-    let result =
-        session.pool()?.install(|| resimulate_with_draws(&campaign, &model, usize::from(args.seeds), usize::from(args.draws)));
-    spinner.finish_and_clear();
-    let result = result.map_err(Failure::of_verification)?;
-    result.warnings.iter().for_each(|w| session.warn(w));
-    session.deliver(folder.as_deref(), FILE, &result, || table(&campaign.name, &result))?;
+    let folder = session.outputs(&[FILE])?;
+    let result = session.work("flying the identified model", || campaign.resimulate(&model, &args.request))?;
+    session.warn_all(&result.warnings);
+    session.deliver(folder.as_deref(), FILE, &result, || table(&campaign.data.name, &result))?;
     Ok(true)
 }
 

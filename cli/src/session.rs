@@ -3,61 +3,39 @@
 use crate::args::Common;
 use anyhow::{Context as _, anyhow};
 use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
 use std::io::{IsTerminal as _, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use windfall_pid::PidError;
-use windfall_scenarios::{FileKind, PlanetFile, ScenarioFile, json_text, kind_of, read_planet, write_json_atomically};
-use windfall_sim::SimError;
-use windfall_verify::VerifyError;
+use windfall::files::{json_text, write_json_atomically};
+use windfall::{Campaign, Flights, Fly, Kind, Scenario};
 
-/// Why a command gave no result.
+/// Why a command gave no result, and whose fault that is.
 #[derive(Debug)]
-pub(crate) enum Failure {
-    /// Bad input or usage.
-    Input(anyhow::Error),
-    /// The numbers failed.
-    Numerical(anyhow::Error),
-    /// Somebody pressed Ctrl-C.
-    Interrupted(anyhow::Error),
+pub(crate) struct Failure {
+    kind: Kind,
+    error: anyhow::Error,
 }
 
 impl Failure {
+    pub(crate) fn numerical(error: anyhow::Error) -> Self {
+        Self { kind: Kind::Numerical, error }
+    }
     pub(crate) fn exit_code(&self) -> u8 {
-        match self {
-            Self::Input(_) => 2,
-            Self::Numerical(_) => 3,
-            Self::Interrupted(_) => crate::interrupt::EXIT_CODE,
+        match self.kind {
+            Kind::Input => 2,
+            Kind::Numerical => 3,
+            Kind::Interrupted => crate::interrupt::EXIT_CODE,
         }
     }
-    /// A simulator's error: a number that cannot be flown, or an atmosphere that ends too soon, is bad input, the rest is numerical.
-    pub(crate) fn of_flight(name: &str, error: SimError) -> Self {
-        let numerical = is_numerical(&error);
-        Self::of(numerical, anyhow::Error::new(error).context(format!("flight {name}")))
-    }
-    /// An error of the loop: numerical when a flight failed or a search has no answer, bad input otherwise.
-    pub(crate) fn of_verification(error: VerifyError) -> Self {
-        match error {
-            VerifyError::Identify(e) => Self::of_identification(e),
-            other => Self::of(matches!(&other, VerifyError::Simulate(e) if is_numerical(e)), other.into()),
-        }
-    }
-    /// An identifier's error: a search without an answer is numerical, the rest is bad input.
-    pub(crate) fn of_identification(error: PidError) -> Self {
-        Self::of(matches!(error, PidError::NoAnswer { .. }), error.into())
-    }
-    fn of(numerical: bool, error: anyhow::Error) -> Self {
-        if numerical { Self::Numerical(error) } else { Self::Input(error) }
-    }
-}
-
-fn is_numerical(error: &SimError) -> bool {
-    !matches!(error, SimError::Setup { .. } | SimError::OutsideAtmosphere { .. })
 }
 
 impl<E: Into<anyhow::Error>> From<E> for Failure {
     fn from(error: E) -> Self {
-        Self::Input(error.into())
+        let error = error.into();
+        // What is no error of the program's own is of the paths and streams that it was given.
+        let kind = error.downcast_ref::<windfall::Error>().map_or(Kind::Input, windfall::Error::kind);
+        Self { kind, error }
     }
 }
 
@@ -80,9 +58,12 @@ impl Session<'_> {
     pub(crate) fn warn(&mut self, line: &str) {
         let _ = writeln!(self.err, "warning: {line}");
     }
+    /// Several of them.
+    pub(crate) fn warn_all(&mut self, lines: &[String]) {
+        lines.iter().for_each(|l| self.warn(l));
+    }
     pub(crate) fn complain(&mut self, failure: &Failure) {
-        let (Failure::Input(error) | Failure::Numerical(error) | Failure::Interrupted(error)) = failure;
-        let _ = writeln!(self.err, "error: {error:#}");
+        let _ = writeln!(self.err, "error: {:#}", failure.error);
     }
     /// Text on standard output.
     pub(crate) fn print(&mut self, text: &str) -> Result<(), Failure> {
@@ -93,7 +74,7 @@ impl Session<'_> {
         }
     }
     /// A result as JSON on standard output.
-    pub(crate) fn print_json(&mut self, value: &impl serde::Serialize) -> Result<(), Failure> {
+    pub(crate) fn print_json(&mut self, value: &impl Serialize) -> Result<(), Failure> {
         let text = json_text(value).context("result as JSON")?;
         self.print(&text)
     }
@@ -102,30 +83,56 @@ impl Session<'_> {
         &mut self,
         folder: Option<&Path>,
         file: &str,
-        result: &impl serde::Serialize,
+        result: &impl Serialize,
         words: impl FnOnce() -> String,
     ) -> Result<(), Failure> {
         if let Some(folder) = folder {
             write_json_atomically(&folder.join(file), result)?;
         }
-        if self.common.json {
-            self.print_json(result)?;
-        } else {
-            self.print(&words())?;
-        }
+        self.show(result, words)?;
         if let Some(folder) = folder {
             self.say(&format!("written: {}", folder.join(file).display()));
         }
         Ok(())
     }
+    /// A result on standard output, as JSON or words.
+    pub(crate) fn show(&mut self, result: &impl Serialize, words: impl FnOnce() -> String) -> Result<(), Failure> {
+        if self.common.json { self.print_json(result) } else { self.print(&words()) }
+    }
+    /// Says which files are in the folder now.
+    pub(crate) fn written(&mut self, folder: Option<&Path>, files: &[&str]) {
+        if let Some(folder) = folder {
+            self.say(&format!("written to {}: {}", folder.display(), files.join(", ")));
+        }
+    }
+    /// Reads a campaign and says what its reader had to say.
+    pub(crate) fn campaign(&mut self, path: &Path) -> Result<Campaign, Failure> {
+        let campaign = Campaign::read(path)?;
+        self.warn_all(&campaign.warnings);
+        Ok(campaign)
+    }
+    /// Flies a scenario with a bar over its flights.
+    pub(crate) fn fly(&self, scenario: &Scenario, request: &Fly) -> Result<Flights, Failure> {
+        let bar = self.bar("flying", scenario.file.scenario.flights.len());
+        let flown = self.pool()?.install(|| scenario.fly_seen(request, || bar.inc(1)));
+        bar.finish_and_clear();
+        Ok(flown?)
+    }
+    /// Works on as many threads as were asked for, with a spinner.
+    pub(crate) fn work<T: Send>(&self, what: &str, work: impl FnOnce() -> windfall::Result<T> + Send) -> Result<T, Failure> {
+        let spinner = self.spinner(what);
+        let done = self.pool()?.install(work);
+        spinner.finish_and_clear();
+        Ok(done?)
+    }
     /// Opens the outputs before the work: makes the folder, refuses to overwrite. `None` when nothing is to be written.
-    pub(crate) fn outputs(&mut self, files: &[String]) -> Result<Option<PathBuf>, Failure> {
+    pub(crate) fn outputs(&mut self, files: &[&str]) -> Result<Option<PathBuf>, Failure> {
         if self.common.out.is_none() && self.common.json {
             return Ok(None);
         }
         let folder = self.common.out.clone().unwrap_or_else(|| PathBuf::from("."));
         std::fs::create_dir_all(&folder).with_context(|| format!("--out {}: cannot be made a folder", folder.display()))?;
-        let taken: Vec<&str> = files.iter().filter(|f| folder.join(f).exists()).map(String::as_str).collect();
+        let taken: Vec<&str> = files.iter().copied().filter(|f| folder.join(f).exists()).collect();
         if !taken.is_empty() && !self.common.force {
             let list = taken.join(", ");
             return Err(anyhow!("{}: {list} exists and is not overwritten; try: --out DIR or --force", folder.display()).into());
@@ -133,7 +140,7 @@ impl Session<'_> {
         Ok(Some(folder))
     }
     /// A spinner on a terminal; nothing elsewhere.
-    pub(crate) fn spinner(&self, what: &str) -> ProgressBar {
+    fn spinner(&self, what: &str) -> ProgressBar {
         if self.common.quiet || !std::io::stderr().is_terminal() {
             return ProgressBar::hidden();
         }
@@ -155,24 +162,4 @@ impl Session<'_> {
         let threads = usize::from(self.common.threads.unwrap_or(0));
         Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("threads")?)
     }
-}
-
-/// True for a word that is no file and looks like none: then it is a bundled scenario's name, right or wrong.
-pub(crate) fn is_bundled(word: &Path) -> bool {
-    !word.is_file() && word.to_str().is_some_and(|w| !w.contains(['/', '\\', '.']))
-}
-
-/// A scenario by path or bundled name.
-pub(crate) fn scenario(word: &Path) -> Result<ScenarioFile, Failure> {
-    let name = word.to_str().filter(|_| is_bundled(word));
-    Ok(match name {
-        Some(name) => windfall_scenarios::read_bundled(name)?,
-        None => windfall_scenarios::read_scenario_file(word)?,
-    })
-}
-
-/// A planet scenario by path; none when the word is something else.
-pub(crate) fn planet_scenario(word: &Path) -> Result<Option<PlanetFile>, Failure> {
-    let is_planet = word.is_file() && matches!(kind_of(word), Ok(FileKind::Planet));
-    Ok(if is_planet { Some(read_planet(word)?) } else { None })
 }

@@ -3,8 +3,8 @@
 use crate::args::StructureArgs;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
-use windfall_pid::structure::{Choice, CoefficientChoice, Criterion, Symmetry, choose};
-use windfall_scenarios::{read_campaign_with_warnings, write_structure};
+use windfall::files::write_structure;
+use windfall::results::{Choice, CoefficientChoice, Symmetry};
 
 /// Names of the result files.
 const FILE: &str = "structure.json";
@@ -13,18 +13,14 @@ const DECLARED: &str = "structure.toml";
 const NAME: &str = "chosen";
 
 pub(crate) fn run(args: &StructureArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
-    let (campaign, notes) = read_campaign_with_warnings(&args.campaign)?;
-    notes.iter().for_each(|n| session.warn(n));
-    let folder = session.outputs(&[FILE.to_owned(), DECLARED.to_owned()])?;
-    let spinner = session.spinner("choosing terms");
-    let found = session.pool()?.install(|| choose(&campaign, args.criterion));
-    spinner.finish_and_clear();
-    let found = found.map_err(Failure::of_identification)?;
-    found.warnings.iter().for_each(|w| session.warn(w));
+    let campaign = session.campaign(&args.campaign)?;
+    let folder = session.outputs(&[FILE, DECLARED])?;
+    let found = session.work("choosing terms", || campaign.structure(&args.request))?;
+    session.warn_all(&found.warnings);
     if let Some(folder) = &folder {
         write_structure(&folder.join(DECLARED), &found.aero(NAME).structure)?;
     }
-    session.deliver(folder.as_deref(), FILE, &found, || words(&campaign.name, &found))?;
+    session.deliver(folder.as_deref(), FILE, &found, || words(&campaign.data.name, &found))?;
     Ok(true)
 }
 
@@ -72,24 +68,5 @@ fn coefficient(text: &mut String, c: &CoefficientChoice) {
     for k in &c.criteria {
         let value = k.value.map_or_else(String::new, |v| format!(" = {v:.6e}"));
         let _ = writeln!(text, "  {:<18}{}{value}", k.criterion.name(), k.terms.join(", "));
-    }
-}
-
-/// A criterion by name.
-pub(crate) fn criterion(word: &str) -> Result<Criterion, String> {
-    let known = || Criterion::ALL.map(Criterion::name).join(", ");
-    Criterion::ALL.into_iter().find(|c| c.name() == word).ok_or_else(|| format!("{word}: one of {}", known()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn law_criteria_as_typed() {
-        for c in Criterion::ALL {
-            assert_eq!(criterion(c.name()), Ok(c));
-        }
-        assert!(criterion("aic").is_err_and(|e| e.contains("likelihood")));
     }
 }

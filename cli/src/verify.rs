@@ -2,34 +2,18 @@
 
 use crate::args::VerifyArgs;
 use crate::session::{Failure, Session};
-use serde::Serialize;
 use std::fmt::Write as _;
-use windfall_scenarios::read_bundled;
-use windfall_verify::{Check, Kind, Setups, Verdict, all_pass, checks};
+use windfall::results::{Check, CheckKind as Kind, CheckVerdict as Verdict};
 
 /// Name of the result file.
 const FILE: &str = "verify.json";
 
-/// What is written.
-#[derive(Serialize)]
-struct Report<'a> {
-    verdict: &'static str,
-    checks: &'a [Check],
-}
-
 pub(crate) fn run(args: &VerifyArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
-    let [appendix_c, full_scale, combined] = ["appendix-c", "full-scale-venus-20km", "sage-combined"].map(read_bundled);
-    let (appendix_c, full_scale, combined) = (appendix_c?.scenario, full_scale?.scenario, combined?.scenario);
     // The table is the result; a file is written where one is asked for, so that the command can be run again and again.
-    let folder = if args.common.out.is_some() { session.outputs(&[FILE.to_owned()])? } else { None };
-    let spinner = session.spinner("checking");
-    let setups = Setups { appendix_c: &appendix_c, full_scale: &full_scale, combined: &combined };
-    let all = session.pool()?.install(|| checks(&setups));
-    spinner.finish_and_clear();
-    let all = all.map_err(Failure::of_verification)?;
-    let good = all_pass(&all);
-    let report = Report { verdict: if good { "pass" } else { "fail" }, checks: &all };
-    session.deliver(folder.as_deref(), FILE, &report, || table(&all, good))?;
+    let folder = if args.common.out.is_some() { session.outputs(&[FILE])? } else { None };
+    let all = session.work("checking", windfall::verify)?;
+    let good = all.passed();
+    session.deliver(folder.as_deref(), FILE, &all, || table(&all.checks, good))?;
     Ok(good)
 }
 

@@ -3,6 +3,7 @@
 use crate::knowledge::Knowledge;
 use crate::plant::Plant;
 use crate::record::{PointRecord, Record};
+use crate::scenario::Flight;
 
 /// What a run is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +61,21 @@ pub struct Run {
     pub notes: Vec<String>,
 }
 
+impl Run {
+    /// The run that a flight's record makes.
+    #[must_use]
+    pub fn of_flight(flight: &Flight, record: Record) -> Self {
+        Self {
+            name: flight.name.clone(),
+            kind: flight.kind.clone(),
+            used: flight.used,
+            inputs: Vec::new(),
+            data: Data::Tunnel(record),
+            notes: Vec::new(),
+        }
+    }
+}
+
 /// A campaign: declared plant, which parameters it declares, runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Campaign {
@@ -78,6 +94,19 @@ pub struct Campaign {
 }
 
 impl Campaign {
+    /// What flights make: a declared model without what was added to fly it, for each of its parameters whether it is declared, and
+    /// their records.
+    #[must_use]
+    pub fn of_flights(name: &str, plant: &Plant, declared: &[bool], knowledge: &Knowledge, runs: Vec<Run>) -> Self {
+        Self {
+            name: name.to_owned(),
+            plant: plant.clone(),
+            declared: declared.to_vec(),
+            inputs: Vec::new(),
+            runs,
+            knowledge: knowledge.clone(),
+        }
+    }
     /// True when its runs are flights of a point mass.
     #[must_use]
     pub fn is_point_mass(&self) -> bool {

@@ -109,6 +109,12 @@ pub fn relative_percent(std_error: f64, estimate: f64) -> Option<f64> {
     Some(100.0 * std_error / estimate.abs()).filter(|r| r.is_finite())
 }
 
+impl AsRef<Self> for Identification {
+    fn as_ref(&self) -> &Self {
+        self
+    }
+}
+
 impl Identification {
     /// The data set of all runs together, or the last there is.
     #[must_use]

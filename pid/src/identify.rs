@@ -9,10 +9,12 @@ use crate::smooth::{Smoother, TABLE_3_1_HZ, smooth};
 use crate::states::states;
 use crate::{filter_error, output_error};
 use realfft::RealFftPlanner;
+use serde::{Deserialize, Serialize};
 use windfall_model::{Campaign, Coefficient, Data, Plant, Record, Use};
 
 /// How to identify.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Method {
     /// The thesis to the letter: Fourier smoothing with Table 3.1's cutoffs, C_N,T from the root of squares, white standard errors.

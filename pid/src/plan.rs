@@ -13,7 +13,7 @@ use crate::filter_error::{Filter, NONE_M_S, Random};
 use crate::output_error::{CHANNELS, Columns, NODE, Options, Run, SPEED, Unknowns, ready, run_plants};
 use crate::plant::START_SCALE_M;
 use nalgebra::DMatrix;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use windfall_model::{Campaign, Plant, Record, Turbulence};
 
 /// Release angles tried, deg.
@@ -24,7 +24,8 @@ const LENGTHS_S: [f64; 7] = [5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0];
 const MOST_RUNS: u32 = 4096;
 
 /// A wanted standard error.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Target {
     /// Parameter.
     pub parameter: String,
@@ -33,7 +34,7 @@ pub struct Target {
 }
 
 /// How an error is wanted.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Wanted {
     /// In the parameter's unit.
@@ -57,6 +58,14 @@ pub struct Plan {
     pub between_s: f64,
     /// What a user should know.
     pub warnings: Vec<String>,
+}
+
+impl Plan {
+    /// Whether every wanted error is reached already or can be.
+    #[must_use]
+    pub fn is_within_reach(&self) -> bool {
+        self.targets.iter().all(|t| t.std_error_now <= t.std_error_wanted || !t.options.is_empty())
+    }
 }
 
 /// One parameter's way to its wanted error.

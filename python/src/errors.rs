@@ -1,14 +1,10 @@
-//! python: exceptions. In: errors of the rooms. Out: one exception class for each room's enum.
+//! python: exceptions. In: errors of the facade. Out: one exception class for each room that they come from.
 
 use pyo3::create_exception;
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use windfall::StudyError as Study;
-use windfall_pid::PidError;
-use windfall_scenarios::{ReadError as Read, StoreError as Store, WriteError as Write};
-use windfall_sim::SimError;
-use windfall_verify::VerifyError;
+use windfall::ReadError as Read;
 
 create_exception!(windfall, WindfallError, PyException, "Any error of Windfall.");
 create_exception!(
@@ -25,54 +21,22 @@ create_exception!(windfall, StudyError, WindfallError, "A study's folder is in t
 
 /// An error on its way to Python.
 pub(crate) enum Error {
-    Read(Read),
-    Write(Write),
-    Simulate(SimError),
-    Identify(PidError),
-    Verify(VerifyError),
-    Store(Store),
+    Windfall(windfall::Error),
     Study(String),
     Argument(String),
 }
 
 macro_rules! from {
-    ($($source:ty => $variant:ident),+) => {
+    ($($source:ty),+) => {
         $(impl From<$source> for Error {
             fn from(e: $source) -> Self {
-                Self::$variant(e)
+                Self::Windfall(e.into())
             }
         })+
     };
 }
-from!(Read => Read, Write => Write, SimError => Simulate, PidError => Identify);
+from!(windfall::Error, windfall::StoreError, Read);
 
-impl From<VerifyError> for Error {
-    fn from(e: VerifyError) -> Self {
-        match e {
-            VerifyError::Identify(e) => Self::Identify(e),
-            VerifyError::Simulate(e) => Self::Simulate(e),
-            other => Self::Verify(other),
-        }
-    }
-}
-impl From<Store> for Error {
-    fn from(e: Store) -> Self {
-        match e {
-            Store::Write(e) => Self::Write(e),
-            other => Self::Store(other),
-        }
-    }
-}
-impl From<Study> for Error {
-    fn from(e: Study) -> Self {
-        match e {
-            Study::Read(e) => Self::Read(e),
-            Study::Verify(e) => e.into(),
-            Study::Store(e) => e.into(),
-            other => Self::Study(other.to_string()),
-        }
-    }
-}
 impl From<rayon::ThreadPoolBuildError> for Error {
     fn from(e: rayon::ThreadPoolBuildError) -> Self {
         Self::Study(format!("threads cannot be started ({e})"))
@@ -80,21 +44,28 @@ impl From<rayon::ThreadPoolBuildError> for Error {
 }
 impl From<serde_json::Error> for Error {
     fn from(e: serde_json::Error) -> Self {
-        Self::Argument(format!("is not such a result: {e}"))
+        Self::Argument(format!("is not such a request or result: {e}"))
     }
 }
 
 impl From<Error> for PyErr {
     fn from(e: Error) -> Self {
+        use windfall::Error as Of;
+        let e = match e {
+            Error::Windfall(e) => e,
+            Error::Study(text) => return StudyError::new_err(text),
+            Error::Argument(text) => return pyo3::exceptions::PyValueError::new_err(text),
+        };
+        let text = e.to_string();
         match e {
-            Error::Read(e) => read_error(&e),
-            Error::Write(e) => WriteError::new_err(e.to_string()),
-            Error::Simulate(e) => SimulateError::new_err(e.to_string()),
-            Error::Identify(e) => IdentifyError::new_err(e.to_string()),
-            Error::Verify(e) => LoopError::new_err(e.to_string()),
-            Error::Store(e) => StudyError::new_err(e.to_string()),
-            Error::Study(text) => StudyError::new_err(text),
-            Error::Argument(text) => pyo3::exceptions::PyValueError::new_err(text),
+            Of::Read(e) => read_error(&e),
+            Of::Write(_) => WriteError::new_err(text),
+            Of::Flight { .. } | Of::Simulate(_) => SimulateError::new_err(text),
+            Of::Identify(_) => IdentifyError::new_err(text),
+            Of::Verify(_) => LoopError::new_err(text),
+            Of::Request(_) => pyo3::exceptions::PyValueError::new_err(text),
+            Of::Store(_) | Of::NoColumn { .. } | Of::NoPart { .. } | Of::Interrupted => StudyError::new_err(text),
+            _ => WindfallError::new_err(text),
         }
     }
 }

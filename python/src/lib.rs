@@ -1,4 +1,4 @@
-//! python: the rooms for Python. In: paths, numbers, NumPy arrays. Out: NumPy arrays and JSON; every error as an exception of its own.
+//! python: the facade for Python. In: paths, numbers, NumPy arrays. Out: NumPy arrays and JSON; every error as an exception of its own.
 //!
 //! Private: `python/py/windfall/__init__.py` is what users see. The interpreter's lock is released while the rooms work, and
 //! Ctrl-C is listened for.
@@ -18,8 +18,5 @@ fn _windfall(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<campaign::Campaign>()?;
     m.add_class::<study::Study>()?;
     m.add_function(wrap_pyfunction!(campaign::simulate, m)?)?;
-    m.add_function(wrap_pyfunction!(campaign::identify, m)?)?;
-    m.add_function(wrap_pyfunction!(campaign::resimulate, m)?)?;
-    m.add_function(wrap_pyfunction!(campaign::close, m)?)?;
     m.add_function(wrap_pyfunction!(study::read_runs, m)?)
 }

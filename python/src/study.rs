@@ -8,16 +8,14 @@ use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use windfall::files::{Store, read_runs as read};
+use windfall::model::study::{Cell, Kind, Row};
 use windfall::{Drawing, PartRule};
-use windfall_model::study::{Cell, Kind, Row};
-use windfall_scenarios::{Opening, Shard, Store, read_runs as read};
 
 /// A study made ready; with a folder once `open` was called.
 #[pyclass(frozen, module = "windfall._windfall")]
 pub(crate) struct Study {
     inner: Arc<Inner>,
-    #[pyo3(get)]
-    warnings: Vec<String>,
 }
 
 struct Inner {
@@ -38,8 +36,12 @@ impl Study {
     /// Reads a study file.
     #[new]
     fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let (drawing, warnings) = py.detach(|| Drawing::read(&path)).map_err(Error::from)?;
-        Ok(Self { inner: Arc::new(Inner { drawing, open: Mutex::new(None) }), warnings })
+        let drawing = py.detach(|| Drawing::read(&path)).map_err(Error::from)?;
+        Ok(Self { inner: Arc::new(Inner { drawing, open: Mutex::new(None) }) })
+    }
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.inner.drawing.warnings().to_vec()
     }
     /// Number of parts.
     #[getter]
@@ -59,20 +61,11 @@ impl Study {
         Ok(PyBytes::new(py, &bytes))
     }
     /// Opens a folder for results.
-    fn open(&self, py: Python<'_>, folder: PathBuf, resume: bool, force: bool, shard: Option<(u64, u64)>) -> PyResult<()> {
-        let shard = match shard {
-            None => Shard::ALL,
-            Some((i, of)) if i >= 1 && i <= of && !force => Shard { index: i - 1, of },
-            Some(_) => return Err(Error::Argument("shard must be (i, n) with i from 1 to n, without force".to_owned()).into()),
-        };
-        let opening = match (resume, force) {
-            (true, false) => Opening::Resume,
-            (false, true) => Opening::Force,
-            (false, false) => Opening::New,
-            (true, true) => return Err(Error::Argument("resume or force, not both".to_owned()).into()),
-        };
+    #[pyo3(signature = (folder, request="{}"))]
+    fn open(&self, py: Python<'_>, folder: PathBuf, request: &str) -> PyResult<()> {
+        let request = serde_json::from_str(request).map_err(Error::from)?;
         let opened = py.detach(|| -> Result<_, Error> {
-            let store = self.inner.drawing.open(&folder, shard, opening)?;
+            let store = self.inner.drawing.open(&folder, &request)?;
             let rule = self.inner.drawing.rule(&store)?;
             Ok((store, rule, folder))
         })?;

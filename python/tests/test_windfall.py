@@ -1,5 +1,6 @@
 """Every public function once, against what is known of it; errors as exceptions with their faults."""
 
+import doctest
 import json
 import os
 import signal
@@ -83,7 +84,8 @@ def test_law_identify_gives_the_programs_bytes(tmp_path):
     path = tmp_path / "campaign.toml"
     told = run("identify", path, "--json", "--method", "equation-error", "--hold", "Cl_0=0.0125").stdout.decode()
     flown = windfall.campaign(path)
-    assert _windfall.identify(flown, "equation-error", hold=[("Cl_0", 0.0125)]) == told
+    request = {"method": "equation-error", "hold": [{"name": "Cl_0", "value": 0.0125}]}
+    assert flown.identify(json.dumps(request)) == told
     found = windfall.identify(flown, method="equation-error", hold={"Cl_0": 0.0125})
     assert found == json.loads(told)
     assert found["warnings"][0] == flown.warnings[0] and found["compatibility"] and found["data_sets"][0]["curves"]
@@ -91,6 +93,23 @@ def test_law_identify_gives_the_programs_bytes(tmp_path):
         windfall.identify(flown, hold={"CX": 1.0})
     with pytest.raises(ValueError, match="prior Cl_p"):
         windfall.identify(flown, prior={"Cl_p": (1.0, 0.0)})
+    with pytest.raises(ValueError, match="unknown field `holds`"):
+        flown.identify('{"holds": []}')
+
+
+def test_law_the_front_page_runs_as_it_is_printed():
+    assert doctest.testmod(windfall) == (0, 6)
+
+
+def test_law_terms_and_plans_are_the_programs():
+    flown = windfall.campaign("sage-perturbed", seed=7)
+    terms = windfall.structure(flown, criterion="bic")
+    assert terms["criterion"] == "bic" and "CA" in {c["coefficient"] for c in terms["coefficients"]}
+    (target,) = windfall.plan(flown, percent={"Cm_2": 50.0})["targets"]
+    assert target["parameter"] == "Cm_2"
+    assert target["std_error_wanted"] == pytest.approx(0.5 * abs(target["estimate"]))
+    with pytest.raises(windfall.IdentifyError, match="Cm_9"):
+        windfall.plan(flown, percent={"Cm_9": 5.0})
 
 
 def test_law_arrays_make_the_campaign_that_files_make():

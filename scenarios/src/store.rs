@@ -13,10 +13,12 @@ use parquet::errors::ParquetError;
 use parquet::file::reader::SerializedFileReader;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::fmt;
 use std::fs::{self, File};
 use std::io::{BufReader, Read as _, Write as _};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use std::sync::{Mutex, PoisonError};
 use windfall_model::study::{Cell, Column, Row};
 
@@ -143,12 +145,45 @@ pub enum Opening {
 }
 
 /// The share of a study that one process draws: every `of`-th part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+///
+/// In words, and in files, `i/n` with i from 1 to n.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Shard {
     /// From 0.
     pub index: u64,
     /// Number of shards.
     pub of: u64,
+}
+
+impl FromStr for Shard {
+    type Err = &'static str;
+    fn from_str(word: &str) -> Result<Self, Self::Err> {
+        let parts = word.split_once('/').and_then(|(i, n)| Some((i.parse::<u64>().ok()?, n.parse::<u64>().ok()?)));
+        match parts {
+            Some((i, of)) if i >= 1 && i <= of => Ok(Self { index: i - 1, of }),
+            _ => Err("must be i/n with whole numbers and i from 1 to n, e.g. 1/8"),
+        }
+    }
+}
+
+impl TryFrom<String> for Shard {
+    type Error = &'static str;
+    fn try_from(word: String) -> Result<Self, Self::Error> {
+        word.parse()
+    }
+}
+
+impl From<Shard> for String {
+    fn from(shard: Shard) -> Self {
+        shard.to_string()
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.index + 1, self.of)
+    }
 }
 
 impl Shard {

@@ -12,7 +12,7 @@ pub(crate) struct Ran {
 /// Runs `windfall` with these arguments.
 pub(crate) fn windfall(arguments: &[&str]) -> Ran {
     let (mut out, mut err) = (Vec::new(), Vec::new());
-    let code = windfall::run(["windfall"].iter().chain(arguments), &mut out, &mut err);
+    let code = windfall_cli::run(["windfall"].iter().chain(arguments), &mut out, &mut err);
     Ran { code, out: String::from_utf8_lossy(&out).into_owned(), err: String::from_utf8_lossy(&err).into_owned() }
 }
 

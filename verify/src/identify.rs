@@ -33,7 +33,8 @@ pub struct Identify {
 }
 
 /// One parameter equal to another.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Tie {
     /// The parameter.
     pub name: String,
@@ -50,6 +51,12 @@ pub struct Identified {
     /// Stated errors beside the scatter over copies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bootstrap: Option<Bootstrap>,
+}
+
+impl AsRef<Identification> for Identified {
+    fn as_ref(&self) -> &Identification {
+        &self.found
+    }
 }
 
 /// Identifies a campaign: parameters by one method, what the runs can tell at all, whether the instruments agree, coefficient curves with

@@ -4,7 +4,7 @@
 use crate::VerifyError;
 use serde::{Deserialize, Serialize};
 use windfall_model::frames::{Rotation, Vec3};
-use windfall_model::{AirState, Campaign, Data, Flight, FlowState, Knowledge, Motion, Plant, Record, Run};
+use windfall_model::{AirState, Campaign, Flight, FlowState, Knowledge, Motion, Plant, Record, Run};
 use windfall_pid::coefficients::coefficients;
 use windfall_pid::smooth::smooth;
 use windfall_pid::states::{State, states};
@@ -101,22 +101,9 @@ pub fn recover(plant: &Plant, flight: &Flight, seed: Seed, method: Method) -> Re
 pub fn campaign_of(plant: &Plant, flights: &[(&Flight, Record)]) -> Campaign {
     let mut declared = plant.clone();
     declared.aero.values.fill(0.0);
-    let run = |(flight, record): &(&Flight, Record)| Run {
-        name: flight.name.clone(),
-        kind: flight.kind.clone(),
-        used: flight.used,
-        inputs: Vec::new(),
-        data: Data::Tunnel(record.clone()),
-        notes: Vec::new(),
-    };
-    Campaign {
-        name: "own flights".to_owned(),
-        declared: vec![true; declared.aero.values.len()],
-        plant: declared,
-        inputs: Vec::new(),
-        runs: flights.iter().map(run).collect(),
-        knowledge: Knowledge::default(),
-    }
+    let runs = flights.iter().map(|(flight, record)| Run::of_flight(flight, record.clone())).collect();
+    let all = vec![true; declared.aero.values.len()];
+    Campaign::of_flights("own flights", &declared, &all, &Knowledge::default(), runs)
 }
 
 /// Estimates of the combined data set beside the truth.

@@ -5,6 +5,7 @@ use super::instruments::{ERRORS, Errors, KINDS};
 use super::run::{CHANNELS, Columns};
 use crate::PidError;
 use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
 use windfall_model::{Campaign, Structure};
 
 /// What is done with a parameter; those not named are free.
@@ -20,7 +21,8 @@ pub enum Handling {
 }
 
 /// What is known of a parameter beforehand.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Prior {
     /// Parameter.
     pub name: String,

@@ -1,5 +1,14 @@
 """Windfall: a tethered lander in a vertical wind tunnel, flown, identified, and compared with its measurement.
 
+>>> import windfall
+>>> campaign = windfall.campaign("sage-perturbed")  # or the path of a campaign file
+>>> found = windfall.identify(campaign, method="output-error", combined=True)
+>>> again = windfall.resimulate(campaign, found)
+>>> again["trajectory"]["attitude_rms_deg"] < 0.5
+True
+>>> windfall.close(campaign)["verdict"]
+'consistent'
+
 Results are dictionaries in the words of the program's JSON files; series are NumPy arrays whose names carry their unit.
 Every error is a :class:`WindfallError`.
 """
@@ -41,9 +50,11 @@ __all__ = [
     "campaign",
     "close",
     "identify",
+    "plan",
     "read_runs",
     "resimulate",
     "simulate",
+    "structure",
     "study",
 ]
 
@@ -63,14 +74,19 @@ class Flight(TypedDict):
     truth: Columns
 
 
+def _request(**fields: Any) -> str:
+    """A request as JSON; what is not given is left to the default."""
+    return json.dumps({name: value for name, value in fields.items() if value is not None})
+
+
 def simulate(scenario: Path, *, seed: int | None = None, threads: int = 0) -> list[Flight]:
     """Fly a scenario (file, or bundled name); record and truth of each flight apart."""
-    return _windfall.simulate(os.fspath(scenario), seed, threads)
+    return _windfall.simulate(os.fspath(scenario), _request(seed=seed), threads)
 
 
 def campaign(source: Path, *, seed: int | None = None) -> Campaign:
     """Read a campaign file; or fly a scenario, whose effects its campaign does not declare."""
-    return Campaign(os.fspath(source), seed)
+    return Campaign(os.fspath(source), _request(seed=seed))
 
 
 def _campaign(source: Campaign | Path) -> Campaign:
@@ -95,31 +111,57 @@ def identify(
     to another, `prior={"Cl_p": (-5.7, 0.3)}` is a mean and a standard deviation from elsewhere. `bootstrap=40` checks the stated errors
     by so many copies.
     """
-    text = _windfall.identify(
-        _campaign(campaign),
-        method,
-        combined,
-        list((hold or {}).items()),
-        list((tie or {}).items()),
-        [(name, mean, std) for name, (mean, std) in (prior or {}).items()],
-        bootstrap,
-        threads,
+    request = _request(
+        method=method,
+        combined=combined,
+        bootstrap=bootstrap,
+        hold=[{"name": name, "value": value} for name, value in (hold or {}).items()],
+        tie=[{"name": name, "to": to} for name, to in (tie or {}).items()],
+        prior=[{"name": name, "mean": mean, "std": std} for name, (mean, std) in (prior or {}).items()],
     )
-    found: dict[str, Any] = json.loads(text)
+    found: dict[str, Any] = json.loads(_campaign(campaign).identify(request, threads))
     return found
 
 
 def resimulate(
-    campaign: Campaign | Path, identification: Mapping[str, Any], *, seeds: int = 1, threads: int = 0
+    campaign: Campaign | Path, identification: Mapping[str, Any], *, seeds: int = 1, draws: int = 0, threads: int = 0
 ) -> dict[str, Any]:
-    """Fly an identified model against each run: the content of resimulation.json."""
-    found: dict[str, Any] = json.loads(_windfall.resimulate(_campaign(campaign), json.dumps(identification), seeds, threads))
+    """Fly an identified model against each run: the content of resimulation.json.
+
+    With `draws=100` also so many models with parameters drawn from their covariance: bands, and intervals of the statistics.
+    """
+    model = json.dumps(identification)
+    found: dict[str, Any] = json.loads(_campaign(campaign).resimulate(model, _request(seeds=seeds, draws=draws), threads))
     return found
 
 
 def close(campaign: Campaign | Path, *, threads: int = 0) -> dict[str, Any]:
     """What the declared model lacks: the content of close.json."""
-    found: dict[str, Any] = json.loads(_windfall.close(_campaign(campaign), threads))
+    found: dict[str, Any] = json.loads(_campaign(campaign).close(_request(), threads))
+    return found
+
+
+def structure(campaign: Campaign | Path, *, criterion: str | None = None, threads: int = 0) -> dict[str, Any]:
+    """Which aerodynamic terms the runs carry, whatever is declared: the content of structure.json."""
+    found: dict[str, Any] = json.loads(_campaign(campaign).structure(_request(criterion=criterion), threads))
+    return found
+
+
+def plan(
+    campaign: Campaign | Path,
+    *,
+    percent: Mapping[str, float] | None = None,
+    absolute: Mapping[str, float] | None = None,
+    between: float | None = None,
+    threads: int = 0,
+) -> dict[str, Any]:
+    """Tunnel time that brings wanted standard errors: the content of plan.json.
+
+    `percent={"Cm_2": 5}` of the estimate, `absolute={"Cm_2": 10}` in the parameter's unit; `between` runs lie so many seconds.
+    """
+    wanted = [("percent", percent or {}), ("absolute", absolute or {})]
+    target = [{"parameter": name, "error": {kind: error}} for kind, errors in wanted for name, error in errors.items()]
+    found: dict[str, Any] = json.loads(_campaign(campaign).plan(_request(target=target, between=between), threads))
     return found
 
 
@@ -137,7 +179,8 @@ def study(
     With `shard=(i, n)`, i from 1 to n, only that share is drawn and nothing returned; `resume=True` without it joins all.
     """
     order = _windfall.Study(os.fspath(study))
-    order.open(os.fspath(out), resume, force, None if shard is None else (shard[0], shard[1]))
+    share = None if shard is None else f"{shard[0]}/{shard[1]}"
+    order.open(os.fspath(out), _request(resume=resume, force=force, shard=share))
     order.draw(threads)
     return None if shard is not None else json.loads(order.finish())
 

@@ -43,7 +43,7 @@ def run(
     from distributed import as_completed
 
     order = _windfall.Study(os.fspath(study))
-    order.open(os.fspath(out), resume, force, None)
+    order.open(os.fspath(out), json.dumps({"resume": resume, "force": force}))
     missing = iter(order.missing())
     # Plain values in the task: a worker that is lost takes no data with it.
     pack = _pack(Path(study))

@@ -3,14 +3,13 @@
 use super::closing::close_draw;
 use super::columns::{FLIGHT, TRAJECTORY, columns};
 use crate::VerifyError;
-use crate::recovery::campaign_of;
 use crate::resimulate::{Replay, estimate, hold_out, mean_median_std};
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use windfall_model::frames::Rotation;
 use windfall_model::study::{Cell, Column, Distribution, Row, Setting, Study};
-use windfall_model::{Campaign, Data, Flight, Plant, Record, Use};
+use windfall_model::{Campaign, Data, Flight, Plant, Record, Run, Use};
 use windfall_pid::output_error::Options;
 use windfall_pid::{DataSet, Estimate, Method, estimated, identify_by};
 use windfall_sim::{Channel, Seed, Truth, fly};
@@ -247,17 +246,12 @@ fn with_effects(setting: &Setting, study: &Study) -> Plant {
 
 /// The campaign that a draw's records make: the declared plant, without effects.
 fn made_campaign(study: &Study, declared: &Plant, flights: &[Flight], records: Vec<Record>) -> Campaign {
-    let pairs: Vec<(&Flight, Record)> = flights.iter().zip(records).collect();
-    let mut campaign = campaign_of(declared, &pairs);
-    campaign.name.clone_from(&study.name);
-    campaign.plant.clone_from(declared);
-    campaign.declared.clone_from(&study.declared);
-    campaign.knowledge.clone_from(&study.knowledge);
-    campaign
+    let runs = flights.iter().zip(records).map(|(flight, record)| Run::of_flight(flight, record)).collect();
+    Campaign::of_flights(&study.name, declared, &study.declared, &study.knowledge, runs)
 }
 
 fn flights_like(campaign: &Campaign, plant: &Plant) -> Result<Vec<Flight>, VerifyError> {
-    let one = |(i, run): (usize, &windfall_model::Run)| {
+    let one = |(i, run): (usize, &Run)| {
         let Data::Tunnel(record) = &run.data else { return Err(VerifyError::NotTunnel { run: run.name.clone() }) };
         let replay = Replay::new(record, &campaign.plant_for(plant, i))?;
         let initial = estimate(&replay, record, &plant.sensors)?;

@@ -1,0 +1,146 @@
+//! windfall: a campaign and what can be asked of it. In: files or flights, and requests. Out: results.
+
+use crate::scenario::is_bundled;
+use crate::{Close, Error, Fly, Identify, Plan, Resimulate, Result, Scenario, Structure};
+use std::path::Path;
+use windfall_model::{Data, Record, Run};
+use windfall_pid::Identification;
+use windfall_pid::compatibility::{Pressure, pressure};
+use windfall_pid::plan::{Plan as Planned, plan};
+use windfall_pid::structure::{Choice, choose};
+use windfall_scenarios::{FEWEST_SAMPLES, FileKind, kind_of, read_campaign_with_warnings};
+use windfall_verify::close::{Closing, Figure, Options, close, figures};
+use windfall_verify::{Identified, Resimulation, identify, resimulate_with_draws};
+
+/// One vehicle, its declared model, its runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Campaign {
+    /// Declared model and runs.
+    pub data: windfall_model::Campaign,
+    /// What reading its files had to say; they lead the warnings of [`Campaign::identify`].
+    pub warnings: Vec<String>,
+}
+
+/// What a path or name stands for where a campaign is asked for.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// A campaign file.
+    Campaign(Box<Campaign>),
+    /// A scenario, which has to be flown first.
+    Scenario(Box<Scenario>),
+}
+
+impl Source {
+    /// Reads a campaign file, a scenario file or a bundled scenario.
+    ///
+    /// # Errors
+    /// Every fault of the file.
+    pub fn find(word: &Path) -> Result<Self> {
+        if is_bundled(word) || (word.is_file() && kind_of(word)? == FileKind::Scenario) {
+            return Ok(Self::Scenario(Box::new(Scenario::find(word)?)));
+        }
+        Ok(Self::Campaign(Box::new(Campaign::read(word)?)))
+    }
+}
+
+impl Campaign {
+    /// Reads a campaign file and its runs.
+    ///
+    /// # Errors
+    /// Every fault of the files.
+    pub fn read(path: &Path) -> Result<Self> {
+        let (data, warnings) = read_campaign_with_warnings(path)?;
+        Ok(Self { data, warnings })
+    }
+    /// Reads a campaign file; or flies a scenario, by file or bundled name, whose effects its campaign does not declare.
+    ///
+    /// # Errors
+    /// Every fault of the file, a flight that failed, a seed for runs that were measured.
+    pub fn find(word: &Path, request: &Fly) -> Result<Self> {
+        match Source::find(word)? {
+            Source::Scenario(scenario) => Ok(scenario.fly(request)?.campaign()),
+            Source::Campaign(_) if request.seed.is_some() => {
+                Err(Error::Request("seed is for scenarios; a campaign file has its runs".to_owned()))
+            }
+            Source::Campaign(campaign) => Ok(*campaign),
+        }
+    }
+    /// The same declared model with other tunnel runs.
+    ///
+    /// # Errors
+    /// Series of different lengths, numbers that are not finite, fewer than 30 samples, or time that is not uniform to 1 %.
+    pub fn with_runs(&self, runs: Vec<Run>) -> Result<Self> {
+        for run in &runs {
+            if let Data::Tunnel(record) = &run.data {
+                sound(record).map_err(|what| Error::Request(format!("run {}: {what}", run.name)))?;
+            }
+        }
+        Ok(Self { data: windfall_model::Campaign { runs, ..self.data.clone() }, warnings: Vec::new() })
+    }
+    /// Parameters with intervals: the content of `identification.json`.
+    ///
+    /// # Errors
+    /// A record that is not what its campaign says it is, knowledge of parameters that do not exist, and what the method refuses.
+    pub fn identify(&self, request: &Identify) -> Result<Identified> {
+        Ok(identify(&self.data, &self.warnings, &request.order()?)?)
+    }
+    /// Flies an identified model against every run: the content of `resimulation.json`.
+    ///
+    /// # Errors
+    /// A point-mass campaign, no run, an identification of another structure or, for draws, without covariance.
+    pub fn resimulate(&self, found: &impl AsRef<Identification>, request: &Resimulate) -> Result<Resimulation> {
+        let (seeds, draws) = (usize::from(request.seeds), usize::from(request.draws));
+        Ok(resimulate_with_draws(&self.data, found.as_ref(), seeds, draws)?)
+    }
+    /// What the declared model lacks, and the errors before and after: the content of `close.json`.
+    ///
+    /// # Errors
+    /// A record that is not what its campaign says it is, no run to identify on, runs too short, a declared model that cannot be fitted.
+    pub fn close(&self, _request: &Close) -> Result<Closing> {
+        Ok(close(&self.data, &Options::default())?)
+    }
+    /// Series of a closing's figures: the content of `figures.json`.
+    ///
+    /// # Errors
+    /// As [`Campaign::close`].
+    pub fn figures(&self, closing: &Closing) -> Result<Vec<Figure>> {
+        Ok(figures(&self.data, closing, &Options::default())?)
+    }
+    /// Which aerodynamic terms the runs carry, whatever is declared: the content of `structure.json`.
+    ///
+    /// # Errors
+    /// Runs that cannot be processed.
+    pub fn structure(&self, request: &Structure) -> Result<Choice> {
+        Ok(choose(&self.data, request.criterion)?)
+    }
+    /// Tunnel time that brings wanted errors: the content of `plan.json`.
+    ///
+    /// # Errors
+    /// As [`Campaign::identify`]; a target that is no estimated parameter or no positive error.
+    pub fn plan(&self, request: &Plan) -> Result<Planned> {
+        Ok(plan(&self.data, &request.target, request.between)?)
+    }
+    /// Tunnel speed against dynamic pressure; none where no run has q_W.
+    #[must_use]
+    pub fn pressure(&self) -> Option<Pressure> {
+        pressure(&self.data)
+    }
+}
+
+/// Whether a record can be identified on as it is.
+fn sound(record: &Record) -> std::result::Result<(), &'static str> {
+    let n = record.t_s.len();
+    let others = [&record.ps_pa, &record.ts_k].map(Vec::as_slice);
+    let all = || record.channels().into_iter().chain(others).chain(record.qw_pa.as_deref()).chain([record.t_s.as_slice()]);
+    if all().any(|c| c.len() != n) {
+        return Err("columns differ in length");
+    }
+    if all().any(|c| c.iter().any(|x| !x.is_finite())) {
+        return Err("holds NaN or infinity; write it as a run file and read that, which bridges dropouts");
+    }
+    let step = record.interval_s();
+    if record.t_s.windows(2).any(|w| ((w[1] - w[0]) / step - 1.0).abs() > 0.01) || n < FEWEST_SAMPLES {
+        return Err("needs 30 samples or more, uniform in time to 1 %");
+    }
+    Ok(())
+}

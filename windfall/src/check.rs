@@ -1,0 +1,78 @@
+//! windfall: files and the program itself, checked. In: any file of the program. Out: what it is; every check of the program's truth.
+
+use crate::planet::{PlanetFile, read_planet};
+use crate::scenario::is_bundled;
+use crate::{Campaign, Drawing, Result, Scenario};
+use serde::Serialize;
+use std::path::Path;
+use windfall_pid::plausible::plausible;
+use windfall_scenarios::{FileKind, Piece, kind_of, read_bundled, read_record_pieces, read_structure, sensors_of_table_a3};
+use windfall_verify::{Check, Setups, all_pass, checks};
+
+/// What a file is, checked.
+#[derive(Debug)]
+pub enum Checked {
+    /// A run file, in pieces where it has gaps.
+    Run(Vec<Piece>),
+    /// A campaign whose records make sense.
+    Campaign(Box<Campaign>),
+    /// An aerodynamic structure.
+    Structure(windfall_model::Structure),
+    /// A study made ready.
+    Study(Box<Drawing>),
+    /// A scenario.
+    Scenario(Box<Scenario>),
+    /// A scenario over a planet.
+    Planet(Box<PlanetFile>),
+}
+
+/// Reads and checks a file of any kind, or a bundled scenario. A campaign's records are held against physics.
+///
+/// # Errors
+/// Every fault of the file; a record that is not what its campaign says it is.
+pub fn check(word: &Path) -> Result<Checked> {
+    if is_bundled(word) {
+        return Ok(Checked::Scenario(Box::new(Scenario::find(word)?)));
+    }
+    Ok(match kind_of(word)? {
+        FileKind::Run => Checked::Run(read_record_pieces(word, &sensors_of_table_a3(), None)?),
+        FileKind::Campaign => {
+            let campaign = Campaign::read(word)?;
+            plausible(&campaign.data)?;
+            Checked::Campaign(Box::new(campaign))
+        }
+        FileKind::Structure => Checked::Structure(read_structure(word)?),
+        FileKind::Study => Checked::Study(Box::new(Drawing::read(word)?)),
+        FileKind::Scenario => Checked::Scenario(Box::new(Scenario::read(word)?)),
+        FileKind::Planet => Checked::Planet(Box::new(read_planet(word)?)),
+    })
+}
+
+/// The content of `verify.json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Verification {
+    /// `pass` or `fail`.
+    pub verdict: &'static str,
+    /// Figure beside bound.
+    pub checks: Vec<Check>,
+}
+
+impl Verification {
+    /// Whether every check passed.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        all_pass(&self.checks)
+    }
+}
+
+/// Every check of the program's own truth: exact, published, recovered.
+///
+/// # Errors
+/// A bundled flight that cannot be flown or identified.
+pub fn verify() -> Result<Verification> {
+    let [appendix_c, full_scale, combined] = ["appendix-c", "full-scale-venus-20km", "sage-combined"].map(read_bundled);
+    let (appendix_c, full_scale, combined) = (appendix_c?.scenario, full_scale?.scenario, combined?.scenario);
+    let setups = Setups { appendix_c: &appendix_c, full_scale: &full_scale, combined: &combined };
+    let checks = checks(&setups)?;
+    Ok(Verification { verdict: if all_pass(&checks) { "pass" } else { "fail" }, checks })
+}

@@ -1,0 +1,132 @@
+//! windfall: what can go wrong, whichever room it is from. Out: one enum, and of which kind an error is.
+
+use windfall_pid::PidError;
+use windfall_scenarios::{ReadError, StoreError, WriteError};
+use windfall_sim::SimError;
+use windfall_verify::VerifyError;
+use windfall_verify::statistics::StatisticsError;
+
+/// A result of this crate.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Whose fault an error is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Bad input: a file, a request, a number that cannot be flown.
+    Input,
+    /// The numbers failed: a flight departed, a search has no answer.
+    Numerical,
+    /// Somebody asked for an end.
+    Interrupted,
+}
+
+/// Why a verb gave no result. Messages say where, what, the value, what is allowed and what to try.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file is wrong.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// A file cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The folder of a study is in the way.
+    #[error(transparent)]
+    Store(StoreError),
+    /// A flight of a scenario cannot be flown, or failed.
+    #[error("flight {name}: {error}")]
+    Flight {
+        /// Which.
+        name: String,
+        /// Why.
+        error: SimError,
+    },
+    /// A run cannot be flown again.
+    #[error(transparent)]
+    Simulate(#[from] SimError),
+    /// A campaign cannot be identified.
+    #[error(transparent)]
+    Identify(#[from] PidError),
+    /// The loop cannot be closed.
+    #[error(transparent)]
+    Verify(VerifyError),
+    /// Published statistics cannot be closed against.
+    #[error(transparent)]
+    Statistics(StatisticsError),
+    /// A request asks for what cannot be.
+    #[error("{0}")]
+    Request(String),
+    /// A folder without any result.
+    #[error("{folder}: holds no result; looked for {known}; try: the --out folder of another command")]
+    NoResult {
+        /// The folder.
+        folder: String,
+        /// What was looked for.
+        known: String,
+    },
+    /// The stopping rule of a study asks for what is not there.
+    #[error("[stop] column = \"{column}\": is no column of numbers or flags of this study; columns: {columns}")]
+    NoColumn {
+        /// What was asked for.
+        column: String,
+        /// What there is.
+        columns: String,
+    },
+    /// Part of a number that the study does not have.
+    #[error("part {part} is not one of the study's {parts}")]
+    NoPart {
+        /// What was asked for.
+        part: u64,
+        /// How many there are.
+        parts: u64,
+    },
+    /// Somebody asked for an end of a study.
+    #[error("interrupted; draws that were finished are kept; try: --resume to go on")]
+    Interrupted,
+}
+
+impl Error {
+    /// Whose fault it is.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        match self {
+            // A number that cannot be flown, or an atmosphere that ends too soon, is bad input, the rest is numerical.
+            Self::Flight { error, .. } | Self::Simulate(error)
+                if !matches!(error, SimError::Setup { .. } | SimError::OutsideAtmosphere { .. }) =>
+            {
+                Kind::Numerical
+            }
+            Self::Identify(PidError::NoAnswer { .. }) => Kind::Numerical,
+            Self::Interrupted => Kind::Interrupted,
+            _ => Kind::Input,
+        }
+    }
+}
+
+impl From<VerifyError> for Error {
+    fn from(error: VerifyError) -> Self {
+        match error {
+            VerifyError::Identify(e) => Self::Identify(e),
+            VerifyError::Simulate(e) => Self::Simulate(e),
+            other => Self::Verify(other),
+        }
+    }
+}
+
+impl From<StoreError> for Error {
+    fn from(error: StoreError) -> Self {
+        match error {
+            StoreError::Write(e) => Self::Write(e),
+            other => Self::Store(other),
+        }
+    }
+}
+
+impl From<StatisticsError> for Error {
+    fn from(error: StatisticsError) -> Self {
+        match error {
+            StatisticsError::Simulate(error) => Self::Flight { name: "of the declared model".to_owned(), error },
+            other => Self::Statistics(other),
+        }
+    }
+}

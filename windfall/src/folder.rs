@@ -1,0 +1,76 @@
+//! windfall: a folder of results. In: the `--out` folder of other commands. Out: its page.
+
+use crate::{Error, Result};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use windfall_report::{FolderResults, folder_page};
+use windfall_scenarios::read_json;
+use windfall_verify::close::{Closing, Figure};
+use windfall_verify::study::Summary;
+
+/// Results beside a closing, with their titles.
+const OTHERS: [(&str, &str); 3] = [
+    ("identification.json", "Identification"),
+    ("resimulation.json", "Re-simulation"),
+    ("verify.json", "Checks of the program's own truth"),
+];
+
+/// What a folder holds.
+#[derive(Debug)]
+pub struct ResultsFolder {
+    title: String,
+    closing: Option<Closing>,
+    figures: Vec<Figure>,
+    study: Option<Summary>,
+    others: Vec<(String, Value)>,
+}
+
+impl ResultsFolder {
+    /// Reads `close.json`, `figures.json`, `identification.json`, `resimulation.json`, `verify.json` and `summary.json`, those that
+    /// are there.
+    ///
+    /// # Errors
+    /// A file that is not such a result, a folder without any.
+    pub fn read(folder: &Path) -> Result<Self> {
+        let mut others = Vec::new();
+        let mut closing: Option<Closing> = None;
+        if let Some(path) = there(folder, "close.json") {
+            let value: Value = read_json(&path)?;
+            // A closing against statistics names its source and no campaign.
+            if value.get("campaign").is_some() {
+                closing = Some(read_json(&path)?);
+            } else {
+                others.push(("Closed against published statistics".to_owned(), value));
+            }
+        }
+        let figures = there(folder, "figures.json").map(|p| read_json(&p)).transpose()?.unwrap_or_default();
+        for (file, title) in OTHERS {
+            if let Some(path) = there(folder, file) {
+                others.push((title.to_owned(), read_json(&path)?));
+            }
+        }
+        let study = there(folder, "summary.json").map(|p| read_json(&p)).transpose()?;
+        if closing.is_none() && study.is_none() && others.is_empty() {
+            let known: Vec<&str> = ["close.json", "summary.json"].into_iter().chain(OTHERS.map(|(f, _)| f)).collect();
+            return Err(Error::NoResult { folder: folder.display().to_string(), known: known.join(", ") });
+        }
+        let title = folder.canonicalize().ok().and_then(|p| Some(p.file_name()?.to_string_lossy().into_owned()));
+        let title = title.unwrap_or_else(|| folder.display().to_string());
+        Ok(Self { title, closing, figures, study, others })
+    }
+    /// The page as HTML in one piece.
+    #[must_use]
+    pub fn page(&self) -> String {
+        let results = FolderResults {
+            closing: self.closing.as_ref(),
+            figures: &self.figures,
+            study: self.study.as_ref(),
+            others: &self.others,
+        };
+        folder_page(&self.title, &results)
+    }
+}
+
+fn there(folder: &Path, file: &str) -> Option<PathBuf> {
+    Some(folder.join(file)).filter(|p| p.is_file())
+}

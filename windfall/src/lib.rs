@@ -1,0 +1,82 @@
+//! Simulate a lander in a vertical wind tunnel, identify its aerodynamics, fly what was found, and say what the model lacks.
+//!
+//! ```
+//! use windfall::prelude::*;
+//!
+//! fn main() -> windfall::Result<()> {
+//!     let campaign = Scenario::bundled("sage-perturbed")?.fly(&Fly::default())?.campaign();
+//!     let found = campaign.identify(&Identify { method: Some(Method::OutputError), combined: true, ..Identify::default() })?;
+//!     let again = campaign.resimulate(&found, &Resimulate::default())?;
+//!     assert!(again.trajectory.attitude_rms_deg < 0.5);
+//!     let closing = campaign.close(&Close::default())?;
+//!     assert_eq!(closing.verdict, Verdict::Consistent);
+//!     Ok(())
+//! }
+//! ```
+//!
+//! A verb is a request, a method and a result. The request is a plain struct whose [`Default`] is what most want; it reads and writes
+//! as JSON, and with the feature `cli` it is also the flags of the program's command. [`Campaign::read`] takes measured runs in place of
+//! a scenario. Work runs on the threads of the current rayon pool; no result depends on how many there are.
+//!
+//! Units are SI, angles rad, unless a name ends in `_deg`. Program (`cli/`) and Python (`python/`) stand on this crate alone.
+
+mod campaign;
+mod check;
+mod error;
+mod folder;
+pub mod planet;
+mod published;
+mod requests;
+mod scenario;
+mod study;
+mod words;
+
+pub use campaign::{Campaign, Source};
+pub use check::{Checked, Verification, check, verify};
+pub use error::{Error, Kind, Result};
+pub use folder::ResultsFolder;
+pub use published::Published;
+pub use requests::{Close, Fly, Identify, Plan, Resimulate, Structure, Study};
+pub use scenario::{FlightSummary, Flights, Scenario, Simulation};
+pub use study::{Drawing, PartRule, SUMMARY};
+pub use windfall_model as model;
+pub use windfall_report as report;
+pub use words::{criterion, hold, prior, seconds, target, tie};
+
+/// What a session begins with.
+pub mod prelude {
+    pub use crate::results::{Identified, Resimulation, Verdict};
+    pub use crate::{Campaign, Close, Fly, Identify, Method, Plan, Published, Resimulate, Scenario, Structure};
+}
+
+/// Results by name, in the layout of the JSON files.
+pub mod results {
+    pub use windfall_pid::compatibility::{Compatibility, FALSE_ALARM_RATE, InstrumentError, Instruments, Pressure};
+    pub use windfall_pid::plan::{Plan, TargetPlan};
+    pub use windfall_pid::structure::{Choice, CoefficientChoice, Symmetry};
+    pub use windfall_pid::{DataSet, Estimate, Identifiability, Identification, NORMAL_95, relative_percent};
+    pub use windfall_sim::{Flown, Truth};
+    pub use windfall_verify::close::{Closing, EffectLine, Figure, HeldOut, Verdict};
+    pub use windfall_verify::statistics::{StatisticsClosing, statistics_table};
+    pub use windfall_verify::study::{Moments, Summary};
+    pub use windfall_verify::{
+        Bootstrap, Check, Identified, Kind as CheckKind, Resimulation, RunComparison, Statistic, Verdict as CheckVerdict,
+    };
+}
+
+/// Files of the program: results as JSON, structures, studies' folders.
+pub mod files {
+    pub use windfall_scenarios::{
+        BUNDLED, Piece, Store, json_text, key_reference, read_json, read_runs, text_atomically, write_json_atomically,
+        write_structure,
+    };
+}
+
+pub use windfall_pid::output_error::Prior;
+pub use windfall_pid::plan::{Target, Wanted};
+pub use windfall_pid::structure::Criterion;
+pub use windfall_pid::{Held, Method, PidError};
+pub use windfall_scenarios::{ReadError, Shard, StoreError, WriteError};
+pub use windfall_sim::SimError;
+pub use windfall_verify::statistics::StatisticsError;
+pub use windfall_verify::{Tie, VerifyError};

@@ -1,0 +1,241 @@
+//! windfall: what is asked of each verb. Out: plain structs, which are JSON, and flags of the command line with the feature `cli`.
+//!
+//! A field is a flag: its name, its type, and the comment above it, which is its help.
+
+use crate::{Error, Result};
+use serde::{Deserialize, Serialize};
+use windfall_pid::output_error::Prior;
+use windfall_pid::plan::Target;
+use windfall_pid::structure::Criterion;
+use windfall_pid::{Held, Method};
+use windfall_scenarios::{Opening, Shard};
+use windfall_verify::Tie;
+
+/// How to fly a scenario.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+#[serde(default, deny_unknown_fields)]
+pub struct Fly {
+    /// Seed of all chance, in place of the scenario's
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
+    pub seed: Option<u64>,
+}
+
+/// How to identify a campaign.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+#[serde(default, deny_unknown_fields)]
+pub struct Identify {
+    /// How to identify [default: output-error where its residual is noise, filter-error where process noise is found; the result says
+    /// which and why]
+    #[cfg_attr(feature = "cli", arg(long, value_parser = method()))]
+    pub method: Option<Method>,
+    /// Only all runs together, without each kind of run alone (methods that integrate)
+    #[cfg_attr(feature = "cli", arg(long))]
+    pub combined: bool,
+    /// Check the stated errors by N copies: the identified model is flown again with the campaign's own inputs and noise, and identified
+    /// again; scatter over stated error is known to 1/√(2N)
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..)))]
+    pub bootstrap: Option<u16>,
+    /// Hold a parameter: it is not estimated but kept at this value (Cl_0=0.0125); may be repeated
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME=VALUE", value_parser = crate::hold))]
+    pub hold: Vec<Held>,
+    /// Tie a parameter to another: both are one unknown (Cn_1=Cm_1: pitch and yaw damping shared); methods that integrate; may be
+    /// repeated
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME=NAME", value_parser = crate::tie))]
+    pub tie: Vec<Tie>,
+    /// What is known of a parameter beforehand: mean and standard deviation (Cl_p=-5.7±0.3 or Cl_p=-5.7:0.3); methods that integrate;
+    /// may be repeated
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME=MEAN±STD", value_parser = crate::prior))]
+    pub prior: Vec<Prior>,
+}
+
+impl Identify {
+    /// The order to the loop, of sound numbers.
+    pub(crate) fn order(&self) -> Result<windfall_verify::Identify> {
+        let wrong = |what: String| Err(Error::Request(what));
+        if let Some(h) = self.hold.iter().find(|h| !h.value.is_finite()) {
+            return wrong(format!("hold {}: needs a finite number", h.name));
+        }
+        if let Some(p) = self.prior.iter().find(|p| !(p.mean.is_finite() && p.std.is_finite() && p.std > 0.0)) {
+            return wrong(format!("prior {}: needs a finite mean and a standard deviation above 0", p.name));
+        }
+        if self.bootstrap.is_some_and(|n| n < 2) {
+            return wrong("bootstrap: needs two copies or more".to_owned());
+        }
+        Ok(windfall_verify::Identify {
+            method: self.method,
+            combined_only: self.combined,
+            hold: self.hold.clone(),
+            tie: self.tie.clone(),
+            prior: self.prior.clone(),
+            bootstrap: self.bootstrap.map(usize::from),
+        })
+    }
+}
+
+/// Methods by name, each with a line of help.
+#[cfg(feature = "cli")]
+fn method() -> impl clap::builder::TypedValueParser<Value = Method> {
+    use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
+    let help = |m: Method| match m {
+        Method::Thesis => "The thesis to the letter, its errors included",
+        Method::EquationError => "Joint side and normal force, ends handled, errors for coloured residuals",
+        Method::OutputError => "Maximum likelihood of trajectories: right where sensors' noise is all there is",
+        Method::FilterError => {
+            "Maximum likelihood of a Kalman filter's innovations: right in turbulence, whose size and scale it estimates"
+        }
+        _ => "",
+    };
+    let named = PossibleValuesParser::new(Method::ALL.map(|m| PossibleValue::new(m.name()).help(help(m))));
+    named.try_map(|name| Method::of_name(&name).ok_or_else(|| Error::Request(format!("no method {name}"))))
+}
+
+/// Which aerodynamic terms to look for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+#[serde(default, deny_unknown_fields)]
+pub struct Structure {
+    /// By which terms are chosen: likelihood (trajectories and gusts), subset or f or agreed (regression, residuals of any colour), bic,
+    /// pse, press, cross-validation; white-f and white-pse take residuals as white
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME", default_value = "likelihood", value_parser = crate::criterion))]
+    pub criterion: Criterion,
+}
+
+impl Default for Structure {
+    fn default() -> Self {
+        Self { criterion: Criterion::Likelihood }
+    }
+}
+
+/// Which errors are wanted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+#[serde(default, deny_unknown_fields)]
+pub struct Plan {
+    /// Parameter and wanted standard error, in percent of its estimate (Cm_2=5%) or in its unit (Cm_2=10); may be repeated
+    #[cfg_attr(feature = "cli", arg(long, value_name = "PARAMETER=ERROR", required = true, value_parser = crate::target))]
+    pub target: Vec<Target>,
+    /// Time between runs that counts as tunnel time, s
+    #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value_t = Self::default().between, value_parser = crate::seconds))]
+    pub between: f64,
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Self { target: Vec::new(), between: 60.0 }
+    }
+}
+
+/// How often to fly an identified model.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+#[serde(default, deny_unknown_fields)]
+pub struct Resimulate {
+    /// Number of seeds over which simulated statistics are averaged
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().seeds, value_parser = clap::value_parser!(u16).range(1..)))]
+    pub seeds: u16,
+    /// Also fly N models with parameters drawn from their covariance: 95 % bands on Θ and ω_q,r, intervals of the statistics; 40 to
+    /// 200 are enough, 0 is none
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().draws))]
+    pub draws: u16,
+}
+
+impl Default for Resimulate {
+    fn default() -> Self {
+        Self { seeds: 1, draws: 0 }
+    }
+}
+
+/// How to close the loop: nothing is to be said yet.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+#[serde(default, deny_unknown_fields)]
+pub struct Close {}
+
+/// How to draw a study into a folder.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+#[serde(default, deny_unknown_fields)]
+pub struct Study {
+    /// Go on with the draws that another run of this study left in the folder
+    #[cfg_attr(feature = "cli", arg(long, conflicts_with = "force"))]
+    pub resume: bool,
+    /// Draw share i of n only, i from 1 to n; when all shares are there, --resume without --shard joins them
+    #[cfg_attr(feature = "cli", arg(long, value_name = "i/n", value_parser = clap::value_parser!(Shard), conflicts_with = "force"))]
+    pub shard: Option<Shard>,
+    /// Overwrite results that exist.
+    #[cfg_attr(feature = "cli", arg(skip))]
+    pub force: bool,
+}
+
+impl Study {
+    /// How the folder is opened, and which share is drawn.
+    pub(crate) fn order(&self) -> Result<(Opening, Shard)> {
+        let opening = match (self.resume, self.force) {
+            (true, true) => return Err(Error::Request("resume or force, not both".to_owned())),
+            (true, false) => Opening::Resume,
+            (false, true) => Opening::Force,
+            (false, false) => Opening::New,
+        };
+        match self.shard {
+            Some(_) if self.force => Err(Error::Request("shard or force, not both".to_owned())),
+            shard => Ok((opening, shard.unwrap_or(Shard::ALL))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::de::DeserializeOwned;
+    use std::fmt::Debug;
+
+    fn round_trip<T: Serialize + DeserializeOwned + Debug + PartialEq>(request: T) {
+        let json = serde_json::to_string(&request).expect("JSON");
+        assert_eq!(serde_json::from_str::<T>(&json).expect(&json), request);
+    }
+
+    fn default<T: Serialize + DeserializeOwned + Debug + PartialEq + Default>() {
+        round_trip(T::default());
+        assert_eq!(serde_json::from_str::<T>("{}").expect("nothing said"), T::default());
+        assert!(serde_json::from_str::<T>(r#"{"sed": 1}"#).is_err_and(|e| e.to_string().contains("unknown field `sed`")));
+    }
+
+    #[test]
+    fn law_requests_are_json_and_misspelt_fields_are_refused() {
+        default::<Fly>();
+        default::<Identify>();
+        default::<Structure>();
+        default::<Plan>();
+        default::<Resimulate>();
+        default::<Close>();
+        default::<Study>();
+        round_trip(Identify {
+            method: Some(Method::FilterError),
+            hold: crate::hold("Cl_0=0.0125").into_iter().collect(),
+            tie: crate::tie("Cn_1=Cm_1").into_iter().collect(),
+            prior: crate::prior("Cl_p=-5.7±0.3").into_iter().collect(),
+            ..Identify::default()
+        });
+        round_trip(Plan { target: crate::target("Cm_2=5%").into_iter().collect(), between: 30.0 });
+        round_trip(Study { shard: "2/8".parse().ok(), ..Study::default() });
+        assert!(serde_json::from_str::<Study>(r#"{"shard": "9/8"}"#).is_err());
+    }
+
+    #[test]
+    fn law_what_cannot_be_is_said_before_any_work() {
+        let held = Held { name: "Cl_0".to_owned(), value: f64::NAN };
+        let prior = Prior { name: "Cl_p".to_owned(), mean: 1.0, std: 0.0 };
+        let all = [
+            (Identify { hold: vec![held], ..Identify::default() }, "hold Cl_0"),
+            (Identify { prior: vec![prior], ..Identify::default() }, "prior Cl_p"),
+            (Identify { bootstrap: Some(1), ..Identify::default() }, "bootstrap"),
+        ];
+        for (request, word) in all {
+            assert!(request.order().is_err_and(|e| e.to_string().contains(word)), "{word}");
+        }
+        let both = Study { resume: true, force: true, shard: None };
+        assert!(both.order().is_err_and(|e| e.to_string().contains("not both")));
+    }
+}
