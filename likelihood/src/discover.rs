@@ -444,8 +444,9 @@ fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Result<Ve
         let best = at_once.min_by(|a, b| b.total.total_cmp(&a.total));
         fits.extend(best.and_then(|fit| engine.climb(&fit.model, false, 3).ok()));
     }
-    let struck: Vec<Fit> = fits.iter().filter_map(|fit| struck(engine, fit)).collect();
-    fits.extend(struck);
+    // Poor fits are struck everywhere: only the best is asked.
+    let best = fits.iter().max_by(|a, b| a.total.total_cmp(&b.total));
+    fits.extend(best.and_then(|fit| struck(engine, fit)));
     let mut all: Vec<Start> = fits.into_iter().filter_map(|fit| start(engine, fit, log)).collect();
     all.sort_by(|a, b| b.total.total_cmp(&a.total));
     let mut distinct: Vec<Start> = Vec::new();

@@ -12,7 +12,8 @@ use windfall_model::{Campaign, Coefficient, Factor, Plant, Variable};
 
 /// Logarithm beyond which aerodynamics are no longer those of the declared vehicle: a factor of 2.3.
 const BEYOND: f64 = 0.83;
-/// Spread of logarithms about a common factor, of leading and of other parameters, where the factor itself is not beyond.
+/// Spread of logarithms about a common factor, of leading and of other parameters, where the factor itself is not beyond; of
+/// leading ones less for factors with logarithms below a half, which sound campaigns imitate more often.
 const CLOSE: [f64; 2] = [0.13, 0.35];
 /// The same where it is, at most: what aerodynamics of sound campaigns differ by. Less where the factor moves the parameters by less
 /// than a factor of e².
@@ -59,14 +60,14 @@ const SUSPECTS: &[Suspect] = &[
         what: "mass",
         key: "[vehicle] mass_kg",
         power: [1.0, 0.0, 0.0],
-        least: 0.75,
+        least: 0.34,
         units: &[(1e3, "mass is in grams"), (2.204_62, "mass is in pounds"), (0.068_522, "mass is in slugs")],
     },
     Suspect {
         what: "inertia",
         key: "[vehicle] inertia_kg_m2",
         power: [0.0, 1.0, 1.0],
-        least: 0.6,
+        least: 0.53,
         units: &[
             (1e3, "inertia is in g m2"),
             (1e4, "inertia is in kg cm2"),
@@ -220,7 +221,9 @@ fn common(s: &Suspect, told: &[Told], offset: bool) -> Option<(f64, f64)> {
     let factor = median(&shifts);
     let beyond = told.iter().filter(|t| (power(t) * factor).abs() > BEYOND && t.log.abs() > BEYOND).count() >= 2;
     let moved = factor.abs() * s.power.iter().fold(0.0, |most: f64, p| most.max(p.abs()));
-    let band = if beyond { LOOSE.map(|b| b * (0.5 * moved).min(1.0)) } else { CLOSE };
+    let [leading, other] = CLOSE;
+    let close = [leading * (2.0 * factor.abs()).min(1.0), other];
+    let band = if beyond { LOOSE.map(|b| b * (0.6 * moved).min(1.0)) } else { close };
     let off = |t: &Told| (t.log - power(t) * factor).abs() / (band[usize::from(!t.leading)] + t.std);
     // With the c.m. off the origin, a force that is far off reaches the moments.
     let reached = |t: &&Told| beyond && offset && s.power[1].abs() < 0.5 && t.makes != Makes::Force;

@@ -105,7 +105,8 @@ fn exact_both_simulators_agree_on_every_family() {
     // The moment about y is already the vehicle's.
     same("inertia", &[3e-4, -4e-4, 2e-4, 1e-4], &[(K::Ixy, 3e-4), (K::Ixz, -4e-4), (K::Iyz, 2e-4)], CLOSE);
     let loose = [(K::SloshM, 0.03), (K::SloshHz, 2.5), (K::SloshZeta, 0.05), (K::SloshX, 0.1)];
-    same("loose-mass", &[0.03, 2.5, 0.05, 0.1, 1.0], &loose, CLOSE);
+    // Its resonance makes more of what tunnel speed does between samples.
+    same("loose-mass", &[0.03, 2.5, 0.05, 0.1, 1.0], &loose, 5.0 * CLOSE);
     same("pose-misalignment", &[0.003, 0.01, -0.006], &[(K::MisX, 0.003), (K::MisY, 0.01), (K::MisZ, -0.006)], CLOSE);
     // Early samples are left out, the rest is interpolated by cubics.
     same("pose-delay", &[0.012], &[(K::PoseDelay, 0.012)], CLOSE);
