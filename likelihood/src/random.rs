@@ -99,30 +99,34 @@ fn driven(a: &Matrix3<f64>, b: &Vector3<f64>, step_s: f64) -> Driven {
 
 fn input(d: &Disturbance, step_s: f64) -> Input {
     // Rates of the states, and where white noise enters.
-    let (a, b, gust) = match d.shape {
+    let (a, b, form) = match d.shape {
         Shape::DrydenLongitudinal { time_s } => gust(time_s, 1.0),
         Shape::DrydenLateral { time_s } => gust(time_s, 3.0_f64.sqrt()),
-        Shape::Narrow { centre_rad_s: w, bandwidth_rad_s } => {
-            (Matrix3::new(0.0, 1.0, 0.0, -w * w, -bandwidth_rad_s, 0.0, 0.0, 0.0, -1.0), Vector3::new(0.0, 1.0, 0.0), false)
-        }
+        Shape::Narrow { centre_rad_s: w, bandwidth_rad_s } => (
+            Matrix3::new(0.0, 1.0, 0.0, -w * w, -bandwidth_rad_s, 0.0, 0.0, 0.0, -1.0),
+            Vector3::new(0.0, 1.0, 0.0),
+            Vector3::x(),
+        ),
     };
     let p = lyapunov(&a, &b);
-    let size = d.rms / p[(0, 0)].sqrt();
+    // The size is that of the form itself: the lag takes off its fast part, and must not add to the slow one.
+    let size = d.rms / (form.transpose() * p * form)[(0, 0)].sqrt();
     Input {
         entry: d.entry,
-        rate: if gust { std::array::from_fn(|k| a[(0, k)]) } else { [0.0; ORDER] },
+        rate: if matches!(d.entry, Entry::AirVelocity(_)) { std::array::from_fn(|k| a[(0, k)]) } else { [0.0; ORDER] },
         driven: driven(&a, &(b * size), step_s),
         stationary: rows(&(p * (size * size))),
     }
 }
 
-/// `(1 + ζ T s)/(1 + T s)²` behind a short lag: ζ = 1 along the stream, √3 across it.
-fn gust(time_s: f64, zeta: f64) -> (Matrix3<f64>, Vector3<f64>, bool) {
+/// `(1 + ζ T s)/(1 + T s)²` behind a short lag: ζ = 1 along the stream, √3 across it. Rates of the states, where white noise enters, and the
+/// form before the lag by the states.
+fn gust(time_s: f64, zeta: f64) -> (Matrix3<f64>, Vector3<f64>, Vector3<f64>) {
     let fast = 1.0 / (FAST * time_s).clamp(FAST_S[0], FAST_S[1]);
     let per = 1.0 / time_s;
     // The form's state and, in units of 1/T, its rate.
     let a = Matrix3::new(-fast, fast, fast * zeta, 0.0, 0.0, per, 0.0, -per, -2.0 * per);
-    (a, Vector3::new(0.0, 0.0, 1.0), true)
+    (a, Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.0, 1.0, zeta))
 }
 
 /// Stationary covariance: `A P + P Aᵀ + b bᵀ = 0`.
@@ -145,13 +149,15 @@ fn lyapunov(a: &Matrix3<f64>, b: &Vector3<f64>) -> Matrix3<f64> {
 mod tests {
     use super::*;
 
-    /// The gust's own variance is what was asked for, at every length, and its covariance stays what it is from step to step.
+    /// The form's own variance is what was asked for, at every length, the lag takes some of it, and its covariance stays what it is from step to step.
     #[test]
     fn exact_stationary_covariance() {
         for time_s in [0.01, 0.08, 0.5] {
             let d = Disturbance { entry: Entry::AirVelocity(1), rms: 0.3, shape: Shape::DrydenLateral { time_s } };
             let i = input(&d, 0.02);
-            assert!((i.stationary[0][0] - 0.09).abs() < 1e-15);
+            // Displacement and rate are uncorrelated: x² + 3 (T ẋ)².
+            assert!((i.stationary[1][1] + 3.0 * i.stationary[2][2] - 0.09).abs() < 1e-14);
+            assert!((0.6..1.0).contains(&(i.stationary[0][0] / 0.09)));
             let of = |b: &Block| Matrix3::from_fn(|r, c| b[r][c]);
             let (phi, p0) = (of(&i.driven.whole), of(&i.stationary));
             let next = phi * p0 * phi.transpose() + i.driven.added.fixed_view::<ORDER, ORDER>(0, 0);

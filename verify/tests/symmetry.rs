@@ -65,41 +65,32 @@ fn mirrored(mut c: Campaign) -> Campaign {
     })
 }
 
-fn part(r: &Record, keep: impl Fn(usize) -> bool) -> Record {
-    let pick = |x: &Vec<f64>| x.iter().enumerate().filter(|(i, _)| keep(*i)).map(|(_, v)| *v).collect::<Vec<_>>();
+/// A record whose columns are made of another's, one like the other.
+fn made(r: &Record, of: impl Fn(&[f64]) -> Vec<f64>) -> Record {
     Record {
-        t_s: pick(&r.t_s),
-        position_m: [0, 1, 2].map(|k| pick(&r.position_m[k])),
-        attitude_rad: [0, 1, 2].map(|k| pick(&r.attitude_rad[k])),
-        vw_m_s: pick(&r.vw_m_s),
-        ps_pa: pick(&r.ps_pa),
-        ts_k: pick(&r.ts_k),
-        qw_pa: r.qw_pa.as_ref().map(pick),
+        t_s: of(&r.t_s),
+        position_m: [0, 1, 2].map(|k| of(&r.position_m[k])),
+        attitude_rad: [0, 1, 2].map(|k| of(&r.attitude_rad[k])),
+        vw_m_s: of(&r.vw_m_s),
+        ps_pa: of(&r.ps_pa),
+        ts_k: of(&r.ts_k),
+        qw_pa: r.qw_pa.as_deref().map(&of),
         bridged: Vec::new(),
     }
 }
 
 /// Pairs of samples by their mean: half the rate, nearly all the information.
 fn paired(r: &Record) -> Record {
-    let mean = |x: &Vec<f64>| x.chunks_exact(2).map(|p| 0.5 * (p[0] + p[1])).collect::<Vec<_>>();
-    Record {
-        t_s: mean(&r.t_s),
-        position_m: [0, 1, 2].map(|k| mean(&r.position_m[k])),
-        attitude_rad: [0, 1, 2].map(|k| mean(&r.attitude_rad[k])),
-        vw_m_s: mean(&r.vw_m_s),
-        ps_pa: mean(&r.ps_pa),
-        ts_k: mean(&r.ts_k),
-        qw_pa: r.qw_pa.as_ref().map(mean),
-        bridged: Vec::new(),
-    }
+    made(r, |x| x.chunks_exact(2).map(|p| 0.5 * (p[0] + p[1])).collect())
 }
 
 fn split(mut c: Campaign) -> Campaign {
     let halves = |run: &Run| -> Vec<Run> {
         let Data::Tunnel(r) = &run.data else { return vec![run.clone()] };
         let half = r.len() / 2;
+        let part = |keep: std::ops::Range<usize>| made(r, |x| x[keep.clone()].to_vec());
         let of = |name: &str, r: Record| Run { name: format!("{}-{name}", run.name), data: Data::Tunnel(r), ..run.clone() };
-        vec![of("a", part(r, |i| i < half)), of("b", part(r, |i| i >= half))]
+        vec![of("a", part(0..half)), of("b", part(half..r.len()))]
     };
     c.runs = c.runs.iter().flat_map(halves).collect();
     c
