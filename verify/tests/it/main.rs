@@ -1,6 +1,7 @@
 //! verify tests: one binary. In: nothing. Out: verdicts.
 
 mod checks;
+mod closing;
 mod common;
 mod planet;
 mod recovery;
