@@ -10,7 +10,7 @@ use crate::engine::{Engine, Summed};
 use crate::hum::{FORCE, MOMENT, ROLL, Stream, of_instrument};
 use crate::model::Model;
 use crate::noise::POSE;
-use realfft::RealFftPlanner;
+use crate::spectrum::periodogram;
 
 /// A group of generic columns: functions of one variable in one load or channel.
 #[derive(Clone, Debug)]
@@ -128,23 +128,16 @@ pub(crate) fn lines(engine: &Engine, model: &Model, sum: &Summed) -> Vec<Lead> {
         if n < 64 {
             continue;
         }
-        let window: Vec<f64> = (0..n).map(|i| 0.5 - 0.5 * (std::f64::consts::TAU * (i as f64 + 0.5) / n as f64).cos()).collect();
-        let power: f64 = window.iter().map(|w| w * w).sum();
         for c in 0..POSE {
-            let mut input: Vec<f64> = seen.whitened[skip..].iter().zip(&window).map(|(w, h)| w[c] * h).collect();
-            let plan = RealFftPlanner::new().plan_fft_forward(n);
-            let mut output = plan.make_output_vec();
-            if plan.process(&mut input, &mut output).is_err() {
-                continue;
-            }
-            let peak =
-                output.iter().enumerate().skip(2).map(|(k, z)| (k, z.norm_sqr() / power)).max_by(|a, b| a.1.total_cmp(&b.1));
+            let Some(found) = periodogram(seen.whitened[skip..].iter().map(|w| w[c])) else { continue };
+            let over = |(k, p): (usize, &f64)| (k, p / found.window);
+            let peak = found.power.iter().enumerate().skip(2).map(over).max_by(|a, b| a.1.total_cmp(&b.1));
             if let Some((k, p)) = peak {
                 let gain = p - looked.max(1.0).ln();
                 if gain > 0.0 {
                     let hz = k as f64 / (n as f64 * run.step_s());
                     // Hann's window has a mean of one half.
-                    let amplitude = 4.0 * (p * power).sqrt() / n as f64 * sum.channels[c][1].sqrt();
+                    let amplitude = 4.0 * (p * found.window).sqrt() / n as f64 * sum.channels[c][1].sqrt();
                     all.push(Lead {
                         channel: CHANNEL_NAMES[c].to_owned(),
                         variable: format!("a line in the spectrum of {}", run.name),

@@ -273,9 +273,8 @@ fn against_gusts(
     still.members.remove(gusts);
     let Ok(still) = engine.climb(&still, true, 6) else { return (fit, weighed, contest, Vec::new()) };
     let all = alternatives(engine);
-    let beside = weighed_beside(engine, &still.model, &all);
-    let other = self::contest(engine, &still.model, &all);
-    let (Some(beside), Some(other)) = (beside, other) else { return (fit, weighed, contest, Vec::new()) };
+    let Some(beside) = weighed_beside(engine, &still.model, &all) else { return (fit, weighed, contest, Vec::new()) };
+    let Some(other) = outcome(&beside, &all) else { return (fit, weighed, contest, Vec::new()) };
     let here = fit.total - cost_of(&fit.model, engine);
     log.push(format!("without gusts {:.1} for {here:.1}, {:?}", beside.total, other.leads));
     if still.chi < NEAR
@@ -591,16 +590,12 @@ fn weighed_beside(engine: &Engine, model: &Model, alternatives: &[Alternative]) 
     let floor = gram.posterior(&base)?;
     let left = gram.given(&base, &others)?;
     let group_of = |id: Id| -> Option<(usize, f64)> {
-        let (family, forms) = match id {
-            Id::Strength(family, ..) => (family, Member::null(CATALOGUE[family], &engine.campaign).forms().len()),
-            Id::Member(m, _) => {
-                let member = &model.members[m];
-                return Some((place_of(member.effect)?, cost(member, engine)));
-            }
-            Id::Generic(i) => return Some((GENERIC + group[i], families().ln() + (alternatives.len() as f64).ln())),
-            _ => return None,
-        };
-        Some((family, families().ln() + (forms as f64).ln()))
+        match id {
+            Id::Strength(family, ..) => Some((family, cost(&Member::null(CATALOGUE[family], &engine.campaign), engine))),
+            Id::Member(m, _) => Some((place_of(model.members[m].effect)?, cost(&model.members[m], engine))),
+            Id::Generic(i) => Some((GENERIC + group[i], families().ln() + (alternatives.len() as f64).ln())),
+            _ => None,
+        }
     };
     let key = |id: Id| match id {
         Id::Strength(family, form, _) => (family, form + 1),
@@ -637,7 +632,11 @@ pub struct Contest {
 
 /// Effects and generic alternatives weighed together at a fitted model.
 fn contest(engine: &Engine, model: &Model, alternatives: &[Alternative]) -> Option<Contest> {
-    let w = weighed_beside(engine, model, alternatives)?;
+    outcome(&weighed_beside(engine, model, alternatives)?, alternatives)
+}
+
+/// What came of weighing effects beside those alternatives.
+fn outcome(w: &Weighed, alternatives: &[Alternative]) -> Option<Contest> {
     let best = w.sets.first()?;
     let is_generic = |u: usize| w.families[u].0 >= GENERIC;
     let leads = best

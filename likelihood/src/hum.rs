@@ -4,7 +4,7 @@
 //! give; it is then the instrument's, and is fitted by least squares and taken off.
 
 use crate::noise::POSE;
-use realfft::RealFftPlanner;
+use crate::spectrum::{hann, periodogram};
 use std::f64::consts::TAU;
 use windfall_model::{Plant, Record};
 use windfall_pid::equations::{ADDED, Air, Craft, MOTION};
@@ -99,19 +99,10 @@ pub(crate) fn take_off(record: &mut Record, plant: &Plant) -> Vec<Hum> {
     all
 }
 
-fn hann(n: usize) -> impl Fn(usize) -> f64 {
-    move |i| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / n as f64).cos()
-}
-
 /// Frequency, rad a sample, of the line in the upper spectrum of a series' differences that stands out most, if any does.
 fn line(series: &[f64]) -> Option<f64> {
     let n = series.len().checked_sub(1).filter(|n| *n >= 8 * BESIDE)?;
-    let window = hann(n);
-    let mut input: Vec<f64> = series.windows(2).enumerate().map(|(i, w)| (w[1] - w[0]) * window(i)).collect();
-    let plan = RealFftPlanner::new().plan_fft_forward(n);
-    let mut output = plan.make_output_vec();
-    plan.process(&mut input, &mut output).ok()?;
-    let power: Vec<f64> = output.iter().map(|z| z.norm_sqr()).collect();
+    let power = periodogram(series.windows(2).map(|w| w[1] - w[0]))?.power;
     let looked = BESIDE + LOBE..power.len().saturating_sub(LOBE + 1);
     let over = |k: usize| {
         let beside = (k.saturating_sub(BESIDE)..=(k + BESIDE).min(power.len() - 1)).filter(|i| i.abs_diff(k) > LOBE);

@@ -21,6 +21,7 @@ mod random;
 mod run;
 mod search;
 mod shock;
+mod spectrum;
 mod wind;
 
 pub use check::Lead;

@@ -3,7 +3,7 @@
 //! Above the motion's frequencies the spectrum of a channel's differences is its noise alone. White noise plus a first-order
 //! autoregressive one is fitted there by Whittle's likelihood (Whittle 1953); what is declared is a prior where little is seen.
 
-use realfft::RealFftPlanner;
+use crate::spectrum::periodogram;
 use windfall_model::{Record, Sensors};
 
 /// Channels of the pose: X, Y, Z (m), R_x, R_y, R_z (rad).
@@ -122,21 +122,14 @@ fn spectrum(record: &Record, channel: usize) -> Vec<Ordinate> {
     }
     let steps: Vec<f64> = series.windows(2).map(|w| w[1] - w[0]).collect();
     let mean = steps.iter().sum::<f64>() / n as f64;
-    let window: Vec<f64> = (0..n).map(|i| 0.5 - 0.5 * (std::f64::consts::TAU * (i as f64 + 0.5) / n as f64).cos()).collect();
-    let power: f64 = window.iter().map(|w| w * w).sum();
-    let mut input: Vec<f64> = steps.iter().zip(&window).map(|(s, w)| (s - mean) * w).collect();
-    let plan = RealFftPlanner::new().plan_fft_forward(n);
-    let mut output = plan.make_output_vec();
-    if plan.process(&mut input, &mut output).is_err() {
-        return Vec::new();
-    }
+    let Some(seen) = periodogram(steps.iter().map(|s| s - mean)) else { return Vec::new() };
     let (dt, turn) = (record.interval_s(), std::f64::consts::TAU);
     let alone = (ABOVE_HZ * dt).clamp(ABOVE_SHARE, 0.3) * turn;
     let least = (WITH_MOTION_HZ * dt).min(0.2) * turn;
-    output
+    seen.power
         .iter()
         .enumerate()
-        .map(|(k, z)| (turn * k as f64 / n as f64, z.norm_sqr() / power))
+        .map(|(k, p)| (turn * k as f64 / n as f64, p / seen.window))
         .filter(|(w, _)| *w > least && *w < 0.99 * std::f64::consts::PI)
         .map(|(w, p)| Ordinate { w, ratio: w / least, power: measured * p / (2.0 - 2.0 * w.cos()), noise_alone: w > alone })
         .collect()

@@ -54,15 +54,7 @@ fn text(file: &PlanetFile) -> String {
     let mut t =
         Toml::new("# Resolved planet scenario: every default written out. It flies the same flight again, bit for bit.\n");
     let s = &file.scenario;
-    t.table("scenario");
-    t.text("name", &s.name);
-    if let Some(note) = &file.note {
-        t.text("note", note);
-    }
-    t.table("provenance");
-    t.text("windfall", env!("CARGO_PKG_VERSION"));
-    t.text("input", &file.input);
-    t.text("input_hash", &file.input_hash);
+    t.origin(&s.name, file.note.as_deref(), &file.input, &file.input_hash);
     let v = &s.body.vehicle;
     t.table("vehicle");
     t.number("mass_kg", v.mass_kg);

@@ -54,6 +54,18 @@ impl Toml {
     pub(crate) fn text(&mut self, key: &str, value: &str) {
         self.raw(key, &quoted(value));
     }
+    /// What a resolved scenario is called, and which file it is made of.
+    pub(crate) fn origin(&mut self, name: &str, note: Option<&str>, input: &str, input_hash: &str) {
+        self.table("scenario");
+        self.text("name", name);
+        if let Some(note) = note {
+            self.text("note", note);
+        }
+        self.table("provenance");
+        self.text("windfall", env!("CARGO_PKG_VERSION"));
+        self.text("input", input);
+        self.text("input_hash", input_hash);
+    }
     pub(crate) fn numbers(&mut self, key: &str, values: &[f64]) {
         self.raw(key, &format!("[{}]", values.iter().map(|v| digits(*v)).collect::<Vec<_>>().join(", ")));
     }
@@ -231,15 +243,7 @@ fn scenario_text(file: &ScenarioFile) -> String {
     let mut t = Toml(String::from("# Resolved scenario: every default written out. It flies the same run again, bit for bit.\n"));
     let s = &file.scenario;
     t.raw("seed", &s.seed.to_string());
-    t.table("scenario");
-    t.text("name", &s.name);
-    if let Some(note) = &file.note {
-        t.text("note", note);
-    }
-    t.table("provenance");
-    t.text("windfall", env!("CARGO_PKG_VERSION"));
-    t.text("input", &file.input);
-    t.text("input_hash", &file.input_hash);
+    t.origin(&s.name, file.note.as_deref(), &file.input, &file.input_hash);
     let first = s.flights.first();
     plant_tables(&mut t, &file.declared_plant, &file.knowledge, first.map(|f| [f.ps_pa, f.ts_k]));
     aero_table(&mut t, &file.declared_plant.aero, &file.declared, file.own_structure);

@@ -10,7 +10,7 @@ use nalgebra::SVector;
 use ode_solvers::dop_shared::{IntegrationError, OutputType, Stats};
 use ode_solvers::{Dop853, Dopri5, System};
 use std::cell::Cell;
-use windfall_model::{Flight, Method, TestSection};
+use windfall_model::{Flight, Method, Numerics, TestSection};
 
 /// The end lies this part of a sample interval beyond the last sample.
 const BEYOND: f64 = 1e-3;
@@ -93,9 +93,28 @@ pub(crate) fn integrate<const N: usize, T>(
     let dt = 1.0 / flight.rate_hz;
     let end = ((count - 1) as f64 + BEYOND) * dt;
     let h_max = setup.step_max_s.min(end);
+    let span = Span { end_s: end, sample_s: dt, step_max_s: h_max, output: OutputType::Dense };
+    solve(rhs, start, n, span, |outcome, states| finished(setup, outcome, states, &fault, look))
+}
+
+/// How far to integrate, s, and what is put out.
+pub(crate) struct Span {
+    pub(crate) end_s: f64,
+    pub(crate) sample_s: f64,
+    pub(crate) step_max_s: f64,
+    pub(crate) output: OutputType,
+}
+
+/// Integrates from zero and shows the outcome and the states that were put out to `take`.
+pub(crate) fn solve<const N: usize, S: System<f64, SVector<f64, N>>, T>(
+    rhs: S,
+    start: SVector<f64, N>,
+    n: Numerics,
+    Span { end_s: end, sample_s: dt, step_max_s: h_max, output }: Span,
+    take: impl FnOnce(Result<Stats, IntegrationError>, &[SVector<f64, N>]) -> T,
+) -> T {
     let steps_max = budget(end, h_max);
     let (rtol, atol) = (n.relative_tolerance, n.absolute_tolerance);
-    let dense = OutputType::Dense;
     // The remaining numbers are the defaults of the library (Hairer's); stiffness is not tested.
     match n.method {
         Method::Dopri5 => {
@@ -115,10 +134,10 @@ pub(crate) fn integrate<const N: usize, T>(
                 0.0,
                 steps_max,
                 u32::MAX,
-                dense,
+                output,
             );
             let outcome = solver.integrate();
-            finished(setup, outcome, solver.y_out(), &fault, look)
+            take(outcome, solver.y_out())
         }
         Method::Dop853 => {
             let mut solver = Dop853::from_param(
@@ -137,10 +156,10 @@ pub(crate) fn integrate<const N: usize, T>(
                 0.0,
                 steps_max,
                 u32::MAX,
-                dense,
+                output,
             );
             let outcome = solver.integrate();
-            finished(setup, outcome, solver.y_out(), &fault, look)
+            take(outcome, solver.y_out())
         }
     }
 }

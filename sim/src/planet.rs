@@ -6,14 +6,14 @@
 
 use crate::dynamics::quaternion_rate;
 use crate::error::SimError;
-use crate::integrate::{RUNAWAY_RAD_S, budget};
+use crate::integrate::{RUNAWAY_RAD_S, Span, solve};
 use nalgebra::{Matrix3, SVector};
+use ode_solvers::System;
 use ode_solvers::dop_shared::{IntegrationError, OutputType};
-use ode_solvers::{Dop853, Dopri5, System};
 use std::f64::consts::{PI, TAU};
 use windfall_model::frames::{Body, Inertial, Ned, Rotation, Vec3};
 use windfall_model::planet::{Geodetic, PlanetBody, PlanetFlight, PlanetScenario, Start, Surroundings};
-use windfall_model::{Aero, AeroProgram, FlowState, Method, Numerics, Variable, Wrench, dynamic_pressure_pa};
+use windfall_model::{Aero, AeroProgram, FlowState, Numerics, Variable, Wrench, dynamic_pressure_pa};
 
 /// States of a body without attitude: position 0-2, velocity 3-5, inertial axes.
 const POINT: usize = 6;
@@ -307,53 +307,8 @@ fn advance<const N: usize>(
     t_s: f64,
     n: Numerics,
 ) -> Result<(SVector<f64, N>, u64), SimError> {
-    let (rtol, atol, steps_max, sparse) =
-        (n.relative_tolerance, n.absolute_tolerance, budget(span_s, span_s), OutputType::Sparse);
-    // The remaining numbers are the defaults of the library (Hairer's); stiffness is not tested.
-    let (outcome, last) = match n.method {
-        Method::Dop853 => {
-            let mut solver = Dop853::from_param(
-                forces,
-                0.0,
-                span_s,
-                span_s,
-                y,
-                rtol,
-                atol,
-                0.9,
-                0.0,
-                0.333,
-                6.0,
-                span_s,
-                0.0,
-                steps_max,
-                u32::MAX,
-                sparse,
-            );
-            (solver.integrate(), solver.y_out().last().copied())
-        }
-        Method::Dopri5 => {
-            let mut solver = Dopri5::from_param(
-                forces,
-                0.0,
-                span_s,
-                span_s,
-                y,
-                rtol,
-                atol,
-                0.9,
-                0.04,
-                0.2,
-                10.0,
-                span_s,
-                0.0,
-                steps_max,
-                u32::MAX,
-                sparse,
-            );
-            (solver.integrate(), solver.y_out().last().copied())
-        }
-    };
+    let span = Span { end_s: span_s, sample_s: span_s, step_max_s: span_s, output: OutputType::Sparse };
+    let (outcome, last) = solve(forces, y, n, span, |outcome, states| (outcome, states.last().copied()));
     let last = last.unwrap_or(y);
     if !last.sum().is_finite() {
         return Err(SimError::NotFinite { what: "state over the planet", t_s });

@@ -1,19 +1,19 @@
 //! What strikes one run, and runs that choose.
 
+use super::common::bundled;
 use windfall_model::{CATALOGUE, Campaign, Data, Plant, Record, Use};
-use windfall_scenarios::read_bundled;
 use windfall_sim::{Seed, fly};
 use windfall_verify::campaign_of;
 use windfall_verify::close::{Closing, Options, close};
 
 /// Three runs of a lander, each of which flies a plant of its own that is not declared.
-fn flown(plant_of: impl Fn(&Plant, usize) -> Plant) -> Campaign {
-    let scenario = read_bundled("sage-combined").expect("bundled").scenario;
+pub(crate) fn flown(seed: u64, plant_of: impl Fn(&Plant, usize) -> Plant) -> Campaign {
+    let scenario = bundled("sage-combined");
     let mut flights = scenario.flights[..3].to_vec();
     flights.iter_mut().for_each(|f| f.duration_s = f.duration_s.min(14.0));
     let fly_one = |(k, flight)| {
         let plant = plant_of(&scenario.plant, k);
-        fly(&plant.for_run(k, &[]), flight, Seed { campaign: 11, run: k as u64 }).expect("flies").record
+        fly(&plant.for_run(k, &[]), flight, Seed { campaign: seed, run: k as u64 }).expect("flies").record
     };
     let records: Vec<Record> = flights.iter().enumerate().map(fly_one).collect();
     let pairs: Vec<_> = flights.iter().zip(records).collect();
@@ -22,14 +22,17 @@ fn flown(plant_of: impl Fn(&Plant, usize) -> Plant) -> Campaign {
     campaign
 }
 
-fn with(plant: &Plant, family: &str, values: &[f64]) -> Plant {
+pub(crate) fn with(plant: &Plant, family: &str, values: &[f64]) -> Plant {
     let mut plant = plant.clone();
     (CATALOGUE.iter().find(|e| e.family == family).expect("in the catalogue").apply)(&mut plant, values);
     plant
 }
 
-fn families(c: &Closing) -> Vec<&str> {
-    c.effects.iter().map(|e| e.family.as_str()).collect()
+/// Families named, in order of their names.
+pub(crate) fn families(c: &Closing) -> Vec<&str> {
+    let mut all: Vec<&str> = c.effects.iter().map(|e| e.family.as_str()).collect();
+    all.sort_unstable();
+    all
 }
 
 /// A touch of a fiftieth of a newton second in the second run is found there and then.
@@ -37,7 +40,7 @@ fn families(c: &Closing) -> Vec<&str> {
 fn recover_a_touch() {
     let (start_s, duration_s) = (5.0, 0.15);
     let touch = [1.0, start_s, duration_s, 0.0, 0.02, 0.0, 0.0, 0.0, 0.004];
-    let closing = close(&flown(|plant, _| with(plant, "contact", &touch)), &Options::default()).expect("closes");
+    let closing = close(&flown(11, |plant, _| with(plant, "contact", &touch)), &Options::default()).expect("closes");
     assert_eq!(families(&closing), ["contact"]);
     let of = |name: &str| closing.effects[0].parameters.iter().find(|p| p.name == name).expect("a parameter");
     assert!((of("run").estimate - 1.0).abs() < 0.5);
@@ -55,7 +58,7 @@ fn law_runs_that_choose_may_refuse() {
         if k < 2 || last { with(plant, "swirl", &[0.02, 0.0]) } else { plant.clone() }
     };
     let choose = |last: bool| {
-        let mut campaign = flown(|plant, k| swirling(plant, k, last));
+        let mut campaign = flown(11, |plant, k| swirling(plant, k, last));
         campaign.runs[2].used = Use::Select;
         assert!(matches!(campaign.runs[2].data, Data::Tunnel(_)));
         close(&campaign, &Options::default()).expect("closes")

@@ -6,3 +6,4 @@ mod common;
 mod planet;
 mod recovery;
 mod resimulate;
+mod symmetry;

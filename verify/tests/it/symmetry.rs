@@ -5,25 +5,14 @@
 
 #![expect(clippy::print_stdout, reason = "a test prints what it measured")]
 
+use super::closing::{families, flown, with};
 use windfall_model::frames::Vec3;
-use windfall_model::{CATALOGUE, Campaign, Data, Record, Run, Use};
-use windfall_scenarios::read_bundled;
-use windfall_sim::{Seed, fly};
-use windfall_verify::campaign_of;
+use windfall_model::{Campaign, Data, Record, Run, Use};
 use windfall_verify::close::{Closing, Options, close};
 
 /// Three runs of a lander with a swirling flow that its model does not declare.
 fn campaign() -> Campaign {
-    let scenario = read_bundled("sage-combined").expect("bundled").scenario;
-    let mut plant = scenario.plant.clone();
-    let swirl = CATALOGUE.iter().find(|e| e.family == "swirl").expect("in the catalogue");
-    (swirl.apply)(&mut plant, &[0.02, 0.0]);
-    let mut flights = scenario.flights[..3].to_vec();
-    flights.iter_mut().for_each(|f| f.duration_s = f.duration_s.min(14.0));
-    let flown = |(k, flight)| fly(&plant, flight, Seed { campaign: 5, run: k }).expect("flies").record;
-    let records: Vec<Record> = (0..).zip(&flights).map(flown).collect();
-    let pairs: Vec<_> = flights.iter().zip(records).collect();
-    campaign_of(&scenario.plant, &pairs)
+    flown(5, |plant, _| with(plant, "swirl", &[0.02, 0.0]))
 }
 
 fn each(mut c: Campaign, change: impl Fn(&mut Record)) -> Campaign {
@@ -98,12 +87,6 @@ fn split(mut c: Campaign) -> Campaign {
 
 fn closed(c: &Campaign) -> Closing {
     close(c, &Options::default()).expect("closes")
-}
-
-fn families(c: &Closing) -> Vec<String> {
-    let mut all: Vec<String> = c.effects.iter().map(|e| e.family.clone()).collect();
-    all.sort();
-    all
 }
 
 /// Largest difference of a number's size over what `unit` makes of both standard errors: of aerodynamics and of strengths.
