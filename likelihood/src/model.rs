@@ -123,7 +123,7 @@ impl Member {
 
 /// The effects of the catalogue that a lander may have.
 pub(crate) fn catalogue() -> impl Iterator<Item = (usize, &'static Effect)> {
-    CATALOGUE.iter().copied().enumerate().filter(|(_, e)| e.acts == Acts::Lander)
+    CATALOGUE.iter().copied().enumerate().filter(|(_, e)| e.acts.on(Acts::Lander))
 }
 
 impl Model {

@@ -152,7 +152,7 @@ fn effect_tables(file: &Table<'_>, acts: Acts, inputs: &[String], starting: bool
     }
     let spec = if starting { &keys::CAMPAIGN_EFFECTS } else { &keys::EFFECTS };
     let Some(outer) = file.table("effects", spec) else { return Vec::new() };
-    let families: Vec<&str> = CATALOGUE.iter().filter(|e| e.acts == acts).map(|e| e.family).collect();
+    let families: Vec<&str> = CATALOGUE.iter().filter(|e| e.acts.on(acts)).map(|e| e.family).collect();
     let mut all = Vec::new();
     for (family, body) in outer.entries() {
         let name = family.get_ref().as_ref();

@@ -38,7 +38,8 @@ fn problem<'a>(c: &'a Campaign, e: &'a PointEvidence) -> Problem<'a> {
 
 fn declared(c: &Campaign, e: &PointEvidence) -> Fit {
     let generic = vec![0.0; e.generic().len()];
-    problem(c, e).fit(&Hypothesis { declared: c.plant.aero.values.clone(), effects: Vec::new(), generic }, false)
+    problem(c, e)
+        .fit(&Hypothesis { declared: c.plant.aero.values.clone(), constants: Vec::new(), effects: Vec::new(), generic }, false)
 }
 
 fn with(c: &Campaign, e: &PointEvidence, fit: &Fit, candidate: &Candidate) -> Fit {
@@ -67,46 +68,6 @@ fn ranked(c: &Campaign, e: &PointEvidence, fit: &Fit) -> Vec<(f64, &'static str,
         );
     }
     all
-}
-
-fn held_mm(c: &Campaign, held: &PointEvidence, fit: &Fit) -> f64 {
-    1e3 * held.rms_m(&fit.hypothesis.plant(&c.plant))
-}
-
-#[test]
-fn recover_spin_lift_then_drag_that_follows_spin_in_table_tennis() {
-    let Some(c) = measured("recover_spin_lift_then_drag_that_follows_spin_in_table_tennis", "table-tennis/campaign.toml") else {
-        return;
-    };
-    let (e, held) = (evidence(&c, Use::Identify), evidence(&c, Use::HoldOut));
-    let start = declared(&c, &e);
-    let mut vacuum = c.plant.clone();
-    vacuum.aero.values = vec![0.0];
-    // Anchors of the data's note, per axis: gravity 20.3 mm, drag 11.4 mm, decoy 9.7 mm, spin lift 3.0 mm. Its split differs
-    // from the campaign's (and single spikes are removed here), so they are met to 5 %.
-    let (gravity, drag) = (1e3 * held.rms_m(&vacuum), held_mm(&c, &held, &start));
-    eprintln!("gravity {gravity:.2} mm, drag {drag:.2} mm, {:?} {:?}", start.stop, start.hypothesis.generic);
-    assert!((gravity / 20.3 - 1.0).abs() < 0.05 && (drag / 11.4 - 1.0).abs() < 0.05, "{gravity} {drag}");
-    let first = ranked(&c, &e, &start);
-    let decoy = first.iter().find(|r| r.1 == "constant-acceleration").map(|r| held_mm(&c, &held, &r.3));
-    let lift = held_mm(&c, &held, &first[0].3);
-    eprintln!("spin lift {lift:.2} mm, decoy {decoy:?} mm {:?}", first[0].3.hypothesis.generic);
-    assert_eq!(first[0].1, "spin-lift");
-    assert!(first[0].0 > first[1].0 + 20.0, "the decoy is no rival");
-    assert!(lift <= 3.0, "{lift}");
-    assert!(decoy.is_none_or(|d| d > 2.0 * lift));
-    // Second round: spun balls have more drag than unspun ones.
-    let second = ranked(&c, &e, &first[0].3);
-    let more = held_mm(&c, &held, &second[0].3);
-    eprintln!("and drag over spin {more:.2} mm, {:?}", second[0].3.hypothesis.generic);
-    assert_eq!(second[0].1, "drag");
-    assert!(more < lift, "{more} {lift}");
-    for fit in [&start, &first[0].3, &second[0].3] {
-        eprintln!("{:?}", e.channel_residuals(&fit.residual, e.noise(), fit.free.len()));
-    }
-    let third = ranked(&c, &e, &second[0].3);
-    let last = held_mm(&c, &held, &third[0].3);
-    eprintln!("third {} {last:.2} mm", third[0].1);
 }
 
 #[test]
@@ -270,20 +231,72 @@ fn exact_parabola_leaves_nothing_in_vacuum() {
     assert!((series[0].velocity_m_s[0] + 2.0).abs() < 1e-8 && (series[0].position_m[0] - 3.0).abs() < 1e-8, "{series:?}");
 }
 
+/// Anchors of the data's note, per axis: gravity 20.3 mm, drag 11.4 mm, decoy 9.7 mm, spin lift 3.0 mm. Its split differs from the
+/// campaign's (and single spikes are removed here), so they are met to 5 %. Beside lift, drag that spin changes.
 #[test]
 fn recover_table_tennis_by_the_closing_loop() {
     let Some(c) = measured("recover_table_tennis_by_the_closing_loop", "table-tennis/campaign.toml") else { return };
+    let held = evidence(&c, Use::HoldOut);
+    let mut vacuum = c.plant.clone();
+    vacuum.aero.values = vec![0.0];
+    let gravity = 1e3 * held.rms_m(&vacuum);
     let r = close(&c, &Options::default()).expect("the declared model fits");
     for e in &r.effects {
         eprintln!("{} p {:.2e} held-out gain {:?} rivals {:?}", e.family, e.p_value, e.held_out_gain, e.rivals);
     }
-    let rms = |h: &Option<windfall_verify::close::HeldOut>| h.as_ref().and_then(|h| h.position_rms_m).expect("runs held out");
+    let rms =
+        |h: &Option<windfall_verify::close::HeldOut>| 1e3 * h.as_ref().and_then(|h| h.position_rms_m).expect("runs held out");
     let (before, after) = (rms(&r.before.hold_out), rms(&r.after.hold_out));
-    eprintln!("held out {:.2} mm → {:.2} mm; {:?}", 1e3 * before, 1e3 * after, r.residual_after);
-    assert_eq!(r.effects[0].family, "spin-lift");
-    assert!(r.effects[0].rivals.is_empty());
-    assert!(r.effects.iter().all(|e| e.family != "constant-acceleration"), "the decoy is no effect");
-    assert!(before > 0.010 && after < 0.003);
+    eprintln!("held out: gravity {gravity:.2}, declared {before:.2}, closed {after:.2} mm; {:?}", r.residual_after);
+    assert!((gravity / 20.3 - 1.0).abs() < 0.05 && (before / 11.4 - 1.0).abs() < 0.05, "{gravity} {before}");
+    let families: Vec<&str> = r.effects.iter().map(|e| e.family.as_str()).collect();
+    assert_eq!(families, ["spin-lift", "drag"]);
+    assert!(r.effects[0].rivals.is_empty(), "{:?}", r.effects[0].rivals);
+    assert!(after < 1.7, "{after}");
+}
+
+/// The tosses' gravity is 9.60 m/s2 for 9.81, and the cube comes to rest 2.2 % too low: the unit of length, or the clock. No force that a
+/// cube can have does it.
+#[test]
+fn recover_the_unit_of_length_of_the_cube_tosses() {
+    let Some(c) = measured("recover_the_unit_of_length_of_the_cube_tosses", "cube-tosses/campaign.toml") else { return };
+    let r = close(&c, &Options::default()).expect("the declared model fits");
+    assert_eq!(r.effects.len(), 1, "{:?}", r.effects);
+    let effect = &r.effects[0];
+    let mut both: Vec<&str> = effect.rivals.iter().map(String::as_str).chain([effect.family.as_str()]).collect();
+    both.sort_unstable();
+    assert_eq!(both, ["length-scale", "time-base"]);
+    if effect.family == "length-scale" {
+        let [low, high] = effect.parameters[0].ci95.expect("an interval");
+        // Rest heights of 51.25 mm over 52.4 mm declared, which the closing does not know.
+        assert!(low < -0.0219 && -0.0219 < high, "{low} {high}");
+    }
+    assert!(!r.unexplained.is_empty(), "every toss has a push of its own beyond noise");
+}
+
+/// Campaigns in which nothing acts but a push of each launch's own: names are false. Bound: binomial, 16 draws at 2 %; three or more have
+/// probability 0.4 %. With 30 draws none was false.
+#[test]
+fn law_few_false_names() {
+    let plant = ball().expect("a campaign file of one ball");
+    let mut false_names = 0;
+    for seed in 0..16 {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7000 + seed);
+        let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
+        let mut c = planted(&plant, &plant, &[], [true; 3], seed);
+        let size = if seed % 2 == 0 { 0.0 } else { 0.3 };
+        for k in 0..11_u32 {
+            let mut own = plant.clone();
+            own.point.acceleration = windfall_model::frames::Vec3::new(size * draw(), size * draw(), size * draw());
+            c.runs.extend(planted(&plant, &own, &[500.0 * f64::from(k % 3)], [true; 3], 50 * seed + 7000 + u64::from(k)).runs);
+        }
+        let r = close(&c, &Options::default()).expect("the declared model fits");
+        if !r.effects.is_empty() {
+            eprintln!("seed {seed}: {:?}", r.effects.iter().map(|e| (&e.family, e.p_value)).collect::<Vec<_>>());
+            false_names += 1;
+        }
+    }
+    assert!(false_names < 3, "{false_names} of 16");
 }
 
 /// Launches that a push of their own scatters, nothing else: an effect common to all is named no more often than stated.

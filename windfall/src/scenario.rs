@@ -61,7 +61,7 @@ impl Scenario {
     pub fn with_effect(mut self, family: &str, given: &[(&str, f64)]) -> Result<Self> {
         let wrong = |what: String| Error::Request(format!("effect {family}: {what}"));
         let effect = effects::find(family, Acts::Lander).ok_or_else(|| {
-            let known: Vec<&str> = CATALOGUE.iter().filter(|e| e.acts == Acts::Lander).map(|e| e.family).collect();
+            let known: Vec<&str> = CATALOGUE.iter().filter(|e| e.acts.on(Acts::Lander)).map(|e| e.family).collect();
             wrong(format!("is not in the catalogue; families: {}", known.join(", ")))
         })?;
         let parameters = (effect.parameters)(&[]);

@@ -5,9 +5,9 @@ use super::{Acts, Effect, Parameter};
 pub(super) static EFFECT: Effect = Effect {
     family: "apparent-mass",
     acts: Acts::PointMass,
-    physics: "A sphere drags along half the air it displaces when it accelerates.",
+    physics: "A sphere drags along half the air it displaces when it accelerates; fractions are of a sphere of the reference diameter, so that a body of another shape may have up to three.",
     source: "Lamb, Hydrodynamics, 1932, §92",
     separate_by: "launches at very different accelerations, such as a drop beside a fast throw",
-    parameters: |_| vec![Parameter::strength("displaced_fraction", "-", 20.0)],
+    parameters: |_| vec![Parameter::positive("displaced_fraction", "-", 3.0)],
     apply: |plant, v| plant.point.apparent_fraction += v[0],
 };

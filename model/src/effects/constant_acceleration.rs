@@ -9,6 +9,6 @@ pub(super) static EFFECT: Effect = Effect {
     physics: "A constant extra acceleration: a tilted axis, a wrong local gravity, a steady draught on a slow body.",
     source: "Kinematics; decoy for lift that is fitted condition by condition",
     separate_by: "launches in other directions",
-    parameters: |_| ["down_m_s2", "y_m_s2", "z_m_s2"].map(|n| Parameter::strength(n, "m/s2", 20.0)).to_vec(),
+    parameters: |_| ["down_m_s2", "y_m_s2", "z_m_s2"].map(|n| Parameter::strength(n, "m/s2", 3.0)).to_vec(),
     apply: |plant, v| plant.point.acceleration += Vec3::new(v[0], v[1], v[2]),
 };

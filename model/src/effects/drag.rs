@@ -10,7 +10,9 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Newton; Hoerner, Fluid-Dynamic Drag, 1965; Bearman and Harvey, Aeronaut. Q. 27, 1976 (drag over spin)",
     separate_by: "launches at other speeds, and with other settings",
     parameters: |inputs| {
-        let mut all = vec![Parameter::positive("CD", "-", 5.0)];
+        // With settings, the first is drag at settings of zero, which may be far from any launch.
+        let at_zero = if inputs.is_empty() { Parameter::positive("CD", "-", 2.0) } else { Parameter::strength("CD", "-", 50.0) };
+        let mut all = vec![at_zero];
         all.extend(inputs.iter().map(|i| Parameter::per_input("CD", i, 10.0)));
         all
     },

@@ -22,6 +22,16 @@ pub enum Acts {
     Lander,
     /// A body without attitude.
     PointMass,
+    /// Either: an instrument that both are measured by.
+    Any,
+}
+
+impl Acts {
+    /// Whether an effect that acts so can act on that body.
+    #[must_use]
+    pub fn on(self, body: Self) -> bool {
+        self == Self::Any || self == body
+    }
 }
 
 /// How a parameter is looked for.
@@ -164,5 +174,5 @@ catalogue![
 /// The effect of that family for that kind of body.
 #[must_use]
 pub fn find(family: &str, acts: Acts) -> Option<&'static Effect> {
-    CATALOGUE.into_iter().find(|e| e.family == family && e.acts == acts)
+    CATALOGUE.into_iter().find(|e| e.family == family && e.acts.on(acts))
 }

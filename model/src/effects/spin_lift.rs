@@ -13,7 +13,9 @@ pub(super) static EFFECT: Effect = Effect {
             .iter()
             .flat_map(|name| {
                 let per = inputs.iter().map(move |i| Parameter::per_input(name, i, 10.0));
-                per.chain([Parameter::strength(&format!("{name}_constant"), "-", 5.0)])
+                // Spheres and cubes reach one and a half; with settings, the constant is that at settings of zero.
+                let limit = if inputs.is_empty() { 1.5 } else { 50.0 };
+                per.chain([Parameter::strength(&format!("{name}_constant"), "-", limit)])
             })
             .collect()
     },

@@ -1,7 +1,6 @@
 //! verify: the result of closing, in the words of the contract's close.json. In: numbers. Out: serialisable rows.
 
 use crate::resimulate::{HoldOut, Statistic, TrajectoryError};
-use crate::trace::Candidate;
 use serde::{Deserialize, Serialize};
 use windfall_pid::relative_percent;
 
@@ -172,12 +171,6 @@ pub struct CandidateLine {
     pub score: f64,
     /// Chance of it, corrected for the forms tried.
     pub p_value: f64,
-}
-
-impl CandidateLine {
-    pub(crate) fn of(c: &Candidate) -> Self {
-        Self { family: c.instance.effect.family.to_owned(), score: c.statistic, p_value: c.p_value }
-    }
 }
 
 /// How large a family that was not found could still be.

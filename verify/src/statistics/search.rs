@@ -149,7 +149,7 @@ impl Search<'_> {
         let nothing = Found { h: null.clone(), x: Vec::new(), misfit: f64::INFINITY };
         let mut screened = Vec::new();
         let mut starts = Vec::new();
-        for effect in CATALOGUE.into_iter().filter(|e| e.acts == Acts::Lander) {
+        for effect in CATALOGUE.into_iter().filter(|e| e.acts.on(Acts::Lander)) {
             let points = self.cover(&null.with(effect), &nothing, self.options.screen_points, self.options.screen_runs);
             let change = |m: &DVector<f64>| {
                 (0..m.len()).map(|i| (m[i] - declared[i]).abs() / spread.covariance[(i, i)].sqrt()).fold(0.0, f64::max)
@@ -266,7 +266,7 @@ impl Search<'_> {
     /// Pairs of an effect that leads and one that moves the figures, searched coarsely; best first.
     fn pairs(&self, singles: &[Found], screened: &[Screened]) -> Vec<Found> {
         let moves = |e: &Effect| screened.iter().any(|s| s.moves && s.family == e.family);
-        let others: Vec<&'static Effect> = CATALOGUE.into_iter().filter(|e| e.acts == Acts::Lander && moves(e)).collect();
+        let others: Vec<&'static Effect> = CATALOGUE.into_iter().filter(|e| e.acts.on(Acts::Lander) && moves(e)).collect();
         let mut all: Vec<Found> = Vec::new();
         for lead in singles {
             for effect in others.iter().filter(|e| !lead.h.families().contains(&e.family)) {

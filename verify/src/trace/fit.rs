@@ -191,17 +191,6 @@ impl Problem<'_> {
         fit.log_likelihood - over.log_likelihood + 0.5 * (there - back + noise)
     }
 
-    /// Gain of log-likelihood of this evidence, every number as it stands, of one hypothesis over another.
-    #[must_use]
-    pub fn predicted_gain(&self, over: &Hypothesis, h: &Hypothesis) -> f64 {
-        let (_, sigma) = self.sigma(h);
-        let [(new, noise), (old, noise_before)] = [h, over].map(|h| {
-            let at = self.point(&h.plant(self.base));
-            (self.likelihood(h, &at.z), noise_energy(&at, &sigma))
-        });
-        new - old + 0.5 * (noise - noise_before)
-    }
-
     /// Fits everything together from the hypothesis' values; `shapes` says whether shapes move too. Strengths that would leave
     /// their plausible range are held at its edge, those that the data cannot tell from the rest at null.
     #[must_use]
@@ -224,7 +213,7 @@ impl Problem<'_> {
             let h = &fit.hypothesis;
             let out = |f: &Free| match *f {
                 Free::Effect(e, i) => h.effects[e].parameters[i].beyond(h.effects[e].values[i]),
-                Free::Declared(_) => 0.0,
+                Free::Declared(_) | Free::Constant(_) => 0.0,
             };
             match fit.free.iter().filter(|f| out(f) > 1e-9).max_by(|a, b| out(a).total_cmp(&out(b))) {
                 Some(worst) => pinned.push(*worst),
@@ -273,7 +262,10 @@ impl Problem<'_> {
             if !unseen.is_empty() {
                 return self.fit_with(start, shapes, &[pinned, &unseen].concat());
             }
-            let normal = Whitening::new(&sigma).map(|w| Normal::new(&at.whitened(&w), &Whitened::new(&w, &columns)));
+            let mut normal = Whitening::new(&sigma).map(|w| Normal::new(&at.whitened(&w), &Whitened::new(&w, &columns)));
+            if let Some(n) = normal.as_mut() {
+                n.add_prior(&h, &free);
+            }
             let Some(step) = normal.as_ref().and_then(Normal::solve) else {
                 let may = |i: usize| matches!(free[i], Free::Effect(..));
                 if let Some(i) = normal.and_then(|n| n.undetermined(may)) {
@@ -295,7 +287,7 @@ impl Problem<'_> {
         }
         fit.residual = self.evidence.residual(&h.plant(self.base), 0);
         let (l, sigma) = self.fit_sizes(&mut h, &fit.residual, Effort::FULL);
-        fit.log_likelihood = if l.is_finite() { l } else { f64::NEG_INFINITY };
+        fit.log_likelihood = if l.is_finite() { l + h.log_prior() } else { f64::NEG_INFINITY };
         fit.sigma = sigma;
         fit.random_errors = self.random_errors(&h, &fit.residual);
         fit.hypothesis = h;

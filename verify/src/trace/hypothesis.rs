@@ -1,6 +1,6 @@
 //! verify: a declared model with effects added. In: values. Out: the plant that they make, and which numbers are free.
 
-use windfall_model::{Acts, Effect, Parameter, Plant, Role};
+use windfall_model::{Acts, Constant, Effect, Parameter, Plant, Role};
 
 /// An effect with values for all its parameters.
 #[derive(Clone, Debug)]
@@ -66,6 +66,8 @@ impl Instance {
 pub enum Free {
     /// Declared aerodynamic parameter by index.
     Declared(usize),
+    /// Uncertain constant by index.
+    Constant(usize),
     /// Effect by position, parameter by index.
     Effect(usize, usize),
 }
@@ -75,6 +77,8 @@ pub enum Free {
 pub struct Hypothesis {
     /// Values of the structure's parameters.
     pub declared: Vec<f64>,
+    /// Uncertain constants with their departures from what is declared: nuisance parameters with a normal prior.
+    pub constants: Vec<(Constant, f64)>,
     /// Added effects, in the order they were added.
     pub effects: Vec<Instance>,
     /// Sizes (variances) of the unmodelled residual, per generic component.
@@ -87,6 +91,11 @@ impl Hypothesis {
     pub fn plant(&self, base: &Plant) -> Plant {
         let mut plant = base.clone();
         plant.aero.values.clone_from(&self.declared);
+        for (constant, departure) in &self.constants {
+            if let Some(x) = (constant.lens)(&mut plant) {
+                *x += departure;
+            }
+        }
         for e in &self.effects {
             (e.effect.apply)(&mut plant, &e.values);
         }
@@ -97,6 +106,7 @@ impl Hypothesis {
     pub fn get(&self, f: Free) -> f64 {
         match f {
             Free::Declared(i) => self.declared[i],
+            Free::Constant(i) => self.constants[i].1,
             Free::Effect(e, i) => self.effects[e].values[i],
         }
     }
@@ -104,6 +114,7 @@ impl Hypothesis {
     pub fn set(&mut self, f: Free, value: f64) {
         match f {
             Free::Declared(i) => self.declared[i] = value,
+            Free::Constant(i) => self.constants[i].1 = value,
             Free::Effect(e, i) => self.effects[e].values[i] = value,
         }
     }
@@ -111,6 +122,7 @@ impl Hypothesis {
     #[must_use]
     pub fn free(&self, declared: &[bool], shapes: bool) -> Vec<Free> {
         let mut free: Vec<Free> = (0..self.declared.len()).filter(|&i| declared[i]).map(Free::Declared).collect();
+        free.extend((0..self.constants.len()).map(Free::Constant));
         for (k, e) in self.effects.iter().enumerate() {
             free.extend(e.mean_strengths().map(|i| Free::Effect(k, i)));
             if shapes && e.mean_strengths().next().is_some() && !e.is_local() {
@@ -119,11 +131,17 @@ impl Hypothesis {
         }
         free
     }
+    /// Log-density of the constants' prior at these values, up to a constant.
+    #[must_use]
+    pub fn log_prior(&self) -> f64 {
+        self.constants.iter().map(|(c, departure)| -0.5 * (departure / c.std).powi(2)).sum()
+    }
     /// Sensible step for a difference in a free number.
     #[must_use]
     pub fn step(&self, f: Free) -> f64 {
         match f {
             Free::Declared(i) => 1e-3 * self.declared[i].abs().max(1e-2),
+            Free::Constant(i) => 0.1 * self.constants[i].0.std,
             Free::Effect(e, i) => {
                 let p = &self.effects[e].parameters[i];
                 match p.role {

@@ -53,7 +53,6 @@ pub struct TrackResidual {
 /// Evidence of flights of a point mass.
 pub struct PointEvidence {
     tracks: Vec<Track>,
-    density_kg_m3: f64,
     variance_m2: f64,
     inputs: Vec<String>,
     noise: Vec<Cov>,
@@ -67,18 +66,17 @@ impl PointEvidence {
     /// # Errors
     /// Tunnel runs; tracks with fewer than four samples; tracks that `around` cannot fly.
     pub fn new(campaign: &Campaign, indices: &[usize], around: &Plant) -> Result<Self, VerifyError> {
-        let density_kg_m3 = campaign.plant.point.air_density_kg_m3;
         let pushed = indices.len() >= RUNS_FOR_SCATTER;
         let tracks = indices
             .par_iter()
             .map(|&i| match &campaign.runs[i].data {
-                Data::Point(record) => Track::new(record, &campaign.runs[i].inputs, i, around, density_kg_m3, pushed),
+                Data::Point(record) => Track::new(record, &campaign.runs[i].inputs, i, around, pushed),
                 Data::Tunnel(_) => Err(VerifyError::NotPoint { run: campaign.runs[i].name.clone() }),
             })
             .collect::<Result<Vec<_>, _>>()?;
         let variance_m2 = campaign.plant.sensors.position_std_m.max(FLOOR_M).powi(2);
         let inputs = campaign.inputs.clone();
-        let mut evidence = Self { tracks, density_kg_m3, variance_m2, inputs, noise: Vec::new(), generic: Vec::new() };
+        let mut evidence = Self { tracks, variance_m2, inputs, noise: Vec::new(), generic: Vec::new() };
         evidence.measure();
         Ok(evidence)
     }
@@ -118,6 +116,11 @@ impl PointEvidence {
         squares.sort_by(f64::total_cmp);
         let median = squares.get(squares.len() / 2).map_or(f64::INFINITY, |m| m / 0.4549);
         self.variance_m2.min(median).max(FLOOR_M * FLOOR_M)
+    }
+
+    /// White noise along an axis, m: see [`Self::white_m2`].
+    pub(crate) fn white_m(&self, axis: usize) -> f64 {
+        self.white_m2(axis).sqrt()
     }
 
     /// Axes that any run has measured.
@@ -169,12 +172,12 @@ impl PointEvidence {
 
     /// Residual track with the initial state of least squares, what re-simulation is judged by.
     fn least(&self, t: &Track, plant: &Plant) -> Option<(DVector<f64>, DVector<f64>)> {
-        let (start, _) = t.estimated(plant, self.density_kg_m3)?;
-        t.least_squares(&t.own(plant), self.density_kg_m3, start)
+        let (start, _) = t.estimated(plant)?;
+        t.least_squares(&t.own(plant), start)
     }
 
     fn residuals<T: Send>(&self, plant: &Plant, of: impl Fn(&Track, &DVector<f64>) -> T + Sync) -> Vec<Option<T>> {
-        self.tracks.par_iter().map(|t| t.estimated(plant, self.density_kg_m3).map(|(_, e)| of(t, &e))).collect()
+        self.tracks.par_iter().map(|t| t.estimated(plant).map(|(_, e)| of(t, &e))).collect()
     }
 }
 
@@ -203,8 +206,7 @@ impl Evidence for PointEvidence {
         vec![Cov::zeros(); self.bins()]
     }
     fn settle(&mut self, plant: &Plant) {
-        let density = self.density_kg_m3;
-        let laid: Vec<bool> = self.tracks.par_iter_mut().map(|t| t.lay(plant, density).is_some()).collect();
+        let laid: Vec<bool> = self.tracks.par_iter_mut().map(|t| t.lay(plant).is_some()).collect();
         if laid.iter().any(|ok| *ok) {
             self.measure();
         }
@@ -236,7 +238,8 @@ impl Evidence for PointEvidence {
                 residuals[c].extend(track.residual_m[axis].clone().unwrap_or_else(|| vec![0.0; n]));
             }
             let own = t.own(plant);
-            let steps = fly_point(&own, self.density_kg_m3, &track.t_s, track.position_m, track.velocity_m_s).unwrap_or_default();
+            let steps = fly_point(&own, own.point.air_density_kg_m3, &track.t_s, track.position_m, track.velocity_m_s)
+                .unwrap_or_default();
             for (i, time) in track.t_s.iter().enumerate() {
                 let v = slope(&track.t_s, &steps, i);
                 let values = [*time, v[0], v[0].hypot(v[1]).hypot(v[2])];
@@ -257,7 +260,7 @@ impl Evidence for PointEvidence {
         let mut out = Vec::with_capacity(self.bins() * BIN);
         for (k, t) in self.tracks.iter().enumerate() {
             if k == run {
-                let z = t.estimated(plant, self.density_kg_m3).map(|(_, e)| t.binned(&e));
+                let z = t.estimated(plant).map(|(_, e)| t.binned(&e));
                 out.extend(z.unwrap_or_else(|| vec![f64::NAN; t.bins() * BIN]));
             } else {
                 out.resize(out.len() + t.bins() * BIN, 0.0);

@@ -49,7 +49,7 @@ pub fn weigh(problem: &Problem<'_>, fit: &Fit, acts: Acts) -> Vec<Candidate> {
     let Some(weighing) = Weighing::new(problem, fit) else { return Vec::new() };
     let mut all: Vec<Candidate> = CATALOGUE
         .into_par_iter()
-        .filter(|e| e.acts == acts && !h.effects.iter().any(|x| x.effect.family == e.family))
+        .filter(|e| e.acts.on(acts) && !h.effects.iter().any(|x| x.effect.family == e.family))
         .filter_map(|e| weighing.family(&Instance::null(e, problem.base, problem.inputs)))
         .collect();
     all.sort_by(|a, b| (b.statistic - b.degrees as f64).total_cmp(&(a.statistic - a.degrees as f64)));

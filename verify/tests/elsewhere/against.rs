@@ -18,7 +18,7 @@ fn differ(family: &str, values: &[f64], knobs: &[(K, f64)], change: impl Fn(&mut
     let mut plant = file.scenario.plant.clone();
     let mut flight = file.scenario.flights[0].clone();
     flight.sensor_noise = false;
-    if let Some(effect) = CATALOGUE.iter().find(|e| e.family == family && e.acts == Acts::Lander) {
+    if let Some(effect) = CATALOGUE.iter().find(|e| e.family == family && e.acts.on(Acts::Lander)) {
         assert_eq!((effect.parameters)(&[]).len(), values.len(), "{family}");
         (effect.apply)(&mut plant, values);
     }

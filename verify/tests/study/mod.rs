@@ -51,7 +51,7 @@ pub(crate) struct Draw {
 
 /// All draws: `seeds` per family and size, `nulls`, `pairs` per pair of turbulence and another, `hidden` per family.
 pub(crate) fn draws(seeds: u64, nulls: u64, pairs: u64, hidden: u64) -> Vec<Draw> {
-    let families: Vec<&str> = CATALOGUE.iter().filter(|e| e.acts == Acts::Lander).map(|e| e.family).collect();
+    let families: Vec<&str> = CATALOGUE.iter().filter(|e| e.acts.on(Acts::Lander)).map(|e| e.family).collect();
     let draw = |families: &[&str], place: usize, size: Size, seed: u64| Draw {
         families: families.iter().map(|f| (*f).to_owned()).collect(),
         size,
@@ -126,7 +126,7 @@ struct Sight<'a> {
 impl Sight<'_> {
     /// A form and sizes of a family: forms are drawn until one can be seen within its range; `None` when none can.
     fn instance(&self, family: &str, size: Size, rng: &mut ChaCha8Rng) -> Option<Instance> {
-        let effect = CATALOGUE.iter().find(|e| e.family == family && e.acts == Acts::Lander).expect("of the catalogue");
+        let effect = CATALOGUE.iter().find(|e| e.family == family && e.acts.on(Acts::Lander)).expect("of the catalogue");
         (0..30).find_map(|_| self.sized(effect, size, rng))
     }
 

@@ -2,6 +2,7 @@
 //! of what each copy adds. Out: a step with its covariance, or the number that the data do not determine.
 
 use super::super::evidence::Residual;
+use super::super::hypothesis::{Free, Hypothesis};
 use super::super::likelihood::Whitening;
 use super::{Columns, Point};
 use nalgebra::{DMatrix, DVector};
@@ -87,6 +88,18 @@ impl Normal {
     pub(crate) fn some(&self, kept: &[usize]) -> Self {
         let part = |m: &DMatrix<f64>| DMatrix::from_fn(kept.len(), kept.len(), |i, k| m[(kept[i], kept[k])]);
         Self { g: DVector::from_fn(kept.len(), |i, _| self.g[kept[i]]), j: part(&self.j), v: part(&self.v) }
+    }
+    /// Adds what is known of the constants without the data: each declared value is one more observation of it.
+    pub(crate) fn add_prior(&mut self, h: &Hypothesis, free: &[Free]) {
+        for (place, f) in free.iter().enumerate() {
+            if let Free::Constant(i) = *f {
+                let (constant, departure) = &h.constants[i];
+                let information = constant.std.powi(-2);
+                self.g[place] += information * departure;
+                self.j[(place, place)] += information;
+                self.v[(place, place)] += information;
+            }
+        }
     }
     /// The number (of those that may be held) that weighs most in the direction of least information.
     pub(crate) fn undetermined(&self, may: impl Fn(usize) -> bool) -> Option<usize> {

@@ -44,7 +44,6 @@ impl Track {
         inputs: &[f64],
         index: usize,
         around: &Plant,
-        density: f64,
         pushed: bool,
     ) -> Result<Self, VerifyError> {
         let axes: Vec<usize> = (0..3).filter(|&a| record.position_m[a].is_some()).collect();
@@ -69,7 +68,7 @@ impl Track {
             push: empty.clone(),
             state_inverse: empty,
         };
-        track.lay(around, density).ok_or(VerifyError::NotFlown { run: index })?;
+        track.lay(around).ok_or(VerifyError::NotFlown { run: index })?;
         Ok(track)
     }
 
@@ -90,12 +89,12 @@ impl Track {
     }
 
     /// Finds the initial state under a plant by Gauss-Newton, and lays the bases there.
-    pub(super) fn lay(&mut self, around: &Plant, density: f64) -> Option<()> {
+    pub(super) fn lay(&mut self, around: &Plant) -> Option<()> {
         let own = self.own(around);
-        let (theta, e) = self.least_squares(&own, density, self.guess()?)?;
-        let (_, jacobian) = self.linearised(&own, density, &theta)?;
+        let (theta, e) = self.least_squares(&own, self.guess()?)?;
+        let (_, jacobian) = self.linearised(&own, &theta)?;
         let states = jacobian.ncols();
-        let pushed = self.push_columns(&own, density, &theta)?;
+        let pushed = self.push_columns(&own, &theta)?;
         let mut columns = DMatrix::zeros(self.measured.len(), self.measured.len());
         columns.columns_mut(0, states).copy_from(&jacobian);
         let (n, end) = (self.t_s.len(), self.duration_s());
@@ -122,17 +121,17 @@ impl Track {
     }
 
     /// Initial state of least squares by Gauss-Newton from a start, and its residual.
-    pub(super) fn least_squares(&self, own: &Plant, density: f64, start: DVector<f64>) -> Option<(DVector<f64>, DVector<f64>)> {
+    pub(super) fn least_squares(&self, own: &Plant, start: DVector<f64>) -> Option<(DVector<f64>, DVector<f64>)> {
         let mut theta = start;
         for _ in 0..STEPS {
-            let (flown, jacobian) = self.linearised(own, density, &theta)?;
+            let (flown, jacobian) = self.linearised(own, &theta)?;
             let step = jacobian.svd(true, true).solve(&(&self.measured - flown), 1e-12).ok()?;
             theta += &step;
             if step.amax() < 1e-9 {
                 break;
             }
         }
-        let e = &self.measured - self.flown(own, density, &theta)?;
+        let e = &self.measured - self.flown(own, &theta)?;
         Some((theta, e))
     }
 
@@ -160,37 +159,40 @@ impl Track {
         (p, v)
     }
 
-    /// Positions along the measured axes, one axis after the other, from an initial state.
-    fn flown(&self, own: &Plant, density: f64, theta: &DVector<f64>) -> Option<DVector<f64>> {
+    /// Recorded positions along the measured axes, one axis after the other, from an initial state.
+    fn flown(&self, own: &Plant, theta: &DVector<f64>) -> Option<DVector<f64>> {
         let (p, v) = self.state(theta);
-        let flown = fly_point(own, density, &self.t_s, p, v).ok()?;
-        Some(DVector::from_iterator(self.measured.len(), self.axes.iter().flat_map(|&a| flown.iter().map(move |r| r[a]))))
+        let (ticks, longer) = (1.0 + own.sensors.time_base, 1.0 + own.sensors.length_scale);
+        let t_s: Vec<f64> = self.t_s.iter().map(|t| t / ticks).collect();
+        let flown = fly_point(own, own.point.air_density_kg_m3, &t_s, p, v).ok()?;
+        let recorded = self.axes.iter().flat_map(|&a| flown.iter().map(move |r| longer * r[a]));
+        Some(DVector::from_iterator(self.measured.len(), recorded))
     }
 
     /// Positions and their change with the initial state: exact for positions (nothing depends on place), central differences
     /// of a tenth of a millimetre at the end for velocities.
-    pub(super) fn linearised(&self, own: &Plant, density: f64, theta: &DVector<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    pub(super) fn linearised(&self, own: &Plant, theta: &DVector<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
         let (n, m) = (self.t_s.len(), self.axes.len());
         let mut jacobian = DMatrix::zeros(self.measured.len(), 2 * m);
         for a in 0..m {
-            jacobian.column_mut(a).rows_mut(a * n, n).fill(1.0);
+            jacobian.column_mut(a).rows_mut(a * n, n).fill(1.0 + own.sensors.length_scale);
             let h = 1e-4;
             let mut moved = theta.clone();
             moved[m + a] += h;
-            let up = self.flown(own, density, &moved)?;
+            let up = self.flown(own, &moved)?;
             moved[m + a] -= 2.0 * h;
-            let down = self.flown(own, density, &moved)?;
+            let down = self.flown(own, &moved)?;
             jacobian.set_column(m + a, &((up - down) / (2.0 * h)));
         }
-        Some((self.flown(own, density, theta)?, jacobian))
+        Some((self.flown(own, theta)?, jacobian))
     }
 
     /// Change of positions with a steady push along each measured axis, per m/s²: central differences of a tenth.
-    fn push_columns(&self, own: &Plant, density: f64, theta: &DVector<f64>) -> Option<DMatrix<f64>> {
+    fn push_columns(&self, own: &Plant, theta: &DVector<f64>) -> Option<DMatrix<f64>> {
         let at = |axis: usize, by: f64| {
             let mut moved = own.clone();
             moved.point.acceleration += Vec3::from_array(std::array::from_fn(|a| if a == axis { by } else { 0.0 }));
-            self.flown(&moved, density, theta)
+            self.flown(&moved, theta)
         };
         let columns = self.axes.iter().map(|&axis| Some((at(axis, 0.1)? - at(axis, -0.1)?) / 0.2)).collect::<Option<Vec<_>>>()?;
         Some(DMatrix::from_columns(&columns))
@@ -198,16 +200,16 @@ impl Track {
 
     /// Initial state under a plant, and the residual that it leaves, orthogonal to the state basis; Broyden's (1965) method
     /// from the state under the plant of the bases, so that the answer depends on the plant alone.
-    pub(super) fn estimated(&self, plant: &Plant, density: f64) -> Option<(DVector<f64>, DVector<f64>)> {
+    pub(super) fn estimated(&self, plant: &Plant) -> Option<(DVector<f64>, DVector<f64>)> {
         let own = self.own(plant);
         let mut theta = self.start.clone();
         let mut inverse = self.state_inverse.clone();
-        let mut e = &self.measured - self.flown(&own, density, &theta)?;
+        let mut e = &self.measured - self.flown(&own, &theta)?;
         let mut g = self.state_basis.tr_mul(&e);
         for _ in 0..STEPS {
             let step = &inverse * &g;
             theta += &step;
-            e = &self.measured - self.flown(&own, density, &theta)?;
+            e = &self.measured - self.flown(&own, &theta)?;
             if step.amax() < TOLERANCE_M {
                 return Some((theta, e));
             }

@@ -1,0 +1,290 @@
+//! verify: closing on flights of bodies without attitude. In: a campaign of tracks. Out: the closing, from a contest of sets of effects.
+//!
+//! Sets are fitted in full and weighed by their log marginal likelihood (Laplace's approximation, normal priors), grown, pruned and
+//! swapped one family at a time until none is better. What every run has of its own - its initial state, a slow push, the drift of its
+//! tracker - is part of the covariance, so that an effect must repeat from run to run. A strength beyond what any body can have explains
+//! nothing. Of runs held out nothing is used.
+
+use super::{
+    After, Bound, CandidateLine, ChannelResidual, Closing, ConstantLine, EffectLine, Form, HeldOut, NoiseLine, Options,
+    ParameterLine, SetLine, Shift, Verdict, lead, p_least, p_value_of_best, parameter_lines, result, runs_of,
+};
+use crate::VerifyError;
+use crate::close::result::Check;
+use crate::trace::{Evidence, Fit, Free, Hypothesis, PointEvidence, Problem, p_value};
+use windfall_model::{Acts, Campaign, Use};
+
+mod contest;
+mod settings;
+
+use contest::{Contest, Scored};
+use settings::Settings;
+
+/// Odds below which another family is a rival.
+const RIVAL: f64 = 20.0;
+
+/// Closes the loop of a campaign of tracks.
+///
+/// # Errors
+/// No run to identify on, runs too short, or a declared model that cannot be flown.
+pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, VerifyError> {
+    let indices = runs_of(campaign, Use::Identify);
+    if indices.is_empty() {
+        return Err(VerifyError::NoRuns { what: "identify" });
+    }
+    let settings = Settings::of(campaign, &indices);
+    let own = settings.standardised(campaign);
+    let other = |used: Use| {
+        let runs = runs_of(&own, used);
+        (!runs.is_empty()).then(|| PointEvidence::new(&own, &runs, &own.plant)).transpose()
+    };
+    let (held, select) = (other(Use::HoldOut)?, other(Use::Select)?);
+    let found = Contest::new(&own, &settings, &indices, select.as_ref())?.run()?;
+    let Report { start, best } = Report::of(&found);
+    let unexplained_of = |left: &[ChannelResidual], fit: &Fit| {
+        let beyond = p_least(left) < options.false_alarm;
+        if beyond { lead::describe(&own, &found.evidence, fit, left, options) } else { Vec::new() }
+    };
+    let residual = found.channels(start);
+    let left = found.channels(best);
+    let unexplained = unexplained_of(&left, best);
+    let effects: Vec<EffectLine> = (0..found.best.families.len())
+        .map(|k| effect_line(&found, &settings, k, unexplained.is_empty(), held.as_ref(), p_least(&left)))
+        .collect();
+    let verdict = match (effects.is_empty(), unexplained.is_empty()) {
+        (false, _) => Verdict::Effect,
+        (true, false) => Verdict::Unexplained,
+        (true, true) => Verdict::Consistent,
+    };
+    Ok(Closing {
+        campaign: campaign.name.clone(),
+        verdict,
+        residual: result::Residuals { per_channel: residual },
+        noise: noise(&found, campaign, &left),
+        residual_after: result::Residuals { per_channel: left },
+        constants: constants(&own, best),
+        sets: sets(&found),
+        effects,
+        candidates: candidates(&found),
+        bounds: bounds(&found, &settings),
+        unexplained,
+        shifts: shifts(campaign, start, best),
+        before: side(&own, start, held.as_ref()),
+        after: side(&own, best, held.as_ref()),
+        false_alarm_rate: options.false_alarm,
+    })
+}
+
+/// The two fits that a report compares.
+struct Report<'a> {
+    start: &'a Fit,
+    best: &'a Fit,
+}
+
+impl<'a> Report<'a> {
+    fn of(found: &'a Contest<'_>) -> Self {
+        Self { start: &found.declared.fit, best: &found.best.fit }
+    }
+}
+
+impl Contest<'_> {
+    fn channels(&self, fit: &Fit) -> Vec<ChannelResidual> {
+        self.evidence.channel_residuals(&fit.residual, &self.problem().explained(&fit.hypothesis), fit.free.len())
+    }
+    /// Every set that was weighed at the end, best first, with its probability among them.
+    fn weighed(&self) -> Vec<(&Scored, f64)> {
+        let mut all: Vec<&Scored> = self.neighbours.iter().chain([&self.best]).collect();
+        all.sort_by(|a, b| b.score.total_cmp(&a.score));
+        let top = all[0].score;
+        let sum: f64 = all.iter().map(|s| (s.score - top).exp()).sum();
+        all.into_iter().map(|s| (s, (s.score - top).exp() / sum)).collect()
+    }
+}
+
+fn effect_line(
+    found: &Contest<'_>,
+    settings: &Settings,
+    k: usize,
+    nothing_left: bool,
+    held: Option<&PointEvidence>,
+    p_left: f64,
+) -> EffectLine {
+    let fit = &found.best.fit;
+    let instance = &fit.hypothesis.effects[k];
+    let effect = instance.effect;
+    let without = found.without(k);
+    let gain = |h: &PointEvidence| {
+        let problem = Problem { evidence: h, ..found.problem() };
+        without.map(|w| problem.predict(&fit.hypothesis) - problem.predict(&w.fit.hypothesis))
+    };
+    EffectLine {
+        family: effect.family.to_owned(),
+        parameters: settings
+            .outward(fit, k)
+            .into_iter()
+            .zip(&instance.parameters)
+            .map(|((value, std), p)| ParameterLine::new("", &p.name, value, std, p.unit))
+            .collect(),
+        p_value: wald(found, fit, k),
+        probability: Some(found.weighed().iter().filter(|(s, _)| s.has(effect)).map(|(_, p)| p).sum()),
+        rivals: rivals(found, k),
+        form: Some(Form {
+            ok: nothing_left,
+            checks: vec![Check { what: "what is left along the worst axis is noise".to_owned(), p_value: p_left }],
+        }),
+        held_out_gain: held.and_then(gain),
+        physics: effect.physics.to_owned(),
+        source: effect.source.to_owned(),
+        separate_by: effect.separate_by.to_owned(),
+    }
+}
+
+/// Chance of strengths this many standard errors from null anywhere in the catalogue: Wald's statistic as few runs allow it.
+fn wald(found: &Contest<'_>, fit: &Fit, k: usize) -> f64 {
+    let places: Vec<usize> = (0..fit.free.len()).filter(|&i| matches!(fit.free[i], Free::Effect(e, _) if e == k)).collect();
+    let n = places.len();
+    let covariance = nalgebra::DMatrix::from_fn(n, n, |i, j| fit.covariance[(places[i], places[j])]);
+    let values = nalgebra::DVector::from_fn(n, |i, _| fit.hypothesis.get(fit.free[places[i]]));
+    let statistic = covariance.cholesky().map_or(0.0, |c| values.dot(&c.solve(&values)));
+    p_value(statistic * found.factor(n), n, found.families.len())
+}
+
+/// Families that take this one's place at odds of less than twenty.
+fn rivals(found: &Contest<'_>, k: usize) -> Vec<String> {
+    let mut rest = found.best.families.clone();
+    let own = rest.remove(k);
+    let swapped = |s: &&Scored| {
+        s.families.len() == rest.len() + 1 && !s.families.contains(&own) && rest.iter().all(|f| s.families.contains(f))
+    };
+    let mut all: Vec<(f64, String)> = found
+        .neighbours
+        .iter()
+        .filter(swapped)
+        .filter(|s| found.best.score - s.score < RIVAL.ln())
+        .filter_map(|s| Some((s.score, found.family_name(*s.families.iter().find(|f| !rest.contains(f))?))))
+        .collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    all.into_iter().map(|(_, name)| name).collect()
+}
+
+fn sets(found: &Contest<'_>) -> Vec<SetLine> {
+    let line = |(s, probability): (&Scored, f64)| SetLine {
+        families: s.families.iter().map(|f| found.family_name(*f)).collect(),
+        probability,
+    };
+    found.weighed().into_iter().filter(|(_, p)| *p > 1e-3).map(line).collect()
+}
+
+/// What every family alone brings to the declared model.
+fn candidates(found: &Contest<'_>) -> Vec<CandidateLine> {
+    let mut all: Vec<CandidateLine> = found
+        .singles
+        .iter()
+        .map(|s| {
+            let n = s.fit.free.len() - found.declared.fit.free.len();
+            let score = 2.0 * (s.fit.log_likelihood - found.declared.fit.log_likelihood) * found.factor(n);
+            CandidateLine {
+                family: found.family_name(s.families[0]),
+                score,
+                p_value: p_value_of_best(p_value(score, n, 1), found.families.len()),
+            }
+        })
+        .collect();
+    all.sort_by(|a, b| b.score.total_cmp(&a.score));
+    all
+}
+
+/// How large each strength that was not found could still be, beside the best set.
+fn bounds(found: &Contest<'_>, settings: &Settings) -> Vec<Bound> {
+    let added = found.neighbours.iter().filter(|s| s.families.len() == found.best.families.len() + 1);
+    added
+        .flat_map(|s| {
+            let k = s.families.len() - 1;
+            let instance = &s.fit.hypothesis.effects[k];
+            settings
+                .outward(&s.fit, k)
+                .into_iter()
+                .zip(&instance.parameters)
+                .filter(|((_, std), _)| std.is_finite())
+                .map(|((value, std), p)| Bound {
+                    family: instance.effect.family.to_owned(),
+                    parameter: p.name.clone(),
+                    upper95: (value.abs() + 1.96 * std).min(p.high),
+                    unit: p.unit.to_owned(),
+                })
+                .collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+fn noise(found: &Contest<'_>, campaign: &Campaign, left: &[ChannelResidual]) -> Vec<NoiseLine> {
+    left.iter()
+        .map(|c| NoiseLine {
+            channel: c.channel.clone(),
+            declared_std: campaign.plant.sensors.position_std_m,
+            learnt_std: ["X", "Y", "Z"].iter().position(|n| *n == c.channel).map_or(f64::NAN, |a| found.evidence.white_m(a)),
+            colour: 0.0,
+            coloured_share: 0.0,
+            lines_hz: Vec::new(),
+            missing: 0,
+            outliers: 0,
+        })
+        .collect()
+}
+
+fn constants(campaign: &Campaign, fit: &Fit) -> Vec<ConstantLine> {
+    fit.hypothesis
+        .constants
+        .iter()
+        .enumerate()
+        .map(|(i, (c, departure))| {
+            let declared = c.value(&campaign.plant).unwrap_or(0.0);
+            ConstantLine {
+                key: c.name(),
+                declared,
+                uncertainty: c.std,
+                estimate: declared + departure,
+                std_error: Some(fit.std_error(Free::Constant(i))).filter(|s| s.is_finite()),
+                unit: c.unit.to_owned(),
+            }
+        })
+        .collect()
+}
+
+fn shifts(campaign: &Campaign, before: &Fit, after: &Fit) -> Vec<Shift> {
+    parameter_lines(campaign, before)
+        .into_iter()
+        .zip(parameter_lines(campaign, after))
+        .map(|(b, a)| Shift {
+            name: b.name,
+            before: b.estimate,
+            after: a.estimate,
+            std_error_after: a.std_error.unwrap_or(f64::NAN),
+        })
+        .collect()
+}
+
+/// Parameters and errors on runs held out.
+fn side(campaign: &Campaign, fit: &Fit, held: Option<&PointEvidence>) -> After {
+    let of = |h: &PointEvidence| {
+        let problem = Problem { evidence: h, base: &campaign.plant, declared: &campaign.declared, inputs: &campaign.inputs };
+        HeldOut::of_points(Some(h.rms_m(&fit.hypothesis.plant(&campaign.plant))), Some(problem.predict(&fit.hypothesis)))
+    };
+    After { parameters: parameter_lines(campaign, fit), hold_out: held.map(of) }
+}
+
+/// Families that a body without attitude may have.
+fn catalogue() -> impl Iterator<Item = &'static windfall_model::Effect> {
+    windfall_model::CATALOGUE.into_iter().filter(|e| e.acts.on(Acts::PointMass))
+}
+
+/// The declared model, with declared effects and uncertain constants.
+fn declared(campaign: &Campaign, settings: &Settings, generic: usize) -> Hypothesis {
+    let effects = campaign.knowledge.effects.iter().map(|(e, v)| settings.inward(settings.null(e, campaign), v)).collect();
+    Hypothesis {
+        declared: campaign.plant.aero.values.clone(),
+        constants: campaign.knowledge.constants.iter().map(|c| (*c, 0.0)).collect(),
+        effects,
+        generic: vec![0.0; generic],
+    }
+}

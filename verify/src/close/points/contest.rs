@@ -1,0 +1,270 @@
+//! verify: the contest of sets of effects on tracks. In: tracks, a declared model. Out: the set that the runs speak for, and all next to it.
+
+use super::settings::Settings;
+use super::{catalogue, declared};
+use crate::VerifyError;
+use crate::trace::{Evidence, Fit, Free, Hypothesis, PointEvidence, Problem};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use windfall_model::{Campaign, Effect, Role};
+
+/// Log odds by which a larger set must beat a smaller one: gains are held back already by what few runs know of their scatter
+/// ([`Contest::factor`]), and 1 in 100 campaigns without an effect get one all the same (`law_few_false_names` of the tests).
+const SURE: f64 = 1.0;
+/// Prior standard deviations of an effect's strengths, as shares of the most that a body can have: each as likely, for effects are of any
+/// size.
+const PLAUSIBLE: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
+/// The same of a declared parameter over its size: knows nothing of it.
+const VAGUE: f64 = 30.0;
+/// Most effects in a set, and most moves of the search.
+const MOST: usize = 4;
+const MOVES: usize = 12;
+
+/// A set with its fit.
+#[derive(Clone)]
+pub(super) struct Scored {
+    /// Places in [`Contest::families`], in the order of the fit's effects after those declared.
+    pub(super) families: Vec<usize>,
+    pub(super) fit: Fit,
+    /// Log marginal likelihood, costs taken off.
+    pub(super) score: f64,
+}
+
+impl Scored {
+    pub(super) fn has(&self, effect: &Effect) -> bool {
+        self.fit.hypothesis.effects.iter().any(|e| e.effect == effect)
+    }
+}
+
+/// A search and its outcome.
+pub(super) struct Contest<'a> {
+    campaign: &'a Campaign,
+    settings: &'a Settings,
+    select: Option<&'a PointEvidence>,
+    pub(super) evidence: PointEvidence,
+    pub(super) families: Vec<&'static Effect>,
+    /// The declared model alone, and every family alone beside it, at the evidence of the end.
+    pub(super) declared: Scored,
+    pub(super) singles: Vec<Scored>,
+    pub(super) best: Scored,
+    /// Sets that differ from the best by one family more, less, or other.
+    pub(super) neighbours: Vec<Scored>,
+}
+
+impl<'a> Contest<'a> {
+    pub(super) fn new(
+        campaign: &'a Campaign,
+        settings: &'a Settings,
+        runs: &[usize],
+        select: Option<&'a PointEvidence>,
+    ) -> Result<Self, VerifyError> {
+        let mut evidence = PointEvidence::new(campaign, runs, &campaign.plant)?;
+        let mut h = declared(campaign, settings, evidence.generic().len());
+        let mut fit = None;
+        for _ in 0..3 {
+            let problem =
+                Problem { evidence: &evidence, base: &campaign.plant, declared: &campaign.declared, inputs: &campaign.inputs };
+            let f = problem.fit(&h, false);
+            if !f.log_likelihood.is_finite() {
+                return Err(VerifyError::Fit { campaign: campaign.name.clone(), reason: f.stop.words() });
+            }
+            h = f.hypothesis.clone();
+            evidence.settle(&h.plant(&campaign.plant));
+            fit = Some(f);
+        }
+        let fit = fit.ok_or(VerifyError::Fit { campaign: campaign.name.clone(), reason: "no fit was made" })?;
+        let families = catalogue().filter(|e| !campaign.knowledge.effects.iter().any(|(d, _)| d == e)).collect();
+        let start = Scored { families: Vec::new(), fit, score: f64::NEG_INFINITY };
+        Ok(Self {
+            campaign,
+            settings,
+            select,
+            evidence,
+            families,
+            declared: start.clone(),
+            singles: Vec::new(),
+            best: start,
+            neighbours: Vec::new(),
+        })
+    }
+
+    pub(super) fn problem(&self) -> Problem<'_> {
+        let c = self.campaign;
+        Problem { evidence: &self.evidence, base: &c.plant, declared: &c.declared, inputs: &c.inputs }
+    }
+
+    pub(super) fn family_name(&self, place: usize) -> String {
+        self.families[place].family.to_owned()
+    }
+
+    /// Factor on twice a gain of log-likelihood by `tested` numbers, as few runs allow it.
+    pub(super) fn factor(&self, tested: usize) -> f64 {
+        self.evidence.witnesses().map_or(1.0, |w| w.factor(self.declared.fit.free.len(), tested))
+    }
+
+    /// The best set without its `k`-th family.
+    pub(super) fn without(&self, k: usize) -> Option<&Scored> {
+        let mut rest = self.best.families.clone();
+        rest.remove(k);
+        if rest.is_empty() { Some(&self.declared) } else { self.neighbours.iter().find(|s| s.families == rest) }
+    }
+
+    /// Moves by one family at a time until no set next to the best is better.
+    pub(super) fn run(mut self) -> Result<Self, VerifyError> {
+        let mut been: Vec<Vec<usize>> = Vec::new();
+        for _ in 0..MOVES {
+            self.weigh();
+            let mut key = self.best.families.clone();
+            key.sort_unstable();
+            let Some(next) = self.next().filter(|_| !been.contains(&key)) else { break };
+            been.push(key);
+            self.evidence.settle(&next.fit.hypothesis.plant(&self.campaign.plant));
+            self.best = next;
+        }
+        Ok(self)
+    }
+
+    /// Fits the declared model, the best set and all its neighbours to the evidence as it lies.
+    fn weigh(&mut self) {
+        let h = declared(self.campaign, self.settings, self.evidence.generic().len());
+        let fit = self.problem().fit(&h, false);
+        self.declared = Scored { families: Vec::new(), score: f64::NEG_INFINITY, fit };
+        self.declared.score = self.score(&self.declared.fit, 0);
+        let at = self.best.families.clone();
+        let all = 0..self.families.len();
+        let less = |k: usize| at.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, f)| *f).collect::<Vec<_>>();
+        let with = |set: &[usize], f: usize| set.iter().copied().chain([f]).collect::<Vec<_>>();
+        let mut wanted: Vec<Vec<usize>> = vec![at.clone()];
+        wanted.extend((0..at.len()).map(less));
+        let others: Vec<usize> = all.clone().filter(|f| !at.contains(f)).collect();
+        if at.len() < MOST {
+            wanted.extend(others.iter().map(|&f| with(&at, f)));
+        }
+        wanted.extend((0..at.len()).flat_map(|k| others.iter().map(move |&f| (k, f))).map(|(k, f)| with(&less(k), f)));
+        wanted.extend(all.map(|f| vec![f]).filter(|s| at.len() != 1 || s[0] != at[0]));
+        let kept = self.best.fit.hypothesis.clone();
+        let mut fitted: Vec<Scored> = wanted.into_par_iter().filter_map(|set| self.fitted(&set, &kept)).collect();
+        self.singles = fitted.iter().filter(|s| s.families.len() == 1).cloned().collect();
+        if let Some(i) = fitted.iter().position(|s| s.families == at) {
+            self.best = fitted.swap_remove(i);
+        }
+        let near = |s: &Scored| {
+            let missing = at.iter().filter(|f| !s.families.contains(f)).count();
+            missing <= 1 && s.families.len() + missing <= at.len() + 1
+        };
+        fitted.retain(|s| near(s) && s.families != at);
+        fitted.sort_by(|a, b| a.families.cmp(&b.families));
+        fitted.dedup_by(|a, b| a.families == b.families);
+        self.neighbours = fitted;
+    }
+
+    /// A set fitted in full, from the values that its members have in `near`. A strength that would leave what a body can have is held at
+    /// null; `None` where a family has none left.
+    fn fitted(&self, set: &[usize], near: &Hypothesis) -> Option<Scored> {
+        let mut h = declared(self.campaign, self.settings, near.generic.len());
+        h.generic.clone_from(&near.generic);
+        let own = h.effects.len();
+        h.effects.extend(set.iter().map(|&f| {
+            let known = near.effects.iter().find(|e| e.effect == self.families[f]);
+            known.cloned().unwrap_or_else(|| self.settings.null(self.families[f], self.campaign))
+        }));
+        loop {
+            let fit = self.problem().fit(&h, true);
+            if !fit.log_likelihood.is_finite() {
+                return None;
+            }
+            let edge = |&(k, i): &(usize, usize)| {
+                let e = &fit.hypothesis.effects[k];
+                let (p, v) = (&e.parameters[i], e.values[i]);
+                let held = !fit.free.contains(&Free::Effect(k, i));
+                p.role == Role::Strength && held && (v - p.null).abs() > 1e-12
+            };
+            let places = (own..h.effects.len()).flat_map(|k| (0..h.effects[k].values.len()).map(move |i| (k, i)));
+            if let Some((k, i)) = places.clone().find(edge) {
+                let p = &mut h.effects[k].parameters[i];
+                (p.low, p.high) = (p.null, p.null);
+                h.effects[k].values[i] = h.effects[k].parameters[i].null;
+                continue;
+            }
+            let lives = |k: usize| fit.free.iter().any(|f| matches!(f, Free::Effect(e, _) if *e == k));
+            return (own..h.effects.len()).all(lives).then(|| {
+                let score = self.score(&fit, set.len());
+                Scored { families: set.to_vec(), fit, score }
+            });
+        }
+    }
+
+    /// Log marginal likelihood by Laplace's approximation with normal priors about null, the mean over their widths, effect by effect, less
+    /// what the families cost.
+    fn score(&self, fit: &Fit, families: usize) -> f64 {
+        let own = fit.hypothesis.effects.len() - families;
+        let ways = PLAUSIBLE.len().pow(families as u32);
+        let each = (0..ways).map(|way| {
+            let width = |k: usize| PLAUSIBLE[way / PLAUSIBLE.len().pow(k.saturating_sub(own) as u32) % PLAUSIBLE.len()];
+            self.marginal(fit, &width)
+        });
+        let all: Vec<f64> = each.collect();
+        let top = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mean = top + (all.iter().map(|x| (x - top).exp()).sum::<f64>() / ways as f64).ln();
+        let added = fit.free.len().saturating_sub(self.declared.fit.free.len());
+        let gain = (fit.log_likelihood - self.declared.fit.log_likelihood) * self.factor(added);
+        gain + mean - families as f64 * (self.families.len() as f64).ln()
+    }
+
+    /// What integrating over the free numbers gives beside the likelihood at its maximum, with a prior width for every effect.
+    fn marginal(&self, fit: &Fit, width: &dyn Fn(usize) -> f64) -> f64 {
+        let n = fit.free.len();
+        if n == 0 {
+            return 0.0;
+        }
+        let prior: Vec<f64> = fit.free.iter().map(|f| self.prior(fit, *f, width)).collect();
+        let departures = DVector::from_fn(n, |i, _| match fit.free[i] {
+            Free::Constant(_) | Free::Declared(_) => 0.0,
+            f => fit.hypothesis.get(f) / prior[i],
+        });
+        // The constants' prior is in the covariance and the likelihood already; what is left of it is its norm.
+        let open = |i: usize| !matches!(fit.free[i], Free::Constant(_));
+        let scaled = DMatrix::from_fn(n, n, |i, j| fit.covariance[(i, j)] / (prior[i] * prior[j]));
+        let wide = DMatrix::from_fn(n, n, |i, j| scaled[(i, j)] + f64::from(u8::from(i == j && open(i))));
+        let (Some(of_data), Some(of_both)) = (scaled.cholesky(), wide.cholesky()) else { return f64::NEG_INFINITY };
+        let ln = |c: &nalgebra::Cholesky<f64, nalgebra::Dyn>| c.l_dirty().diagonal().iter().map(|x| x.ln()).sum::<f64>();
+        ln(&of_data) - ln(&of_both) - 0.5 * departures.dot(&of_both.solve(&departures))
+    }
+
+    fn prior(&self, fit: &Fit, f: Free, width: &dyn Fn(usize) -> f64) -> f64 {
+        match f {
+            Free::Declared(i) => VAGUE * self.campaign.plant.aero.values[i].abs().max(1.0),
+            Free::Constant(i) => fit.hypothesis.constants[i].0.std,
+            Free::Effect(k, i) => {
+                let p = &fit.hypothesis.effects[k].parameters[i];
+                if p.role == Role::Strength { width(k) * p.high } else { 0.5 * fit.hypothesis.get(f).abs().max(1e-12) }
+            }
+        }
+    }
+
+    /// Where to move: a smaller set that the best does not beat by [`SURE`] or that the runs kept for choosing prefer; else the best of
+    /// those that beat it, a larger one by [`SURE`].
+    fn next(&self) -> Option<Scored> {
+        let n = self.best.families.len();
+        let smaller = (0..n).filter_map(|k| self.without(k));
+        let needless = smaller.filter(|s| self.best.score < s.score + SURE || !self.tells(s, &self.best));
+        if let Some(s) = needless.max_by(|a, b| a.score.total_cmp(&b.score)) {
+            return Some(s.clone());
+        }
+        let better = |s: &&Scored| match s.families.len().cmp(&n) {
+            std::cmp::Ordering::Greater => s.score > self.best.score + SURE && self.tells(&self.best, s),
+            std::cmp::Ordering::Equal => s.score > self.best.score + 0.01,
+            std::cmp::Ordering::Less => false,
+        };
+        self.neighbours.iter().filter(better).max_by(|a, b| a.score.total_cmp(&b.score)).cloned()
+    }
+
+    /// Whether one set says more than a smaller one: more than the tracker's stated error could make, and on the runs kept for choosing.
+    fn tells(&self, less: &Scored, more: &Scored) -> bool {
+        let chosen = self.select.is_none_or(|s| {
+            let problem = Problem { evidence: s, ..self.problem() };
+            problem.predict(&more.fit.hypothesis) > problem.predict(&less.fit.hypothesis)
+        });
+        chosen && self.evidence.tells(&less.fit.residual, &more.fit.residual)
+    }
+}
