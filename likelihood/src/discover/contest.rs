@@ -1,0 +1,134 @@
+//! likelihood: effects against generic alternatives. In: the best set. Out: what stands beside time, height, angles, lines and random air.
+
+use super::weigh::{GENERIC, SURE, Weighed, weigh, weigh_beside};
+use super::{cost_of, describe, moves_air, random_cost};
+use crate::check::{Alternative, Lead, alternatives};
+use crate::columns::CHANNEL_NAMES;
+use crate::engine::{Engine, Fit};
+use crate::model::{Member, Model};
+use crate::noise::POSE;
+use windfall_model::CATALOGUE;
+
+/// Outcome of a contest between effects and generic alternatives.
+#[derive(Clone, Debug)]
+pub struct Contest {
+    /// Families of the best set.
+    pub families: Vec<&'static str>,
+    /// Generic alternatives in it, with what each of them brings to it.
+    pub leads: Vec<Lead>,
+    /// What the best single alternative brings beside the present members.
+    pub strongest: f64,
+}
+
+/// Effects and generic alternatives weighed together at a fitted model.
+pub(super) fn contest(engine: &Engine, model: &Model, alternatives: &[Alternative]) -> Option<Contest> {
+    outcome(&weigh_beside(engine, model, alternatives)?, alternatives)
+}
+
+/// What came of weighing effects beside those alternatives.
+pub(super) fn outcome(w: &Weighed, alternatives: &[Alternative]) -> Option<Contest> {
+    let best = w.sets.first()?;
+    let is_generic = |u: usize| w.families[u].0 >= GENERIC;
+    let leads = best
+        .units
+        .iter()
+        .filter(|&&u| is_generic(u))
+        .map(|&u| {
+            let rest: Vec<usize> = best.units.iter().copied().filter(|&x| x != u).collect();
+            let without = crate::search::weigh(&w.gram, &w.units, &rest).map_or(0.0, |s| s.gain);
+            let amplitudes = best
+                .columns
+                .iter()
+                .zip(&best.estimates)
+                .filter(|(c, _)| w.units[u].columns.contains(c))
+                .map(|(_, e)| *e)
+                .collect();
+            alternatives[w.families[u].0 - GENERIC].lead(best.gain - without, amplitudes)
+        })
+        .collect();
+    let families = best.units.iter().filter(|&&u| !is_generic(u)).map(|&u| CATALOGUE[w.families[u].0].family).collect();
+    let present: Vec<usize> = (0..w.units.len()).filter(|&u| w.families[u].1.is_none() && !is_generic(u)).collect();
+    let floor = if present.is_empty() { Some(0.0) } else { crate::search::weigh(&w.gram, &w.units, &present).map(|s| s.gain) };
+    let strongest = (0..w.units.len())
+        .filter(|&u| is_generic(u))
+        .filter_map(|u| {
+            let mut with = present.clone();
+            with.push(u);
+            Some(crate::search::weigh(&w.gram, &w.units, &with)?.gain - floor?)
+        })
+        .fold(f64::NEG_INFINITY, f64::max);
+    Some(Contest { families, leads, strongest })
+}
+
+/// The best set held against generic alternatives: members that those make needless are taken out, and the rest fitted again.
+pub(super) fn against_alternatives(
+    engine: &Engine,
+    fit: Fit,
+    weighed: Weighed,
+    log: &mut Vec<String>,
+) -> (Fit, Weighed, Option<Contest>) {
+    let all = alternatives(engine);
+    let Some(first) = contest(engine, &fit.model, &all) else { return (fit, weighed, None) };
+    let keep = |m: &Member| m.declared || m.random || first.families.contains(&m.effect.family);
+    if first.leads.is_empty() || fit.model.members.iter().all(keep) {
+        return (fit, weighed, Some(first));
+    }
+    let mut model = fit.model.clone();
+    model.members.retain(keep);
+    log.push(format!("generic alternatives leave {}", describe(&model)));
+    let fewer = engine.climb(&model, true, 6).ok().and_then(|f| Some((weigh(engine, &f.model)?, f)));
+    let Some((w, f)) = fewer else { return (fit, weighed, Some(first)) };
+    let again = contest(engine, &f.model, &all).or(Some(first));
+    (f, w, again)
+}
+
+/// Gusts weaker than this share of the tunnel speed are no tunnel's: closed tunnels with many screens have 0.0005, a vertical one with
+/// few some 0.005.
+pub(super) const FAINT: f64 = 0.001;
+
+/// Gusts held against generic alternatives without gusts: random air takes up any small and slow residual, whatever it varies with. What
+/// the alternatives explain better is theirs; gusts that are fainter than a tunnel's are said to stand for something else.
+pub(super) fn against_gusts(
+    engine: &Engine,
+    fit: Fit,
+    weighed: Weighed,
+    contest: Option<Contest>,
+    log: &mut Vec<String>,
+) -> (Fit, Weighed, Option<Contest>, Vec<Lead>) {
+    const NEAR: f64 = 2.0;
+    let speed = engine.runs.iter().map(|r| r.speed_m_s).sum::<f64>() / engine.runs.len().max(1) as f64;
+    let gusts = fit.model.members.iter().position(|m| m.random && !m.declared && moves_air(m, engine));
+    let Some(gusts) = gusts else { return (fit, weighed, contest, Vec::new()) };
+    let member = &fit.model.members[gusts];
+    let size = member.strengths().map(|i| member.values[i]).fold(0.0, f64::max);
+    let mut still = fit.model.clone();
+    still.members.remove(gusts);
+    let Ok(still) = engine.climb(&still, true, 6) else { return (fit, weighed, contest, Vec::new()) };
+    let all = alternatives(engine);
+    let Some(beside) = weigh_beside(engine, &still.model, &all) else { return (fit, weighed, contest, Vec::new()) };
+    let Some(other) = outcome(&beside, &all) else { return (fit, weighed, contest, Vec::new()) };
+    let here = fit.total - cost_of(&fit.model, engine);
+    let there = beside.total - random_cost(&still.model, engine);
+    log.push(format!("without gusts {there:.1} for {here:.1}, {:?}", other.leads));
+    if still.chi < NEAR
+        && !other.leads.is_empty()
+        && there > here + SURE
+        && let Some(weighed) = weigh(engine, &still.model)
+    {
+        return (still, weighed, Some(other), Vec::new());
+    }
+    if size >= FAINT * speed {
+        return (fit, weighed, contest, Vec::new());
+    }
+    let worst = (0..POSE).max_by(|a, b| still.channels[*a][2].total_cmp(&still.channels[*b][2])).unwrap_or(0);
+    let small = Lead {
+        channel: CHANNEL_NAMES[worst].to_owned(),
+        variable: format!("time at random, as gusts of {size:.1e} m/s would make it, fainter than any tunnel's"),
+        gain: fit.log_likelihood - still.log_likelihood,
+        line_hz: None,
+        of_instrument: false,
+        amplitudes: Vec::new(),
+    };
+    let leads = if other.leads.is_empty() { vec![small] } else { other.leads };
+    (fit, weighed, contest, leads)
+}

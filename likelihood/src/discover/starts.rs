@@ -1,0 +1,184 @@
+//! likelihood: where a search starts. In: a declared model. Out: fits in gusts from wide to narrow, in other random inputs, after a kick.
+
+use super::polish::names;
+use super::weigh::{SURE, weigh, with_set};
+use super::{cost, describe, has, moves_air, random_cost};
+use crate::engine::{Engine, Fit};
+use crate::model::{Member, Model, catalogue};
+use windfall_model::Role;
+
+/// Sizes of a random input that are tried, as shares of the largest plausible (turbulence: 2 m/s).
+pub(super) const LEVELS: [f64; 5] = [0.15, 0.06, 0.025, 0.01, 0.0035];
+
+/// Where a search may start: a fit with random inputs, and the best set at it.
+pub(super) struct Start {
+    /// Log marginal likelihood of that set.
+    pub(super) total: f64,
+    pub(super) at: Model,
+    pub(super) next: Model,
+}
+
+/// Starts with random inputs of every effect, sizes and forms, or none; best first, those that lead to the same set once.
+pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Result<Vec<Start>, String> {
+    let random: Vec<Member> = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random).collect();
+    let mut fits: Vec<Fit> = Vec::new();
+    let mut last = String::new();
+    let air = random.iter().find(|m| moves_air(m, engine));
+    let mut model = declared.clone();
+    // Where gusts are declared they are in every set already.
+    if let Some(air) = air.filter(|a| !has(declared, a)) {
+        model = in_gusts(engine, declared, air, &mut fits, &mut last);
+    }
+    // No random input but the declared ones.
+    match engine.climb(&model, false, 4) {
+        Ok(fit) => fits.push(fit),
+        Err(d) => last = d.words(),
+    }
+    // Other random inputs, in every form.
+    for other in random.iter().filter(|m| air.is_none_or(|a| a.effect.family != m.effect.family)) {
+        let at_once = scanned(other).into_iter().filter_map(|form| {
+            let mut with = model.clone();
+            with.members.push(sized(other, 0.03, &form));
+            engine.climb(&with, false, 0).ok()
+        });
+        let best = at_once.min_by(|a, b| b.total.total_cmp(&a.total));
+        fits.extend(best.and_then(|fit| engine.climb(&fit.model, false, 3).ok()));
+    }
+    // Poor fits are struck everywhere: only the best is asked.
+    let best = fits.iter().max_by(|a, b| a.total.total_cmp(&b.total));
+    fits.extend(best.and_then(|fit| struck(engine, fit)));
+    let mut all: Vec<Start> = fits.into_iter().filter_map(|fit| start(engine, fit, log)).collect();
+    all.sort_by(|a, b| b.total.total_cmp(&a.total));
+    let mut distinct: Vec<Start> = Vec::new();
+    for one in all {
+        if distinct.iter().all(|d| names(&d.next) != names(&one.next)) {
+            distinct.push(one);
+        }
+    }
+    if distinct.is_empty() { Err(last) } else { Ok(distinct) }
+}
+
+/// Fits in gusts from wide to narrow, each starting from the one before, in the likeliest form; the last model, its gusts taken out.
+pub(super) fn in_gusts(engine: &Engine, declared: &Model, air: &Member, fits: &mut Vec<Fit>, last: &mut String) -> Model {
+    let without = |mut model: Model| {
+        model.members.retain(|m| m.effect.family != air.effect.family);
+        model
+    };
+    let with = |model: &Model, level: f64, form: &[f64]| {
+        let mut model = without(model.clone());
+        model.members.push(sized(air, level, form));
+        model
+    };
+    let forms = air.forms();
+    let mut followed = declared.clone();
+    for (k, level) in LEVELS.iter().enumerate() {
+        let model = with(&followed, *level, &forms[forms.len() / 2]);
+        let mut fit = engine.climb(&model, false, if k == 0 { 6 } else { 3 });
+        if k == 0
+            && let Some(led) = lead_in(engine, &model)
+            && let Ok(other) = engine.climb(&led, false, 3)
+            && fit.as_ref().map_or(true, |f| f.total < other.total)
+        {
+            fit = Ok(other);
+        }
+        match fit {
+            Ok(fit) => {
+                followed = fit.model.clone();
+                // Very wide gusts only lead the parameters near.
+                if k > 0 {
+                    let others = forms.iter().filter_map(|form| engine.climb(&with(&fit.model, *level, form), false, 1).ok());
+                    let best = others.max_by(|a, b| a.total.total_cmp(&b.total));
+                    fits.push(best.filter(|b| b.total > fit.total).unwrap_or(fit));
+                }
+            }
+            Err(d) => *last = d.words(),
+        }
+    }
+    without(followed)
+}
+
+/// Parameters found while accelerations are left free, less and less: from far starting values no gust leads a model's roll.
+pub(super) fn lead_in(engine: &Engine, model: &Model) -> Option<Model> {
+    const FREEDOM: [f64; 3] = [1.0, 0.2, 0.04];
+    let mut free = engine.clone();
+    let mut model = model.clone();
+    for (slack, steps) in FREEDOM.into_iter().zip([4, 3, 3]) {
+        free.slack = slack;
+        model = free.climb(&model, false, steps).ok()?.model;
+    }
+    Some(model)
+}
+
+/// Forms of a random input that are scanned: every value of its first shape, the middle ones of the others.
+pub(super) fn scanned(m: &Member) -> Vec<Vec<f64>> {
+    let shapes: Vec<(usize, &[f64])> = m
+        .parameters
+        .iter()
+        .enumerate()
+        .filter_map(|(i, p)| if let Role::Shape(t) = p.role { Some((i, t)) } else { None })
+        .collect();
+    let Some((first, tried)) = shapes.first() else { return vec![m.values.clone()] };
+    tried
+        .iter()
+        .map(|v| {
+            let mut form = m.values.clone();
+            shapes.iter().for_each(|(i, t)| form[*i] = t[t.len() / 2]);
+            form[*first] = *v;
+            form
+        })
+        .collect()
+}
+
+/// A random member with all strengths at a share of their largest.
+pub(super) fn sized(null: &Member, level: f64, form: &[f64]) -> Member {
+    let mut m = Member { values: form.to_vec(), ..null.clone() };
+    let strengths: Vec<usize> = m.strengths().collect();
+    for i in strengths {
+        m.values[i] = level * m.parameters[i].high;
+    }
+    m
+}
+
+/// A fit as a start: all sets weighed at it.
+pub(super) fn start(engine: &Engine, fit: Fit, log: &mut Vec<String>) -> Option<Start> {
+    let w = weigh(engine, &fit.model)?;
+    let total = w.total - random_cost(&fit.model, engine);
+    let next = with_set(&fit.model, &w, w.choice(), engine);
+    log.push(format!(
+        "  level {}: {total:.1} chi {:.3} {} -> {}",
+        describe(&fit.model),
+        fit.chi,
+        fit.stop.words(),
+        describe(&next)
+    ));
+    Some(Start { total, at: fit.model, next })
+}
+
+/// A model struck at the instant at which a kick explains most, in the likeliest duration; none where that would not be sure.
+pub(super) fn struck(engine: &Engine, fit: &Fit) -> Option<Fit> {
+    let null = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).find(|m| m.is_local() && !has(&fit.model, m))?;
+    let (run, shock) = engine.shock(&fit.model)?;
+    if shock.gain < cost(&null, engine) + SURE {
+        return None;
+    }
+    let place = |role: Role| null.parameters.iter().position(|p| p.role == role);
+    let (of_run, of_instant) = (place(Role::Run)?, place(Role::Instant)?);
+    let of_duration = null.parameters.iter().position(|p| matches!(p.role, Role::Shape(_)))?;
+    let tries = null.forms().into_iter().flat_map(|form| {
+        // The kick may be the pulse's start, middle or end.
+        [0.0, 0.5, 1.0].map(|share| {
+            let mut values = form.clone();
+            values[of_run] = run as f64;
+            values[of_instant] = (shock.t_s - share * form[of_duration]).max(0.0);
+            Member { values, ..null.clone() }
+        })
+    });
+    let fits = tries.filter_map(|member| {
+        let mut model = fit.model.clone();
+        model.members.push(member);
+        engine.climb(&model, false, 2).ok()
+    });
+    let best = fits.max_by(|a, b| a.total.total_cmp(&b.total))?;
+    let best = engine.climb(&best.model, true, 4).ok()?;
+    (best.total - cost(&null, engine) - SURE > fit.total).then_some(best)
+}
