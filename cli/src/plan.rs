@@ -3,7 +3,7 @@
 use crate::args::PlanArgs;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
-use windfall::results::{Plan, TargetPlan};
+use windfall::results::{NextRun, Plan, Planned, Separation, TargetPlan};
 
 /// Name of the result file.
 const FILE: &str = "plan.json";
@@ -12,8 +12,13 @@ pub(crate) fn run(args: &PlanArgs, session: &mut Session<'_>) -> Result<bool, Fa
     let campaign = session.campaign(&args.campaign)?;
     let folder = session.outputs(&[FILE])?;
     let found = session.work("planning", || campaign.plan(&args.request))?;
-    session.warn_all(&found.warnings);
-    session.deliver(folder.as_deref(), FILE, &found, || words(&campaign.data.name, &found))?;
+    if let Planned::Targets(plan) = &found {
+        session.warn_all(&plan.warnings);
+    }
+    session.deliver(folder.as_deref(), FILE, &found, || match &found {
+        Planned::Targets(plan) => words(&campaign.data.name, plan),
+        Planned::Rivals(separation) => parted(separation),
+    })?;
     Ok(found.is_within_reach())
 }
 
@@ -53,4 +58,45 @@ fn target_words(text: &mut String, t: &TargetPlan, flown_deg: f64) {
         let e = percent(o.std_error);
         let _ = writeln!(text, "  {:>12.0}{:>8}{:>10.0}{:>10.1}{e:>12.2}{beyond}", o.release_deg, o.runs, o.run_s, o.minutes);
     }
+}
+
+/// A table of pairs and of bounds.
+fn parted(s: &Separation) -> String {
+    let set = |f: &[String]| if f.is_empty() { "nothing".to_owned() } else { f.join(" + ") };
+    let mut text = format!("{}: {} is named; {} runs were tried\n", s.campaign, set(&s.families), s.tried);
+    if s.pairs.is_empty() {
+        text.push_str("no other set comes within twenty to one: nothing to part\n");
+    }
+    for pair in &s.pairs {
+        let _ = writeln!(text, "\n{} or {}: {:.1} to 1 now", set(&pair.families), set(&pair.rival), pair.log_odds_now.exp());
+        if pair.runs.is_empty() {
+            text.push_str("  no run that was tried parts them\n");
+        } else {
+            let _ = writeln!(text, "  {}{:>24}{:>22}", HEAD, "expected log odds", "when flown");
+        }
+        for r in &pair.runs {
+            let [a, b] = r.log_odds;
+            let flown = r.simulated.map_or_else(String::new, |[a, b]| format!("{a:.1} or {b:.1}"));
+            let _ = writeln!(text, "  {}{:>24}{flown:>22}", columns(&r.run), format!("{a:.1} or {b:.1}"));
+        }
+    }
+    if !s.bounds.is_empty() {
+        let _ = writeln!(
+            text,
+            "\nwide bounds, and the run that sharpens each most for its tunnel time\n  {HEAD}{:>24}",
+            "standard error"
+        );
+    }
+    for b in &s.bounds {
+        let errors = format!("{:.2e} -> {:.2e}", b.std_error_now, b.std_error_then);
+        let _ = writeln!(text, "  {}{errors:>24}  {} {} ({})", columns(&b.run), b.family, b.parameter, b.unit);
+    }
+    text
+}
+
+const HEAD: &str = "release deg  spin deg/s  offset m  speed swing  length s";
+
+fn columns(r: &NextRun) -> String {
+    let swing = format!("{:.0} %", 100.0 * r.speed_swing);
+    format!("{:>11.0}{:>12.0}{:>10.1}{swing:>13}{:>10.0}", r.release_deg, r.spin_deg_s, r.offset_m, r.duration_s)
 }

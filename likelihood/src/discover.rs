@@ -13,12 +13,14 @@ use windfall_model::Use;
 
 mod contest;
 mod polish;
+mod rivals;
 mod starts;
 mod weigh;
 
 pub use contest::Contest;
 use contest::{against_alternatives, against_gusts};
 use polish::{climb_down, declared_alone, polish};
+pub use rivals::{Pair, Rivals, Unseen, log_odds};
 use starts::{LEVELS, Start, ladder, lead_in, sized, struck};
 use weigh::{SURE, Weighed, named};
 

@@ -138,6 +138,13 @@ impl Engine {
         Some(Self { campaign: owned, runs, noise, hum, slack: 0.0 })
     }
 
+    /// Other runs of the campaign, or of one like it, in the noise of these; `None` without a tunnel run among them.
+    #[must_use]
+    pub fn beside(&self, campaign: &Campaign, runs: &[usize]) -> Option<Self> {
+        let own = Campaign { knowledge: self.campaign.knowledge.clone(), ..campaign.clone() };
+        Some(Self { noise: self.noise, slack: self.slack, ..Self::new(&own, runs)? })
+    }
+
     /// The campaign with what its runs leave uncertain: the instant of a pose within its sample interval.
     #[must_use]
     pub fn campaign(&self) -> &Campaign {
@@ -163,9 +170,7 @@ impl Engine {
     /// Log-likelihood of other runs in the same noise, every number as it is; `None` without such runs or where the model departs.
     #[must_use]
     pub fn predict(&self, model: &Model, runs: &[usize]) -> Option<f64> {
-        let mut other = Self::new(&self.campaign, runs)?;
-        other.noise = self.noise;
-        other.sum(model, &[], &[]).ok().map(|s| s.log_likelihood)
+        self.beside(&self.campaign, runs)?.sum(model, &[], &[]).ok().map(|s| s.log_likelihood)
     }
 
     /// The same with other noise.

@@ -26,7 +26,7 @@ mod wind;
 
 pub use check::Lead;
 pub use columns::CHANNEL_NAMES;
-pub use discover::{Contest, Discovery, discover, identify};
+pub use discover::{Contest, Discovery, Pair, Rivals, Unseen, discover, identify, log_odds};
 pub use engine::{Engine, Fit, Stop};
 pub use gram::{Gram, Posterior};
 pub use hum::Hum;

@@ -49,7 +49,7 @@ fn evidence(campaign: &Campaign, indices: &[usize], plant: &Plant, options: &Opt
     })
 }
 
-fn runs_of(campaign: &Campaign, used: Use) -> Vec<usize> {
+pub(crate) fn runs_of(campaign: &Campaign, used: Use) -> Vec<usize> {
     (0..campaign.runs.len()).filter(|&i| campaign.runs[i].used == used).collect()
 }
 

@@ -7,6 +7,7 @@ mod error;
 mod identify;
 mod recovery;
 mod resimulate;
+pub mod separate;
 pub mod statistics;
 pub mod study;
 pub mod tether_trace;

@@ -1,10 +1,12 @@
 //! verify tests: what a plan promises is what flying it brings.
 
-use windfall_model::{Campaign, Data, Flight, Knowledge, Run, Use};
+use windfall_model::effects::find;
+use windfall_model::{Acts, Campaign, Data, Flight, Knowledge, Run, Use};
 use windfall_pid::output_error::{self, Options};
 use windfall_pid::plan::{Target, Wanted, plan};
 use windfall_scenarios::read_bundled;
 use windfall_sim::{Seed, fly};
+use windfall_verify::separate::separate;
 
 /// A campaign of two short runs; the plan for half the error of C_m,2 is flown by the simulator with a hand at the throttle, and the
 /// campaign identified again. The plan flies at trim: with a speed that wanders by 2 % information wanders by 8 %, its root by 4 %, and
@@ -49,4 +51,46 @@ fn recover_the_error_that_was_planned() {
     }
     let then = error(&campaign);
     assert!((then / choice.std_error - 1.0).abs() < 0.1, "{then} for {} planned, {now} before: {choice:?}", choice.std_error);
+}
+
+/// Two short runs in which a weak effect cannot be told from another: the run that is proposed, flown, decides for whichever is true as
+/// it was expected to. Expected odds are those of a quadratic likelihood without noise: they are met to a factor of two in their logarithm
+/// or to five, whichever is more.
+#[test]
+fn recover_the_odds_that_were_expected() {
+    let mut scenario = read_bundled("sage-combined").expect("bundled").scenario;
+    let declared = scenario.plant.clone();
+    let effect = find("axial-speed", Acts::Lander).expect("of the catalogue");
+    (effect.apply)(&mut scenario.plant, &[0.1]);
+    let runs = (0..2).map(|k| {
+        let flight = Flight { duration_s: 8.0, ..scenario.flights[k].clone() };
+        Run {
+            name: format!("run {k}"),
+            kind: flight.kind.clone(),
+            used: Use::Identify,
+            inputs: Vec::new(),
+            data: Data::Tunnel(fly(&scenario.plant, &flight, Seed { campaign: 78, run: k as u64 }).expect("flies").record),
+            notes: Vec::new(),
+        }
+    });
+    let campaign = Campaign {
+        name: "weak".to_owned(),
+        declared: vec![true; declared.aero.values.len()],
+        runs: runs.collect(),
+        plant: declared,
+        inputs: Vec::new(),
+        knowledge: Knowledge::default(),
+    };
+    let found = separate(&campaign, 60.0).expect("closes");
+    for p in &found.pairs {
+        eprintln!("{:?} or {:?}: {:.2} {:?}", p.families, p.rival, p.log_odds_now, p.runs.first());
+    }
+    assert!(!found.pairs.is_empty(), "rivals");
+    for best in found.pairs.iter().filter_map(|p| p.runs.first()) {
+        let simulated = best.simulated.expect("flown");
+        for (expected, simulated) in best.log_odds.into_iter().zip(simulated) {
+            let apart = (expected - simulated).abs();
+            assert!(apart < (0.7 * expected.abs()).max(5.0), "{expected} {simulated}");
+        }
+    }
 }

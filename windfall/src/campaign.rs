@@ -2,14 +2,16 @@
 
 use crate::scenario::is_bundled;
 use crate::{Close, Error, Fly, Identify, Plan, Resimulate, Result, Scenario, Structure};
+use serde::Serialize;
 use std::path::Path;
 use windfall_model::{Data, Record, Run};
 use windfall_pid::Identification;
 use windfall_pid::compatibility::{Pressure, pressure};
-use windfall_pid::plan::{Plan as Planned, plan};
+use windfall_pid::plan::{Plan as Targets, plan};
 use windfall_pid::structure::{Choice, choose};
 use windfall_scenarios::{FEWEST_SAMPLES, FileKind, kind_of, read_campaign_with_warnings};
 use windfall_verify::close::{Closing, Figure, Options, close, figures};
+use windfall_verify::separate::{Separation, separate};
 use windfall_verify::{Identified, Resimulation, identify, resimulate_with_draws};
 
 /// One vehicle, its declared model, its runs.
@@ -113,17 +115,42 @@ impl Campaign {
     pub fn structure(&self, request: &Structure) -> Result<Choice> {
         Ok(choose(&self.data, request.criterion)?)
     }
-    /// Tunnel time that brings wanted errors: the content of `plan.json`.
+    /// Tunnel time that brings wanted errors, or runs that part rivals: the content of `plan.json`.
     ///
     /// # Errors
-    /// As [`Campaign::identify`]; a target that is no estimated parameter or no positive error.
+    /// As [`Campaign::identify`] or, to part rivals, as [`Campaign::close`]; a target that is no estimated parameter or no positive error.
     pub fn plan(&self, request: &Plan) -> Result<Planned> {
-        Ok(plan(&self.data, &request.target, request.between)?)
+        Ok(if request.separate {
+            Planned::Rivals(separate(&self.data, request.between)?)
+        } else {
+            Planned::Targets(plan(&self.data, &request.target, request.between)?)
+        })
     }
     /// Tunnel speed against dynamic pressure; none where no run has q_W.
     #[must_use]
     pub fn pressure(&self) -> Option<Pressure> {
         pressure(&self.data)
+    }
+}
+
+/// What to fly next.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Planned {
+    /// For wanted standard errors.
+    Targets(Targets),
+    /// For effects that cannot be told apart, and wide bounds.
+    Rivals(Separation),
+}
+
+impl Planned {
+    /// Whether what is wanted can be reached.
+    #[must_use]
+    pub fn is_within_reach(&self) -> bool {
+        match self {
+            Self::Targets(t) => t.is_within_reach(),
+            Self::Rivals(r) => r.is_within_reach(),
+        }
     }
 }
 

@@ -51,12 +51,14 @@ pub mod prelude {
 
 /// Results by name, in the layout of the JSON files.
 pub mod results {
+    pub use crate::campaign::Planned;
     pub use windfall_pid::compatibility::{Compatibility, FALSE_ALARM_RATE, InstrumentError, Instruments, Pressure};
     pub use windfall_pid::plan::{Plan, TargetPlan};
     pub use windfall_pid::structure::{Choice, CoefficientChoice, Symmetry};
     pub use windfall_pid::{DataSet, Estimate, Identifiability, Identification, NORMAL_95, relative_percent};
     pub use windfall_sim::{Flown, Truth};
     pub use windfall_verify::close::{Closing, EffectLine, Figure, HeldOut, Verdict};
+    pub use windfall_verify::separate::{Deciding, NextRun, Separated, Separation, Sharpened};
     pub use windfall_verify::statistics::{StatisticsClosing, statistics_table};
     pub use windfall_verify::study::{Moments, Summary};
     pub use windfall_verify::{

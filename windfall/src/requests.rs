@@ -108,14 +108,17 @@ impl Default for Structure {
     }
 }
 
-/// Which errors are wanted.
+/// Which errors are wanted, or which rivals are to part.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default, deny_unknown_fields)]
 pub struct Plan {
     /// Parameter and wanted standard error, in percent of its estimate (Cm_2=5%) or in its unit (Cm_2=10); may be repeated
-    #[cfg_attr(feature = "cli", arg(long, value_name = "PARAMETER=ERROR", required = true, value_parser = crate::target))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "PARAMETER=ERROR", required_unless_present = "separate", value_parser = crate::target))]
     pub target: Vec<Target>,
+    /// Instead: the runs that part the effects these runs cannot tell apart, and sharpen bounds that are wide, for their tunnel time
+    #[cfg_attr(feature = "cli", arg(long, conflicts_with = "target"))]
+    pub separate: bool,
     /// Time between runs that counts as tunnel time, s
     #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value_t = Self::default().between, value_parser = crate::seconds))]
     pub between: f64,
@@ -123,7 +126,7 @@ pub struct Plan {
 
 impl Default for Plan {
     fn default() -> Self {
-        Self { target: Vec::new(), between: 60.0 }
+        Self { target: Vec::new(), separate: false, between: 60.0 }
     }
 }
 
@@ -218,7 +221,7 @@ mod tests {
             prior: crate::prior("Cl_p=-5.7±0.3").into_iter().collect(),
             ..Identify::default()
         });
-        round_trip(Plan { target: crate::target("Cm_2=5%").into_iter().collect(), between: 30.0 });
+        round_trip(Plan { target: crate::target("Cm_2=5%").into_iter().collect(), between: 30.0, ..Plan::default() });
         round_trip(Study { shard: "2/8".parse().ok(), ..Study::default() });
         assert!(serde_json::from_str::<Study>(r#"{"shard": "9/8"}"#).is_err());
     }

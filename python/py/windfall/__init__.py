@@ -152,16 +152,18 @@ def plan(
     *,
     percent: Mapping[str, float] | None = None,
     absolute: Mapping[str, float] | None = None,
+    separate: bool | None = None,
     between: float | None = None,
     threads: int = 0,
 ) -> dict[str, Any]:
-    """Tunnel time that brings wanted standard errors: the content of plan.json.
+    """Tunnel time that brings wanted standard errors, or runs that part rivals: the content of plan.json.
 
-    `percent={"Cm_2": 5}` of the estimate, `absolute={"Cm_2": 10}` in the parameter's unit; `between` runs lie so many seconds.
+    `percent={"Cm_2": 5}` of the estimate, `absolute={"Cm_2": 10}` in the parameter's unit; `separate=True` instead: the runs that part the
+    effects that these runs cannot tell apart, and sharpen wide bounds; `between` runs lie so many seconds.
     """
     wanted = [("percent", percent or {}), ("absolute", absolute or {})]
     target = [{"parameter": name, "error": {kind: error}} for kind, errors in wanted for name, error in errors.items()]
-    found: dict[str, Any] = json.loads(_campaign(campaign).plan(_request(target=target, between=between), threads))
+    found: dict[str, Any] = json.loads(_campaign(campaign).plan(_request(target=target, separate=separate, between=between), threads))
     return found
 
 
