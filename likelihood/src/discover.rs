@@ -87,6 +87,9 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let top = starts.first().map_or(f64::NEG_INFINITY, |s| s.total);
     for Start { total, at, next } in starts.into_iter().take(STARTS) {
         let floor = best.as_ref().map_or(f64::NEG_INFINITY, |b| b.0);
+        if engine.is_exhausted() && best.is_some() {
+            break;
+        }
         if total < top - FAR && best.as_ref().is_some_and(|b| b.1.chi < LEFT) {
             continue;
         }
@@ -101,6 +104,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     // Noise again, by the likelihood of the best model, and the best model in it.
     if let Some((_, fit, _)) = &best
         && !engine.campaign.knowledge.exact_noise
+        && !engine.is_exhausted()
         && engine.refine_noise(&fit.model)
     {
         log.push(format!("noise {:?}", engine.noise.map(|n| format!("{:.3e}/{:.2}", n.std(), n.correlation))));
@@ -110,12 +114,14 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     }
     // Something that struck once, beside what was found.
     if let Some((_, fit, _)) = &best
+        && !engine.is_exhausted()
         && let Some(struck) = struck(engine, fit)
         && let Some((fit, weighed)) = polish(engine, struck.model, f64::NEG_INFINITY, &mut log)
         && best.as_ref().is_none_or(|b| fit.total - cost_of(&fit.model, engine) > b.1.total - cost_of(&b.1.model, engine))
     {
         best = Some((fit.total, fit, weighed));
     }
+    log.push(format!("work {:.0}", engine.passes()));
     let (_, after, weighed) = best.ok_or("no set of effects could be fitted")?;
     let (after, weighed) = selected(engine, after, weighed, &mut log);
     let (after, weighed, contest) = against_alternatives(engine, after, weighed, &mut log);

@@ -10,6 +10,8 @@ use crate::run::Prepared;
 use crate::shock::{Shock, strongest};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use windfall_model::{Campaign, Constant, Data, Plant, Record, Role};
 
 /// Runs of a campaign made ready, with their noise.
@@ -23,6 +25,8 @@ pub struct Engine {
     pub hum: Vec<Hum>,
     /// Freedom of the accelerations at a search's start, zero otherwise.
     pub(crate) slack: f64,
+    /// Work of all passes so far, of this engine and its copies: nodes times columns and what a node costs without any.
+    work: Arc<AtomicU64>,
 }
 
 /// Where a fit is.
@@ -83,6 +87,11 @@ const STAMP: &str = "sensors.pose_delay_s";
 const NODE_S: f64 = 0.02;
 /// The same where a search only looks for its start.
 const COARSE_S: f64 = 0.04;
+/// What a node costs without columns, in columns.
+const NODE_COST: u64 = 24;
+/// Most work of a search, in passes without columns: campaigns that a set explains take 100 to 400. Then climbs are of few steps.
+const BUDGET: f64 = 700.0;
+const FEW: usize = 3;
 /// A climb ends when no step exceeds this share of its standard error.
 const SMALL: f64 = 0.05;
 /// Longest step, in standard deviations of the prior.
@@ -135,7 +144,7 @@ impl Engine {
         }
         let (gas, wind) = (campaign.plant.environment.gas_constant_j_kg_k, noise[POSE]);
         let runs = records.par_iter().map(|(i, r)| Prepared::new(*i, &campaign.runs[*i].name, r, gas, NODE_S, &wind)).collect();
-        Some(Self { campaign: owned, runs, noise, hum, slack: 0.0 })
+        Some(Self { campaign: owned, runs, noise, hum, slack: 0.0, work: Arc::default() })
     }
 
     /// Other runs of the campaign, or of one like it, in the noise of these; `None` without a tunnel run among them.
@@ -223,6 +232,7 @@ impl Engine {
 
     /// One pass over all runs.
     pub(crate) fn sum(&self, model: &Model, numbers: &[Number], generic: &[(bool, usize, Basis)]) -> Result<Summed, Departed> {
+        self.work.fetch_add(self.instants() as u64 * (NODE_COST + numbers.len() as u64), Ordering::Relaxed);
         let columns = model.columns(&self.campaign, numbers, generic);
         let plant = model.plant(&self.campaign);
         let local = |p: &Plant, run: usize| p.for_run(run, &self.campaign.runs[run].inputs);
@@ -276,6 +286,16 @@ impl Engine {
         all.into_iter().flatten().max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))
     }
 
+    /// Work done so far, in passes over all runs without columns.
+    pub(crate) fn passes(&self) -> f64 {
+        self.work.load(Ordering::Relaxed) as f64 / (NODE_COST * self.instants() as u64).max(1) as f64
+    }
+
+    /// Whether a search has done all the work that it may: what no set explains is not worth more.
+    pub(crate) fn is_exhausted(&self) -> bool {
+        self.passes() > BUDGET
+    }
+
     /// Number of instants at which something may happen.
     pub(crate) fn instants(&self) -> usize {
         self.runs.iter().map(|r| r.nodes.len()).sum()
@@ -308,6 +328,7 @@ impl Engine {
         let (mut gram, mut chi) = self.gram(&model, self.free(&model, shapes))?;
         let penalty = |g: &Gram| 0.5 * g.numbers.iter().map(|n| (n.value / n.prior).powi(2)).sum::<f64>();
         let mut stop = Stop::Iterations;
+        let most = if self.is_exhausted() { most.min(FEW) } else { most };
         for _ in 0..most {
             let Some((_, step, covariance)) = gram.laplace() else {
                 stop = Stop::NoAscent;
