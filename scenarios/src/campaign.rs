@@ -122,7 +122,7 @@ fn entries(file: &Table<'_>) -> Vec<RunEntry> {
         })
         .collect();
     for (i, e) in all.iter().enumerate() {
-        let stem = |e: &RunEntry| e.path.file_stem().map(std::ffi::OsStr::to_owned);
+        let stem = |e: &RunEntry| crate::formats::stem(&e.path);
         if !e.file.is_empty() && all[..i].iter().any(|o| stem(o) == stem(e) && o.window_s == e.window_s) {
             let what = "appears twice (or another file of the same name)";
             file.source.fault(
@@ -198,7 +198,7 @@ fn check_files_exist(source: &Source<'_>, entries: &[RunEntry]) {
 }
 
 fn read_run(e: &RunEntry, declared: &Declared, down: Option<Down>, inputs: &[String]) -> Result<Vec<Run>, ReadError> {
-    let stem = e.path.file_stem().map_or_else(|| e.file.clone(), |s| s.to_string_lossy().into_owned());
+    let stem = crate::formats::stem(&e.path).unwrap_or_else(|| e.file.clone());
     let values: Vec<f64> = inputs.iter().filter_map(|n| e.inputs.get(n).copied()).collect();
     let run = |name: String, data, notes| Run { name, kind: e.kind.clone(), used: e.used, inputs: values.clone(), data, notes };
     if let Some(down) = down {

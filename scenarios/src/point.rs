@@ -1,8 +1,9 @@
 //! scenarios: tracks of bodies without attitude. In: a path and the axis that points down. Out: track in tunnel axes.
 
 use crate::clean::remove_spikes;
-use crate::columns::{fault, read_columns};
+use crate::columns::{fault, some_of};
 use crate::error::ReadError;
+use crate::formats::read_columns;
 use crate::record::{spike_note, times};
 use crate::units::median;
 use std::path::Path;
@@ -49,12 +50,12 @@ pub fn read_track(
     window_s: Option<[f64; 2]>,
 ) -> Result<(PointRecord, Vec<String>), ReadError> {
     let mut columns = read_columns(path)?;
-    let mut notes = Vec::new();
+    let mut notes = std::mem::take(&mut columns.notes);
     let one =
         |key: &str, value: &str, what: &str, remedy: &str| ReadError::Faults(vec![fault(path, None, key, value, what, remedy)]);
     for needed in ["t_s", COLUMNS[down.axis]] {
         if columns.get(needed).is_none() {
-            let what = format!("column is missing; the file has {}", columns.names().join(", "));
+            let what = format!("column is missing; the file has {}", some_of(columns.names()));
             return Err(one(needed, "", &what, "t_s and the column of the vertical axis that [axes] down names"));
         }
     }

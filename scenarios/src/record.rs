@@ -1,8 +1,9 @@
 //! scenarios: run files as records. In: a path, the instruments' noise, a window. Out: records in SI and rad, with what was repaired.
 
 use crate::clean::{SIGMAS, Spike, bridge, pieces, remove_spikes, unwrap_deg};
-use crate::columns::{Columns, fault, read_columns, write_columns_csv};
+use crate::columns::{Columns, fault, some_of, write_columns_csv};
 use crate::error::{Fault, ReadError, WriteError};
+use crate::formats::read_columns;
 use crate::units;
 use std::path::Path;
 use windfall_model::{Record, Sensors};
@@ -68,7 +69,7 @@ pub fn read_record_csv(path: &Path) -> Result<Record, ReadError> {
 /// [`ReadError`] with every fault of the file.
 pub fn read_record_pieces(path: &Path, sensors: &Sensors, window_s: Option<[f64; 2]>) -> Result<Vec<Piece>, ReadError> {
     let mut columns = read_columns(path)?;
-    let mut notes = Vec::new();
+    let mut notes = std::mem::take(&mut columns.notes);
     has_columns(path, &columns, &NEEDED)?;
     let t = times(path, &mut columns, window_s, &mut notes)?;
     let grid = Grid::of(path, &t, &columns.lines)?;
@@ -90,7 +91,7 @@ fn has_columns(path: &Path, columns: &Columns, needed: &[&str]) -> Result<(), Re
         .iter()
         .filter(|n| columns.get(n).is_none())
         .map(|n| {
-            let what = format!("column is missing; the file has {}", columns.names().join(", "));
+            let what = format!("column is missing; the file has {}", some_of(columns.names()));
             let near: Vec<&str> = columns.names().iter().map(String::as_str).collect();
             let remedy = crate::table::nearest(n, &near).map_or_else(
                 || "names and units of the run file are fixed".to_owned(),
@@ -106,7 +107,7 @@ fn note_unused(columns: &Columns, notes: &mut Vec<String>) {
     let known = |n: &str| NEEDED.contains(&n) || n == QW || n == "t_s";
     let unused: Vec<&str> = columns.names().iter().map(String::as_str).filter(|n| !known(n)).collect();
     if !unused.is_empty() {
-        notes.push(format!("columns not used: {}", unused.join(", ")));
+        notes.push(format!("columns not used: {}", some_of(&unused)));
     }
 }
 
