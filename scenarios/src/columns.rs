@@ -40,6 +40,16 @@ impl Columns {
     pub(crate) fn get(&self, name: &str) -> Option<&[f64]> {
         self.names.iter().position(|n| n == name).map(|i| self.data[i].as_slice())
     }
+    /// Puts a column in the place of the one of its name, or beside the others.
+    pub(crate) fn put(&mut self, name: &str, column: Vec<f64>) {
+        match self.names.iter().position(|n| n == name) {
+            Some(i) => self.data[i] = column,
+            None => {
+                self.names.push(name.to_owned());
+                self.data.push(column);
+            }
+        }
+    }
     pub(crate) fn names(&self) -> &[String] {
         &self.names
     }

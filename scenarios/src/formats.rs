@@ -99,7 +99,13 @@ const MAT_REMEDY: &str = "save('run.mat', '-struct', 'run') in MATLAB with one v
 
 fn hdf5_columns(path: &Path, bytes: Vec<u8>, kind: &str) -> Result<Columns, ReadError> {
     let remedy = if kind == "HDF5" { "one data set of numbers a column, all in one group" } else { MAT_REMEDY };
-    variables::columns(path, hdf5::read(bytes), kind, remedy)
+    variables::columns(path, guarded(|| hdf5::read(bytes)), kind, remedy)
+}
+
+/// What a decoder made of damaged bytes: those of Parquet and HDF5 answer some damage with a panic, which ends here as a reason.
+fn guarded<T>(decode: impl FnOnce() -> Result<T, Reason>) -> Result<T, Reason> {
+    let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode));
+    caught.unwrap_or_else(|_| Err("its bytes contradict each other; the file is damaged".to_owned()))
 }
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {

@@ -11,6 +11,7 @@ mod error;
 mod formats;
 mod journal;
 mod keys;
+mod own;
 mod parquet_rows;
 mod planet;
 mod planet_out;

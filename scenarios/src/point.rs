@@ -4,6 +4,7 @@ use crate::clean::remove_spikes;
 use crate::columns::{fault, some_of};
 use crate::error::ReadError;
 use crate::formats::read_columns;
+use crate::own::Own;
 use crate::record::{spike_note, times};
 use crate::units::median;
 use std::path::Path;
@@ -49,7 +50,18 @@ pub fn read_track(
     position_std_m: f64,
     window_s: Option<[f64; 2]>,
 ) -> Result<(PointRecord, Vec<String>), ReadError> {
-    let mut columns = read_columns(path)?;
+    read_own_track(path, &Own::default(), down, position_std_m, window_s)
+}
+
+/// The same for a file whose columns are its owner's.
+pub(crate) fn read_own_track(
+    path: &Path,
+    own: &Own,
+    down: Down,
+    position_std_m: f64,
+    window_s: Option<[f64; 2]>,
+) -> Result<(PointRecord, Vec<String>), ReadError> {
+    let mut columns = own.apply(path, read_columns(path)?)?;
     let mut notes = std::mem::take(&mut columns.notes);
     let one =
         |key: &str, value: &str, what: &str, remedy: &str| ReadError::Faults(vec![fault(path, None, key, value, what, remedy)]);

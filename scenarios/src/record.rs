@@ -4,6 +4,7 @@ use crate::clean::{SIGMAS, Spike, bridge, pieces, remove_spikes, unwrap_deg};
 use crate::columns::{Columns, fault, some_of, write_columns_csv};
 use crate::error::{Fault, ReadError, WriteError};
 use crate::formats::read_columns;
+use crate::own::Own;
 use crate::units;
 use std::path::Path;
 use windfall_model::{Record, Sensors};
@@ -68,7 +69,17 @@ pub fn read_record_csv(path: &Path) -> Result<Record, ReadError> {
 /// # Errors
 /// [`ReadError`] with every fault of the file.
 pub fn read_record_pieces(path: &Path, sensors: &Sensors, window_s: Option<[f64; 2]>) -> Result<Vec<Piece>, ReadError> {
-    let mut columns = read_columns(path)?;
+    read_own_pieces(path, &Own::default(), sensors, window_s)
+}
+
+/// The same for a file whose columns are its owner's.
+pub(crate) fn read_own_pieces(
+    path: &Path,
+    own: &Own,
+    sensors: &Sensors,
+    window_s: Option<[f64; 2]>,
+) -> Result<Vec<Piece>, ReadError> {
+    let mut columns = own.apply(path, read_columns(path)?)?;
     let mut notes = std::mem::take(&mut columns.notes);
     has_columns(path, &columns, &NEEDED)?;
     let t = times(path, &mut columns, window_s, &mut notes)?;
@@ -94,8 +105,8 @@ fn has_columns(path: &Path, columns: &Columns, needed: &[&str]) -> Result<(), Re
             let what = format!("column is missing; the file has {}", some_of(columns.names()));
             let near: Vec<&str> = columns.names().iter().map(String::as_str).collect();
             let remedy = crate::table::nearest(n, &near).map_or_else(
-                || "names and units of the run file are fixed".to_owned(),
-                |near| format!("rename {near} to {n} if it is that"),
+                || "names and units of the run file are fixed, unless [columns] of a campaign gives others".to_owned(),
+                |near| format!("rename {near} to {n} if it is that, or say {n} = \"{near}\" in [columns] of the campaign"),
             );
             fault(path, Some(1), n, "", &what, &remedy)
         })

@@ -1,5 +1,6 @@
 //! scenarios: run files in Parquet. In: the bytes. Out: named columns of numbers, or the fault by column.
 
+use super::guarded;
 use crate::columns::{Columns, fault};
 use crate::error::ReadError;
 use bytes::Bytes;
@@ -12,19 +13,20 @@ use std::path::Path;
 
 /// Reads all columns of numbers of a flat table; a null is NaN, what is no number is left out.
 pub(super) fn read(path: &Path, bytes: Vec<u8>) -> std::result::Result<Columns, ReadError> {
-    let broken = |key: &str, e: &ParquetError| {
+    let broken = |key: &str, e: &str| {
         let remedy = "Parquet of numbers in flat columns, without compression or with snappy, gzip, lz4 or zstd";
         ReadError::Faults(vec![fault(path, None, key, "", &format!("cannot be read as Parquet: {e}"), remedy)])
     };
     let size = bytes.len();
-    let reader = SerializedFileReader::new(Bytes::from(bytes)).map_err(|e| broken("", &e))?;
-    sound(&reader, size).map_err(|e| broken("", &e))?;
+    let reader = guarded(|| SerializedFileReader::new(Bytes::from(bytes)).map_err(|e| e.to_string())).map_err(|e| broken("", &e))?;
+    sound(&reader, size).map_err(|e| broken("", &e.to_string()))?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let (mut names, mut data, mut left) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..schema.num_columns() {
         let column = schema.column(i);
         let name = column.path().string();
-        match numbers(&reader, i, column.max_def_level(), column.max_rep_level()) {
+        let read = || numbers(&reader, i, column.max_def_level(), column.max_rep_level()).map_err(|e| e.to_string());
+        match guarded(read) {
             Ok(Some(values)) => {
                 names.push(name);
                 data.push(values);
@@ -38,7 +40,7 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>) -> std::result::Result<Columns, 
         return Err(ReadError::Faults(vec![fault(path, None, "", "", "has no rows", "one row per sample")]));
     }
     if let Some(i) = data.iter().position(|c| c.len() != rows) {
-        let found = ParquetError::General(format!("has {} rows where {} has {rows}", data[i].len(), names[0]));
+        let found = format!("has {} rows where {} has {rows}", data[i].len(), names[0]);
         return Err(broken(&names[i], &found));
     }
     let mut columns = Columns::new(names, data, (1..=rows).collect());
