@@ -9,6 +9,7 @@ mod clean;
 mod columns;
 mod error;
 mod formats;
+mod grid;
 mod journal;
 mod keys;
 mod own;
