@@ -2,8 +2,8 @@
 
 use crate::error::{ReadError, text_of};
 use crate::keys;
-use crate::plant::{Declared, read_declared};
 use crate::own::{self, Own};
+use crate::plant::{Declared, read_declared};
 use crate::point::{Down, read_own_track};
 use crate::record::read_own_pieces;
 use crate::scenario::{declared_effects, run_exists, used};

@@ -50,6 +50,10 @@ impl Columns {
             }
         }
     }
+    /// Names with their numbers, in the file's order.
+    pub(crate) fn all(&self) -> impl Iterator<Item = (&String, &Vec<f64>)> {
+        self.names.iter().zip(&self.data)
+    }
     pub(crate) fn names(&self) -> &[String] {
         &self.names
     }

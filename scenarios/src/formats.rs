@@ -66,7 +66,8 @@ pub(crate) fn stem(path: &Path) -> Option<String> {
 
 /// Reads a run file by its ending.
 pub(crate) fn read_columns(path: &Path) -> Result<Columns, ReadError> {
-    let one = |value: &str, what: &str, remedy: &str| Err(ReadError::Faults(vec![fault(path, None, "file", value, what, remedy)]));
+    let one =
+        |value: &str, what: &str, remedy: &str| Err(ReadError::Faults(vec![fault(path, None, "file", value, what, remedy)]));
     let Some((_, format)) = split(path) else {
         let ending = path.extension().map_or_else(String::new, |e| format!(".{}", e.to_string_lossy()));
         let what = format!("is not a kind of run file that this version reads; read: {}", endings());

@@ -78,9 +78,9 @@ impl Own {
             }
         }
         let used = self.used();
-        for name in file.names().iter().filter(|n| !used.contains(&n.as_str()) && !OURS.iter().any(|(o, _)| o == n)) {
+        for (name, column) in file.all().filter(|(n, _)| !used.contains(&n.as_str()) && !OURS.iter().any(|(o, _)| o == n)) {
             names.push(name.clone());
-            data.push(file.get(name).unwrap_or_default().to_vec());
+            data.push(column.clone());
         }
         let mut ours = Columns::new(names, data, file.lines.clone());
         ours.notes.clone_from(&file.notes);
@@ -106,7 +106,8 @@ impl Own {
             .chain(attitude)
             .filter(|(_, name)| file.get(name).is_none())
             .map(|(ours, name)| {
-                let what = format!("[columns] reads {ours} from it, and the file lacks it; the file has {}", some_of(file.names()));
+                let what =
+                    format!("[columns] reads {ours} from it, and the file lacks it; the file has {}", some_of(file.names()));
                 let remedy = crate::table::nearest(name, &near).map_or("one of these names".to_owned(), |n| format!("\"{n}\""));
                 fault(path, Some(1), ours, name, &what, &remedy)
             })

@@ -116,10 +116,10 @@ fn law_damaged_files_are_errors() {
                 }
             }
         };
-        for cut in (0..whole.len()).step_by(whole.len() / 40) {
+        for cut in (0..whole.len()).step_by(whole.len() / 20) {
             hold(&whole[..cut]);
         }
-        for at in (0..whole.len()).step_by(whole.len() / 200) {
+        for at in (0..whole.len()).step_by(whole.len() / 100) {
             let mut turned = whole.clone();
             turned[at] ^= [0x01, 0x80, 0xff][at % 3];
             hold(&turned);

@@ -36,8 +36,7 @@ pub(super) struct Read {
 impl Read {
     pub(super) fn columns(self) -> Columns {
         let number = |k: &Kind| !matches!(k, Kind::Other { .. });
-        let left: Vec<String> =
-            self.names.iter().zip(&self.kinds).filter(|(_, k)| !number(k)).map(|(n, _)| n.clone()).collect();
+        let left: Vec<String> = self.names.iter().zip(&self.kinds).filter(|(_, k)| !number(k)).map(|(n, _)| n.clone()).collect();
         let rows = self.data.iter().map(Vec::len).max().unwrap_or(0);
         let (names, data) =
             self.names.into_iter().zip(self.data).zip(&self.kinds).filter(|(_, k)| number(k)).map(|(pair, _)| pair).unzip();
@@ -152,9 +151,9 @@ impl<'b> Body<'b> {
     fn take(&mut self) -> Result<Cow<'b, [u8]>, Reason> {
         let place = self.buffers.get(self.next).ok_or("a batch of rows has too few buffers")?;
         self.next += 1;
-        let [from, size] = [0, 8].map(|at| place[at..].first_chunk::<8>().map_or(usize::MAX, |b| {
-            usize::try_from(u64::from_le_bytes(*b)).unwrap_or(usize::MAX)
-        }));
+        let [from, size] = [0, 8].map(|at| {
+            place[at..].first_chunk::<8>().map_or(usize::MAX, |b| usize::try_from(u64::from_le_bytes(*b)).unwrap_or(usize::MAX))
+        });
         let bytes = from.checked_add(size).and_then(|to| self.bytes.get(from..to)).ok_or("a column lies outside its batch")?;
         match self.packed {
             Some(codec) if !bytes.is_empty() => unpack(codec, bytes),

@@ -19,9 +19,8 @@ struct Layout {
 }
 
 pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Columns, ReadError> {
-    let (text, notes) = super::encoding::text(bytes).map_err(|reason| {
-        ReadError::Faults(vec![fault(path, None, "file", "", &reason, "save it as CSV in UTF-8")])
-    })?;
+    let (text, notes) = super::encoding::text(bytes)
+        .map_err(|reason| ReadError::Faults(vec![fault(path, None, "file", "", &reason, "save it as CSV in UTF-8")]))?;
     let mut columns = parse(path, &text)?;
     columns.notes.splice(0..0, notes);
     Ok(columns)
@@ -89,7 +88,8 @@ fn parse(path: &Path, text: &str) -> Result<Columns, ReadError> {
     for name in names.iter().filter(|n| !seen.insert(n.as_str())).take(LISTED) {
         faults.push(fault(path, Some(header_line), "column", name, "appears twice", "remove or rename one"));
     }
-    let mut rows = Rows { path, separator: layout.separator, data: vec![Vec::new(); names.len()], names, lines: Vec::new(), bad: 0, faults };
+    let mut rows =
+        Rows { path, separator: layout.separator, data: vec![Vec::new(); names.len()], names, lines: Vec::new(), bad: 0, faults };
     let mut units = None;
     while reader.read_record(&mut row).map_err(|e| broken(&e))? {
         if rows.lines.is_empty() && units.is_none() && rows.are_units(&row) {

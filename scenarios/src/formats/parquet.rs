@@ -18,7 +18,8 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>) -> std::result::Result<Columns, 
         ReadError::Faults(vec![fault(path, None, key, "", &format!("cannot be read as Parquet: {e}"), remedy)])
     };
     let size = bytes.len();
-    let reader = guarded(|| SerializedFileReader::new(Bytes::from(bytes)).map_err(|e| e.to_string())).map_err(|e| broken("", &e))?;
+    let reader =
+        guarded(|| SerializedFileReader::new(Bytes::from(bytes)).map_err(|e| e.to_string())).map_err(|e| broken("", &e))?;
     sound(&reader, size).map_err(|e| broken("", &e.to_string()))?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let (mut names, mut data, mut left) = (Vec::new(), Vec::new(), Vec::new());
@@ -111,10 +112,10 @@ fn add<T: DataType>(
 mod tests {
     use super::*;
     use parquet::basic::Compression;
-    use std::fs::File;
     use parquet::file::properties::WriterProperties;
     use parquet::file::writer::SerializedFileWriter;
     use parquet::schema::parser::parse_message_type;
+    use std::fs::File;
     use std::sync::Arc;
 
     /// Nulls, whole numbers and floats in two groups of rows come back as numbers and NaN, whatever the compression.
@@ -124,9 +125,13 @@ mod tests {
             parse_message_type("message run { required double t_s; optional float X_m; required int64 n; }").expect("a schema"),
         );
         let dir = tempfile::tempdir().expect("a folder");
-        for compression in
-            [Compression::UNCOMPRESSED, Compression::SNAPPY, Compression::GZIP(Default::default()), Compression::LZ4_RAW, Compression::ZSTD(Default::default())]
-        {
+        for compression in [
+            Compression::UNCOMPRESSED,
+            Compression::SNAPPY,
+            Compression::GZIP(Default::default()),
+            Compression::LZ4_RAW,
+            Compression::ZSTD(Default::default()),
+        ] {
             let path = dir.path().join("run.parquet");
             let properties = Arc::new(WriterProperties::builder().set_compression(compression).build());
             let mut file =

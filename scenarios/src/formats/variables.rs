@@ -108,7 +108,8 @@ pub(super) fn columns(path: &Path, read: Result<Vec<Variable>, Reason>, kind: &s
             return Err(one("", format!("holds no vectors of {FEWEST} numbers or more; it holds {}", held.join(", "))));
         }
         many => {
-            let places: Vec<&str> = many.iter().map(|s| if s.place.is_empty() { "top level" } else { s.place.as_str() }).collect();
+            let places: Vec<&str> =
+                many.iter().map(|s| if s.place.is_empty() { "top level" } else { s.place.as_str() }).collect();
             return Err(one(&places.join(", "), "each hold vectors: which is the run?".to_owned()));
         }
     };

@@ -34,7 +34,13 @@ fn own(t: &Table<'_>, point: bool) -> Own {
     if t.has("attitude") && !point {
         own.attitude = t.table("attitude", &keys::COLUMNS_ATTITUDE).and_then(|a| attitude(&a));
         for ours in ANGLES.into_iter().filter(|n| t.has(n)) {
-            t.source.fault(t.at(ours), t.full(ours), "", "stands beside [columns.attitude], which makes it", "remove one of them");
+            t.source.fault(
+                t.at(ours),
+                t.full(ours),
+                "",
+                "stands beside [columns.attitude], which makes it",
+                "remove one of them",
+            );
         }
     }
     own
@@ -100,7 +106,8 @@ fn axes(t: &Table<'_>) -> Option<Axes> {
     let body = rows(&t, "body");
     let axes = Axes { room: room?, body: body? };
     if determinant(&axes.room) * determinant(&axes.body) < 0.0 {
-        let what = "one of tunnel and body is right-handed and the other left-handed, so that no rotation leads from one to the other";
+        let what =
+            "one of tunnel and body is right-handed and the other left-handed, so that no rotation leads from one to the other";
         t.source.fault(Some(t.span.clone()), "[columns.axes]", "", what, "turn the sign of one axis");
         return None;
     }

@@ -36,8 +36,12 @@ const LENGTH: &[Unit] = &[
     unit("in", 254.0, 1e4),
     unit("ft", 3048.0, 1e4),
 ];
-const ANGLE: &[Unit] =
-    &[unit("deg", 1.0, 1.0), unit("rad", 180.0, std::f64::consts::PI), unit("mrad", 0.18, std::f64::consts::PI), unit("turn", 360.0, 1.0)];
+const ANGLE: &[Unit] = &[
+    unit("deg", 1.0, 1.0),
+    unit("rad", 180.0, std::f64::consts::PI),
+    unit("mrad", 0.18, std::f64::consts::PI),
+    unit("turn", 360.0, 1.0),
+];
 /// Pounds per square foot and inch: 0.45359237 kg x 9.80665 m/s2 over 0.3048 m, 0.0254 m squared.
 const PRESSURE: &[Unit] = &[
     unit("Pa", 1.0, 1.0),
@@ -126,6 +130,15 @@ mod tests {
             let unit = Unit::of(quantity, word).expect("a unit");
             let error: f64 = unit.ours(value) / ours - 1.0;
             assert!(error.abs() < 1e-7, "{word}: {error}");
+        }
+    }
+
+    /// The reference lists every unit that is read.
+    #[test]
+    fn law_the_reference_names_all_units() {
+        let all = [Quantity::Time, Quantity::Length, Quantity::Angle, Quantity::Pressure, Quantity::Speed, Quantity::Temperature];
+        for quantity in all {
+            assert!(crate::keys::COLUMN.meaning.contains(&format!(": {}.", quantity.words())), "{quantity:?}");
         }
     }
 }
