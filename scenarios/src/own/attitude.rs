@@ -121,10 +121,10 @@ impl Attitude {
 }
 
 /// Angles of our own sequence, in deg, about other axes.
-pub(super) fn turned_deg(angles: [Vec<f64>; 3], axes: Axes) -> [Vec<f64>; 3] {
+pub(super) fn turned_deg([x, y, z]: [Vec<f64>; 3], axes: Axes) -> [Vec<f64>; 3] {
     let mut out: [Vec<f64>; 3] = Default::default();
-    for i in 0..angles[0].len() {
-        let rotation = of_euler([0, 1, 2].map(|k| angles[k][i].to_radians()), [0, 1, 2]);
+    for ((x, y), z) in x.into_iter().zip(y).zip(z) {
+        let rotation = of_euler([x, y, z].map(f64::to_radians), [0, 1, 2]);
         let turned = ours_deg(&product(&product(&axes.room, &rotation), &transposed(&axes.body)));
         out.iter_mut().zip(turned).for_each(|(c, a)| c.push(a));
     }
@@ -149,7 +149,7 @@ fn of_euler(angles: [f64; 3], axes: [usize; 3]) -> Matrix {
 /// Rotation of a quaternion, its length taken out; `None` when that is not near one.
 fn of_quaternion([w, x, y, z]: [f64; 4]) -> Option<Matrix> {
     let length = (w * w + x * x + y * y + z * z).sqrt();
-    if !((length - 1.0).abs() <= LENGTH) {
+    if length.is_nan() || (length - 1.0).abs() > LENGTH {
         return None;
     }
     let [w, x, y, z] = [w, x, y, z].map(|q| q / length);
