@@ -10,6 +10,8 @@ pub(crate) struct Columns {
     data: Vec<Vec<f64>>,
     /// Line of each row in the file.
     pub(crate) lines: Vec<usize>,
+    /// Line of the names in the file; none where a file has no lines.
+    pub(crate) header: Option<usize>,
     /// What the file itself says of its columns' units, in their order; empty when it does not.
     pub(crate) units: Vec<String>,
     /// What a reader of the file should know of how it was read.
@@ -29,7 +31,7 @@ impl Columns {
     /// Columns of one length each; numbers that are not finite become NaN.
     pub(crate) fn new(names: Vec<String>, mut data: Vec<Vec<f64>>, lines: Vec<usize>) -> Self {
         data.iter_mut().flatten().filter(|x| !x.is_finite()).for_each(|x| *x = f64::NAN);
-        Self { names, data, lines, units: Vec::new(), notes: Vec::new() }
+        Self { names, data, lines, header: None, units: Vec::new(), notes: Vec::new() }
     }
     /// Says which columns of the file hold no numbers.
     pub(crate) fn leave_out(&mut self, names: &[String]) {

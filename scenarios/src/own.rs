@@ -83,6 +83,7 @@ impl Own {
             data.push(column.clone());
         }
         let mut ours = Columns::new(names, data, file.lines.clone());
+        ours.header = file.header;
         ours.notes.clone_from(&file.notes);
         self.turn(path, &file, &mut ours)?;
         Ok(ours)
@@ -109,7 +110,7 @@ impl Own {
                 let what =
                     format!("[columns] reads {ours} from it, and the file lacks it; the file has {}", some_of(file.names()));
                 let remedy = crate::table::nearest(name, &near).map_or("one of these names".to_owned(), |n| format!("\"{n}\""));
-                fault(path, Some(1), ours, name, &what, &remedy)
+                fault(path, file.header, ours, name, &what, &remedy)
             })
             .collect()
     }

@@ -107,7 +107,7 @@ fn has_columns(path: &Path, columns: &Columns, needed: &[&str]) -> Result<(), Re
                 || "names and units of the run file are fixed, unless [columns] of a campaign gives others".to_owned(),
                 |near| format!("rename {near} to {n} if it is that, or say {n} = \"{near}\" in [columns] of the campaign"),
             );
-            fault(path, Some(1), n, "", &what, &remedy)
+            fault(path, columns.header, n, "", &what, &remedy)
         })
         .collect();
     if faults.is_empty() { Ok(()) } else { Err(ReadError::Faults(faults)) }

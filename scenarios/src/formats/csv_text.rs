@@ -88,8 +88,16 @@ fn parse(path: &Path, text: &str) -> Result<Columns, ReadError> {
     for name in names.iter().filter(|n| !seen.insert(n.as_str())).take(LISTED) {
         faults.push(fault(path, Some(header_line), "column", name, "appears twice", "remove or rename one"));
     }
-    let mut rows =
-        Rows { path, separator: layout.separator, data: vec![Vec::new(); names.len()], names, lines: Vec::new(), bad: 0, faults };
+    let mut rows = Rows {
+        path,
+        separator: layout.separator,
+        data: vec![Vec::new(); names.len()],
+        names,
+        lines: Vec::new(),
+        header: header_line,
+        bad: 0,
+        faults,
+    };
     let mut units = None;
     while reader.read_record(&mut row).map_err(|e| broken(&e))? {
         if rows.lines.is_empty() && units.is_none() && rows.are_units(&row) {
@@ -112,6 +120,7 @@ struct Rows<'p> {
     names: Vec<String>,
     data: Vec<Vec<f64>>,
     lines: Vec<usize>,
+    header: usize,
     bad: usize,
     faults: Vec<Fault>,
 }
@@ -158,12 +167,14 @@ impl Rows<'_> {
         let blanks = self.names.len() == 1 && self.names[0].split_whitespace().count() > 1;
         if blanks {
             let what = "the columns of the header are separated by blanks";
-            self.faults.insert(0, fault(self.path, Some(1), "column", &self.names[0], what, "commas, semicolons or tabs"));
+            self.faults
+                .insert(0, fault(self.path, Some(self.header), "column", &self.names[0], what, "commas, semicolons or tabs"));
         }
         if !self.faults.is_empty() {
             return Err(ReadError::Faults(self.faults));
         }
         let mut columns = Columns::new(self.names, self.data, self.lines);
+        columns.header = Some(self.header);
         if self.separator != b',' {
             let word = if self.separator == b'\t' { "tabs" } else { "semicolons" };
             columns.notes.push(format!("columns are separated by {word}; a comma in a number is its decimal point"));
