@@ -195,7 +195,7 @@ pub(crate) struct VerifyArgs {
 /// `check`.
 #[derive(Args, Debug)]
 pub(crate) struct CheckArgs {
-    /// Campaign, scenario, structure (.toml) or run file (.csv), or a bundled scenario
+    /// Campaign, scenario, structure (.toml) or run file (.csv, .parquet, .mat, .arrow, .h5), or a bundled scenario
     #[arg(required_unless_present = "keys")]
     pub(crate) file: Option<PathBuf>,
     /// Print every key of the files, with unit and range

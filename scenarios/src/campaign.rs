@@ -2,9 +2,10 @@
 
 use crate::error::{ReadError, text_of};
 use crate::keys;
+use crate::own::{self, Own};
 use crate::plant::{Declared, read_declared};
-use crate::point::{Down, read_track};
-use crate::record::read_record_pieces;
+use crate::point::{Down, read_own_track};
+use crate::record::read_own_pieces;
 use crate::scenario::{declared_effects, run_exists, used};
 use crate::table::{Source, Table, number};
 use crate::units;
@@ -20,6 +21,7 @@ struct RunEntry {
     used: Use,
     window_s: Option<[f64; 2]>,
     inputs: BTreeMap<String, f64>,
+    columns: Own,
     span: std::ops::Range<usize>,
 }
 
@@ -47,7 +49,7 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
     });
     let declared = read_declared(&file, false);
     let down = down_of(&file, declared.as_ref());
-    let entries = entries(&file);
+    let entries = entries(&file, declared.as_ref().is_some_and(|d| d.point_mass));
     let inputs = inputs_of(&source, &entries);
     let acts = if declared.as_ref().is_some_and(|d| d.point_mass) { Acts::PointMass } else { Acts::Lander };
     let effects = declared_effects(&file, acts, &inputs);
@@ -103,7 +105,8 @@ fn down_of(file: &Table<'_>, declared: Option<&Declared>) -> Option<Down> {
     file.table("axes", &keys::AXES)?.choice("down").map(Down::from_choice)
 }
 
-fn entries(file: &Table<'_>) -> Vec<RunEntry> {
+fn entries(file: &Table<'_>, point: bool) -> Vec<RunEntry> {
+    let all_runs = own::read(file, point).unwrap_or_default();
     let folder = file.source.path().parent().unwrap_or(Path::new("")).to_owned();
     let all: Vec<RunEntry> = file
         .tables("run", &keys::RUN)
@@ -117,12 +120,13 @@ fn entries(file: &Table<'_>) -> Vec<RunEntry> {
                 used: used(t),
                 window_s: window_of(t),
                 inputs: input_values(t),
+                columns: own::read(t, point).unwrap_or_else(|| all_runs.clone()),
                 span: t.span.clone(),
             }
         })
         .collect();
     for (i, e) in all.iter().enumerate() {
-        let stem = |e: &RunEntry| e.path.file_stem().map(std::ffi::OsStr::to_owned);
+        let stem = |e: &RunEntry| crate::formats::stem(&e.path);
         if !e.file.is_empty() && all[..i].iter().any(|o| stem(o) == stem(e) && o.window_s == e.window_s) {
             let what = "appears twice (or another file of the same name)";
             file.source.fault(
@@ -198,14 +202,14 @@ fn check_files_exist(source: &Source<'_>, entries: &[RunEntry]) {
 }
 
 fn read_run(e: &RunEntry, declared: &Declared, down: Option<Down>, inputs: &[String]) -> Result<Vec<Run>, ReadError> {
-    let stem = e.path.file_stem().map_or_else(|| e.file.clone(), |s| s.to_string_lossy().into_owned());
+    let stem = crate::formats::stem(&e.path).unwrap_or_else(|| e.file.clone());
     let values: Vec<f64> = inputs.iter().filter_map(|n| e.inputs.get(n).copied()).collect();
     let run = |name: String, data, notes| Run { name, kind: e.kind.clone(), used: e.used, inputs: values.clone(), data, notes };
     if let Some(down) = down {
-        let (track, notes) = read_track(&e.path, down, declared.plant.sensors.position_std_m, e.window_s)?;
+        let (track, notes) = read_own_track(&e.path, &e.columns, down, declared.plant.sensors.position_std_m, e.window_s)?;
         return Ok(vec![run(stem, Data::Point(track), notes)]);
     }
-    let pieces = read_record_pieces(&e.path, &declared.plant.sensors, e.window_s)?;
+    let pieces = read_own_pieces(&e.path, &e.columns, &declared.plant.sensors, e.window_s)?;
     let faults: Vec<_> = pieces.iter().flat_map(|p| units::physics_faults(&e.path, &p.record, &declared.plant)).collect();
     if !faults.is_empty() {
         return Err(ReadError::Faults(faults));

@@ -26,16 +26,37 @@ pub(crate) struct Spike {
     pub(crate) fit: f64,
 }
 
+/// Most points of a local fit, and most powers in one.
+const MOST_POINTS: usize = 2 * BRIDGE.0;
+const MOST_POWERS: usize = BRIDGE.1 + 1;
+
+/// Points (time, value) of a local fit; kept off the heap, for there is one for each sample.
+#[derive(Clone, Copy)]
+struct Points {
+    all: [(f64, f64); MOST_POINTS],
+    count: usize,
+}
+
+impl std::ops::Deref for Points {
+    type Target = [(f64, f64)];
+    fn deref(&self) -> &Self::Target {
+        &self.all[..self.count]
+    }
+}
+
 /// Value at time zero of the least-squares polynomial through points (time, value), and the sum of its squared weights.
 fn fit_at_zero(points: &[(f64, f64)], degree: usize) -> (f64, f64) {
     let span = points.iter().fold(0.0_f64, |m, p| m.max(p.0.abs())).max(f64::MIN_POSITIVE);
-    let mut basis: Vec<(Vec<f64>, f64, f64)> = Vec::with_capacity(degree + 1);
+    let mut columns = [[0.0; MOST_POINTS]; MOST_POWERS];
+    let mut basis = [(0.0, 0.0); MOST_POWERS];
     let (mut value, mut weights2) = (0.0, 0.0);
     for power in 0..=degree.min(points.len().saturating_sub(1)) {
+        let (before, rest) = columns.split_at_mut(power);
+        let column = &mut rest[0][..points.len()];
         #[expect(clippy::cast_possible_wrap, clippy::cast_possible_truncation, reason = "a degree below ten")]
-        let mut column: Vec<f64> = points.iter().map(|p| (p.0 / span).powi(power as i32)).collect();
+        column.iter_mut().zip(points).for_each(|(x, p)| *x = (p.0 / span).powi(power as i32));
         let mut at_zero = if power == 0 { 1.0 } else { 0.0 };
-        for (b, b_zero, b_norm2) in &basis {
+        for (b, (b_zero, b_norm2)) in before.iter().zip(&basis) {
             let along = column.iter().zip(b).map(|(x, y)| x * y).sum::<f64>() / b_norm2;
             column.iter_mut().zip(b).for_each(|(x, y)| *x -= along * y);
             at_zero -= along * b_zero;
@@ -46,20 +67,28 @@ fn fit_at_zero(points: &[(f64, f64)], degree: usize) -> (f64, f64) {
         }
         value += at_zero * column.iter().zip(points).map(|(x, p)| x * p.1).sum::<f64>() / norm2;
         weights2 += at_zero * at_zero / norm2;
-        basis.push((column, at_zero, norm2));
+        basis[power] = (at_zero, norm2);
     }
     (value, weights2)
 }
 
 /// Finite neighbours of sample `i`, up to `each` on each side and more on one where the other ends, within `reach_s`.
-fn neighbours(t: &[f64], x: &[f64], i: usize, each: usize, reach_s: f64) -> Vec<(f64, f64)> {
+fn neighbours(t: &[f64], x: &[f64], i: usize, each: usize, reach_s: f64) -> Points {
     let near = |k: &usize| (t[*k] - t[i]).abs() <= reach_s;
-    let mut left = (0..i).rev().take_while(near).filter(|k| x[*k].is_finite()).take(2 * each).collect::<Vec<_>>();
-    let mut right = (i + 1..x.len()).take_while(near).filter(|k| x[*k].is_finite()).take(2 * each).collect::<Vec<_>>();
-    let (short_left, short_right) = (each.saturating_sub(left.len()), each.saturating_sub(right.len()));
-    left.truncate(each + short_right);
-    right.truncate(each + short_left);
-    left.iter().chain(&right).map(|k| (t[*k] - t[i], x[*k])).collect()
+    let mut side = [[0_usize; MOST_POINTS]; 2];
+    let mut found = [0; 2];
+    let take = |side: &mut [usize], ks: &mut dyn Iterator<Item = usize>| {
+        let good = ks.take_while(near).filter(|k| x[*k].is_finite()).take(2 * each);
+        side.iter_mut().zip(good).map(|(place, k)| *place = k).count()
+    };
+    found[0] = take(&mut side[0], &mut (0..i).rev());
+    found[1] = take(&mut side[1], &mut (i + 1..x.len()));
+    let short = found.map(|n| each.saturating_sub(n));
+    let kept = [found[0].min(each + short[1]), found[1].min(each + short[0])];
+    let mut points = Points { all: [(0.0, 0.0); MOST_POINTS], count: kept[0] + kept[1] };
+    let chosen = side[0][..kept[0]].iter().chain(&side[1][..kept[1]]);
+    points.all.iter_mut().zip(chosen).for_each(|(p, k)| *p = (t[*k] - t[i], x[*k]));
+    points
 }
 
 /// Error of sample `i` against its local fit, scaled to one sample; `None` without enough neighbours.
@@ -91,6 +120,9 @@ impl Scales {
     fn new(errors: &[Option<f64>], floor: f64) -> Self {
         Self { errors: errors.to_vec(), global: (MAD_TO_SIGMA * median_of(sizes(errors))).max(floor) }
     }
+    fn ratio_of(&self, i: usize, error: Option<f64>) -> Option<f64> {
+        error.map(|e| self.ratio(i, e))
+    }
     /// An error over its scale: the larger of the whole channel's and the neighbourhood's robust deviation. The latter is looked for only
     /// where the former leaves a doubt.
     fn ratio(&self, i: usize, error: f64) -> f64 {
@@ -113,17 +145,18 @@ fn sizes(part: &[Option<f64>]) -> Vec<f64> {
 pub(crate) fn remove_spikes(t: &[f64], x: &mut [f64], interval_s: f64, floor: f64) -> Vec<Spike> {
     let reach_s = 2.0 * NEIGHBOURS as f64 * interval_s;
     let error = |x: &[f64], i: usize| if x[i].is_finite() { error_of(t, x, i, x[i], reach_s).map(|e| e.0) } else { None };
-    let mut errors: Vec<Option<f64>> = (0..x.len()).map(|i| error(x, i)).collect();
+    let errors: Vec<Option<f64>> = (0..x.len()).map(|i| error(x, i)).collect();
     let scales = Scales::new(&errors, floor);
     let mut removed: Vec<(usize, f64)> = Vec::new();
-    while let Some((worst, ratio)) = worst_of(&errors, &scales) {
+    let mut worst = Worst::of(errors.iter().enumerate().map(|(i, e)| scales.ratio_of(i, *e)).collect());
+    while let Some((place, ratio)) = worst.first() {
         if ratio <= SIGMAS || removed.len() >= x.len() / 4 {
             break;
         }
-        removed.push((worst, x[worst]));
-        x[worst] = f64::NAN;
-        let near = worst.saturating_sub(2 * NEIGHBOURS)..(worst + 2 * NEIGHBOURS + 1).min(x.len());
-        near.for_each(|i| errors[i] = error(x, i));
+        removed.push((place, x[place]));
+        x[place] = f64::NAN;
+        let near = place.saturating_sub(2 * NEIGHBOURS)..(place + 2 * NEIGHBOURS + 1).min(x.len());
+        near.for_each(|i| worst.put(i, scales.ratio_of(i, error(x, i))));
     }
     removed.sort_by_key(|r| r.0);
     restore_good(t, x, &mut removed, &scales, reach_s);
@@ -140,9 +173,44 @@ pub(crate) fn remove_spikes(t: &[f64], x: &mut [f64], interval_s: f64, floor: f6
         .collect()
 }
 
-fn worst_of(errors: &[Option<f64>], scales: &Scales) -> Option<(usize, f64)> {
-    let ratios = errors.iter().enumerate().filter_map(|(i, e)| e.map(|e| (i, scales.ratio(i, e))));
-    ratios.filter(|(_, r)| r.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
+/// The greatest of many numbers while some of them change: a tournament, whose first place costs a comparison a round and not one a
+/// number. What is not finite takes no part; of equals the last one wins.
+struct Worst {
+    ratios: Vec<f64>,
+    /// Winners: those of place k play from places 2 k and 2 k + 1; the numbers' own places are the last half.
+    winners: Vec<usize>,
+}
+
+impl Worst {
+    fn of(ratios: Vec<Option<f64>>) -> Self {
+        let n = ratios.len().next_power_of_two();
+        let mut all: Vec<f64> = ratios.into_iter().map(finite).collect();
+        all.resize(n, f64::NEG_INFINITY);
+        let mut worst = Self { ratios: all, winners: (0..n).chain(0..n).collect() };
+        (1..n).rev().for_each(|k| worst.play(k));
+        worst
+    }
+    fn play(&mut self, k: usize) {
+        let (a, b) = (self.winners[2 * k], self.winners[2 * k + 1]);
+        self.winners[k] = if self.ratios[a].total_cmp(&self.ratios[b]).is_gt() { a } else { b };
+    }
+    fn put(&mut self, i: usize, ratio: Option<f64>) {
+        self.ratios[i] = finite(ratio);
+        let mut k = (self.ratios.len() + i) / 2;
+        while k > 0 {
+            self.play(k);
+            k /= 2;
+        }
+    }
+    fn first(&self) -> Option<(usize, f64)> {
+        let place = *self.winners.get(1)?;
+        let ratio = self.ratios[place];
+        ratio.is_finite().then_some((place, ratio))
+    }
+}
+
+fn finite(ratio: Option<f64>) -> f64 {
+    ratio.filter(|r| r.is_finite()).unwrap_or(f64::NEG_INFINITY)
 }
 
 /// Neighbours of a cluster of spikes may have been taken for spikes while the cluster stood: those come back.

@@ -1,11 +1,8 @@
-//! scenarios: run files as named columns of numbers. In: a path. Out: columns with line numbers, or the faults by line.
+//! scenarios: named columns of numbers. In: what a run file holds. Out: the columns, and CSV.
 
-use crate::error::{Fault, ReadError, WriteError};
+use crate::error::{Fault, WriteError};
 use std::fmt::Write as _;
 use std::path::Path;
-
-/// Faults of single cells that are listed one by one.
-const LISTED: usize = 20;
 
 /// Columns of a run file; a cell that is empty or not finite is NaN.
 pub(crate) struct Columns {
@@ -13,14 +10,51 @@ pub(crate) struct Columns {
     data: Vec<Vec<f64>>,
     /// Line of each row in the file.
     pub(crate) lines: Vec<usize>,
+    /// Line of the names in the file; none where a file has no lines.
+    pub(crate) header: Option<usize>,
+    /// What the file itself says of its columns' units, in their order; empty when it does not.
+    pub(crate) units: Vec<String>,
+    /// What a reader of the file should know of how it was read.
+    pub(crate) notes: Vec<String>,
+}
+
+/// Names that a message lists before it only counts.
+const NAMED: usize = 40;
+
+/// Names one after the other; of many only the first ones.
+pub(crate) fn some_of<S: AsRef<str>>(names: &[S]) -> String {
+    let first = names.iter().take(NAMED).map(AsRef::as_ref).collect::<Vec<_>>().join(", ");
+    if names.len() > NAMED { format!("{first} and {} more", names.len() - NAMED) } else { first }
 }
 
 impl Columns {
-    pub(crate) fn new(names: Vec<String>, data: Vec<Vec<f64>>, lines: Vec<usize>) -> Self {
-        Self { names, data, lines }
+    /// Columns of one length each; numbers that are not finite become NaN.
+    pub(crate) fn new(names: Vec<String>, mut data: Vec<Vec<f64>>, lines: Vec<usize>) -> Self {
+        data.iter_mut().flatten().filter(|x| !x.is_finite()).for_each(|x| *x = f64::NAN);
+        Self { names, data, lines, header: None, units: Vec::new(), notes: Vec::new() }
+    }
+    /// Says which columns of the file hold no numbers.
+    pub(crate) fn leave_out(&mut self, names: &[String]) {
+        if !names.is_empty() {
+            self.notes.push(format!("columns that hold no plain numbers: {}", some_of(names)));
+        }
     }
     pub(crate) fn get(&self, name: &str) -> Option<&[f64]> {
         self.names.iter().position(|n| n == name).map(|i| self.data[i].as_slice())
+    }
+    /// Puts a column in the place of the one of its name, or beside the others.
+    pub(crate) fn put(&mut self, name: &str, column: Vec<f64>) {
+        match self.names.iter().position(|n| n == name) {
+            Some(i) => self.data[i] = column,
+            None => {
+                self.names.push(name.to_owned());
+                self.data.push(column);
+            }
+        }
+    }
+    /// Names with their numbers, in the file's order.
+    pub(crate) fn all(&self) -> impl Iterator<Item = (&String, &Vec<f64>)> {
+        self.names.iter().zip(&self.data)
     }
     pub(crate) fn names(&self) -> &[String] {
         &self.names
@@ -56,95 +90,6 @@ pub(crate) fn fault(path: &Path, line: Option<usize>, key: &str, value: &str, al
         allowed: allowed.to_owned(),
         remedy: remedy.to_owned(),
     }
-}
-
-/// Reads a run file by its extension.
-pub(crate) fn read_columns(path: &Path) -> Result<Columns, ReadError> {
-    match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-        Some("csv") => parse(path, &crate::error::text_of(path)?),
-        Some("parquet") => crate::parquet_columns::read(path),
-        other => {
-            let what = "is not a kind of run file that this version reads; read: .csv, .parquet";
-            let value = other.map_or_else(String::new, |e| format!(".{e}"));
-            Err(ReadError::Faults(vec![fault(
-                path,
-                None,
-                "file",
-                &value,
-                what,
-                "export the table as CSV with the same column names",
-            )]))
-        }
-    }
-}
-
-fn parse(path: &Path, text: &str) -> Result<Columns, ReadError> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
-    let broken =
-        |e: &csv::Error| ReadError::Faults(vec![fault(path, None, "", "", &format!("is not CSV: {e}"), "UTF-8, header, commas")]);
-    let names: Vec<String> = reader.headers().map_err(|e| broken(&e))?.iter().map(str::to_owned).collect();
-    let mut faults = Vec::new();
-    for (i, name) in names.iter().enumerate() {
-        if names[..i].contains(name) {
-            faults.push(fault(path, Some(1), "column", name, "appears twice", "remove or rename one"));
-        }
-    }
-    let mut columns = Columns { data: vec![Vec::new(); names.len()], names, lines: Vec::new() };
-    let mut bad = 0_usize;
-    for row in reader.records() {
-        let row = row.map_err(|e| broken(&e))?;
-        let line = row.position().map_or(0, |p| usize::try_from(p.line()).unwrap_or(usize::MAX));
-        bad += push_row(path, &mut columns, &row, line, &mut faults);
-    }
-    if bad > LISTED {
-        faults.push(fault(
-            path,
-            None,
-            "",
-            "",
-            &format!("{} more cells or rows of this kind", bad - LISTED),
-            "correct the export",
-        ));
-    }
-    if faults.is_empty() && columns.rows() == 0 {
-        faults.push(fault(path, None, "", "", "has a header and no rows", "one row per sample"));
-    }
-    if faults.is_empty() { Ok(columns) } else { Err(ReadError::Faults(faults)) }
-}
-
-/// Adds one row; returns how many of its cells are wrong.
-fn push_row(path: &Path, columns: &mut Columns, row: &csv::StringRecord, line: usize, faults: &mut Vec<Fault>) -> usize {
-    let mut bad = 0;
-    let mut say = |key: &str, value: &str, what: &str| {
-        bad += 1;
-        if faults.len() < LISTED {
-            faults.push(fault(
-                path,
-                Some(line),
-                key,
-                value,
-                what,
-                "a number, or leave the cell empty where nothing was measured",
-            ));
-        }
-    };
-    if row.len() != columns.names.len() {
-        say("row", &format!("{} cells", row.len()), &format!("must have {} cells as the header has", columns.names.len()));
-    }
-    for (i, column) in columns.data.iter_mut().enumerate() {
-        let cell = row.get(i).unwrap_or("");
-        let value = match cell.to_ascii_lowercase().as_str() {
-            "" | "na" | "n/a" | "null" | "-" => f64::NAN,
-            text => text.parse().unwrap_or_else(|_| {
-                say(&columns.names[i], cell, "is not a number");
-                f64::NAN
-            }),
-        };
-        column.push(if value.is_finite() { value } else { f64::NAN });
-    }
-    columns.lines.push(line);
-    bad
 }
 
 /// Writes columns of one length as CSV, each number with the digits that give it back exactly; a new file replaces an old one

@@ -161,15 +161,15 @@ pub enum FileKind {
 pub fn kind_of(path: &Path) -> Result<FileKind, ReadError> {
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("toml") => {}
-        Some("csv" | "parquet") => return Ok(FileKind::Run),
+        _ if crate::formats::is_run(path) => return Ok(FileKind::Run),
         _ => {
-            let what = "is not a file of this program; read: .toml, .csv, .parquet";
+            let what = format!("is not a file of this program; read: .toml, {}", crate::formats::endings());
             return Err(ReadError::Faults(vec![crate::columns::fault(
                 path,
                 None,
                 "",
                 "",
-                what,
+                &what,
                 "a path with one of these endings",
             )]));
         }

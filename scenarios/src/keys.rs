@@ -1,7 +1,9 @@
 //! scenarios: every key of every table, once. In: nothing. Out: names, units, ranges and meanings, for the checks and the reference.
 
+mod columns;
 mod planet;
 
+pub(crate) use columns::{COLUMN, COLUMNS, COLUMNS_ATTITUDE, COLUMNS_AXES};
 pub(crate) use planet::{
     ATMOSPHERE_PLANET, ENVIRONMENT_PLANET, FLIGHT_PLANET, INITIAL, PLANET_FILE, VEHICLE_PLANET, WIND_PLANET,
 };
@@ -28,6 +30,8 @@ pub(crate) enum Kind {
     Words,
     /// One of these words, or a table.
     WordOrTable(&'static [&'static str]),
+    /// A column of a run file: a name, a number or a table.
+    Column,
     /// A table with keys of its own, read by its own rules.
     Table,
     /// A list of tables.
@@ -135,6 +139,7 @@ pub(crate) static CAMPAIGN_FILE: TableSpec = TableSpec {
         optional(other("uncertainty", Kind::Table, "standard uncertainties of declared numbers, [uncertainty.<table>]")),
         other("aero", Kind::Table, "one declared model, [aero.<name>]"),
         optional(other("effects", Kind::Table, "effects that the declared model has, [effects.<family>]")),
+        optional(other("columns", Kind::Table, "names, units, axes and attitudes of the run files where they are others")),
         other("run", Kind::Tables, "runs, [[run]]"),
     ],
 };
@@ -333,6 +338,7 @@ pub(crate) static RUN: TableSpec = TableSpec {
             meaning: "part of the file that is used, [from, to] in the file's time",
         }),
         optional(other("inputs", Kind::Table, "known settings of this run, name = number")),
+        optional(other("columns", Kind::Table, "[columns] of this run's file, in place of the campaign's")),
     ],
 };
 pub(crate) static SCENARIO_FILE: TableSpec = TableSpec {
@@ -664,6 +670,10 @@ pub(crate) static ALL: [(&str, &[&TableSpec]); 5] = [
             &AERO,
             &CAMPAIGN_EFFECTS,
             &RUN,
+            &COLUMNS,
+            &COLUMN,
+            &COLUMNS_AXES,
+            &COLUMNS_ATTITUDE,
         ],
     ),
     (

@@ -1,7 +1,7 @@
 //! scenarios: planet scenarios. In: a path. Out: planet, body and flights, or every fault.
 
-use crate::columns::read_columns;
 use crate::error::{ReadError, text_of};
+use crate::formats::read_columns;
 use crate::keys;
 use crate::plant::inertia;
 use crate::scenario::{fnv1a, name_of_file, numerics, unique_names};

@@ -1,8 +1,10 @@
 //! scenarios: tracks of bodies without attitude. In: a path and the axis that points down. Out: track in tunnel axes.
 
 use crate::clean::remove_spikes;
-use crate::columns::{fault, read_columns};
+use crate::columns::{fault, some_of};
 use crate::error::ReadError;
+use crate::formats::read_columns;
+use crate::own::Own;
 use crate::record::{spike_note, times};
 use crate::units::median;
 use std::path::Path;
@@ -48,13 +50,24 @@ pub fn read_track(
     position_std_m: f64,
     window_s: Option<[f64; 2]>,
 ) -> Result<(PointRecord, Vec<String>), ReadError> {
-    let mut columns = read_columns(path)?;
-    let mut notes = Vec::new();
+    read_own_track(path, &Own::default(), down, position_std_m, window_s)
+}
+
+/// The same for a file whose columns are its owner's.
+pub(crate) fn read_own_track(
+    path: &Path,
+    own: &Own,
+    down: Down,
+    position_std_m: f64,
+    window_s: Option<[f64; 2]>,
+) -> Result<(PointRecord, Vec<String>), ReadError> {
+    let mut columns = own.apply(path, read_columns(path)?)?;
+    let mut notes = std::mem::take(&mut columns.notes);
     let one =
         |key: &str, value: &str, what: &str, remedy: &str| ReadError::Faults(vec![fault(path, None, key, value, what, remedy)]);
     for needed in ["t_s", COLUMNS[down.axis]] {
         if columns.get(needed).is_none() {
-            let what = format!("column is missing; the file has {}", columns.names().join(", "));
+            let what = format!("column is missing; the file has {}", some_of(columns.names()));
             return Err(one(needed, "", &what, "t_s and the column of the vertical axis that [axes] down names"));
         }
     }

@@ -1,8 +1,11 @@
 //! scenarios: run files as records. In: a path, the instruments' noise, a window. Out: records in SI and rad, with what was repaired.
 
 use crate::clean::{SIGMAS, Spike, bridge, pieces, remove_spikes, unwrap_deg};
-use crate::columns::{Columns, fault, read_columns, write_columns_csv};
+use crate::columns::{Columns, fault, some_of, write_columns_csv};
 use crate::error::{Fault, ReadError, WriteError};
+use crate::formats::read_columns;
+use crate::grid::Grid;
+use crate::own::Own;
 use crate::units;
 use std::path::Path;
 use windfall_model::{Record, Sensors};
@@ -13,8 +16,6 @@ pub const LONGEST_BRIDGE_S: f64 = 0.1;
 pub const SHORTEST_PIECE_S: f64 = 1.0;
 /// Fewest samples of a run or piece.
 pub const FEWEST_SAMPLES: usize = 30;
-/// Largest deviation of a sample interval from the usual one, as a fraction of it.
-const UNEVEN: f64 = 0.01;
 /// More spikes than this fraction of the samples are no spikes.
 const MOST_SPIKES: f64 = 0.05;
 /// Needed columns, in the order of the channels.
@@ -67,11 +68,21 @@ pub fn read_record_csv(path: &Path) -> Result<Record, ReadError> {
 /// # Errors
 /// [`ReadError`] with every fault of the file.
 pub fn read_record_pieces(path: &Path, sensors: &Sensors, window_s: Option<[f64; 2]>) -> Result<Vec<Piece>, ReadError> {
-    let mut columns = read_columns(path)?;
-    let mut notes = Vec::new();
+    read_own_pieces(path, &Own::default(), sensors, window_s)
+}
+
+/// The same for a file whose columns are its owner's.
+pub(crate) fn read_own_pieces(
+    path: &Path,
+    own: &Own,
+    sensors: &Sensors,
+    window_s: Option<[f64; 2]>,
+) -> Result<Vec<Piece>, ReadError> {
+    let mut columns = own.apply(path, read_columns(path)?)?;
+    let mut notes = std::mem::take(&mut columns.notes);
     has_columns(path, &columns, &NEEDED)?;
     let t = times(path, &mut columns, window_s, &mut notes)?;
-    let grid = Grid::of(path, &t, &columns.lines)?;
+    let grid = Grid::of(path, t, &columns.lines, &mut notes)?;
     note_unused(&columns, &mut notes);
     let mut channels: Vec<(&str, Vec<f64>)> =
         NEEDED.iter().chain(&[QW]).filter_map(|n| columns.get(n).map(|c| (*n, grid.spread(c)))).collect();
@@ -90,13 +101,13 @@ fn has_columns(path: &Path, columns: &Columns, needed: &[&str]) -> Result<(), Re
         .iter()
         .filter(|n| columns.get(n).is_none())
         .map(|n| {
-            let what = format!("column is missing; the file has {}", columns.names().join(", "));
+            let what = format!("column is missing; the file has {}", some_of(columns.names()));
             let near: Vec<&str> = columns.names().iter().map(String::as_str).collect();
             let remedy = crate::table::nearest(n, &near).map_or_else(
-                || "names and units of the run file are fixed".to_owned(),
-                |near| format!("rename {near} to {n} if it is that"),
+                || "names and units of the run file are fixed, unless [columns] of a campaign gives others".to_owned(),
+                |near| format!("rename {near} to {n} if it is that, or say {n} = \"{near}\" in [columns] of the campaign"),
             );
-            fault(path, Some(1), n, "", &what, &remedy)
+            fault(path, columns.header, n, "", &what, &remedy)
         })
         .collect();
     if faults.is_empty() { Ok(()) } else { Err(ReadError::Faults(faults)) }
@@ -106,7 +117,7 @@ fn note_unused(columns: &Columns, notes: &mut Vec<String>) {
     let known = |n: &str| NEEDED.contains(&n) || n == QW || n == "t_s";
     let unused: Vec<&str> = columns.names().iter().map(String::as_str).filter(|n| !known(n)).collect();
     if !unused.is_empty() {
-        notes.push(format!("columns not used: {}", unused.join(", ")));
+        notes.push(format!("columns not used: {}", some_of(&unused)));
     }
 }
 
@@ -153,74 +164,6 @@ fn least(x: &[f64]) -> f64 {
 }
 fn greatest(x: &[f64]) -> f64 {
     x.iter().copied().fold(f64::NAN, f64::max)
-}
-
-/// Uniform sample grid of a file in which rows may be missing.
-struct Grid {
-    t_s: Vec<f64>,
-    interval_s: f64,
-    /// Place of each row of the file on the grid.
-    places: Vec<usize>,
-}
-
-impl Grid {
-    fn of(path: &Path, t: &[f64], lines: &[usize]) -> Result<Self, ReadError> {
-        let mut steps: Vec<f64> = t.windows(2).map(|w| w[1] - w[0]).collect();
-        let middle = steps.len() / 2;
-        let usual = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-        let mut places = vec![0];
-        let mut uneven = Vec::new();
-        for (i, w) in t.windows(2).enumerate() {
-            let step = w[1] - w[0];
-            let count = (step / usual).round().max(1.0);
-            if (step - count * usual).abs() > UNEVEN * usual {
-                uneven.push((lines[i + 1], step));
-            }
-            if count * usual > 1e7 * usual {
-                let what = "leaves a gap of more than ten million samples";
-                return Err(ReadError::Faults(vec![fault(
-                    path,
-                    Some(lines[i + 1]),
-                    "t_s",
-                    &w[1].to_string(),
-                    what,
-                    "seconds, one run",
-                )]));
-            }
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and 1e7, checked above")]
-            places.push(places[i] + count as usize);
-        }
-        if let Some((line, step)) = uneven.first() {
-            let what = format!(
-                "sampling must be uniform to 1 %: {} of {} steps are not, this one is {step:.6} s where {usual:.6} s is usual",
-                uneven.len(),
-                t.len() - 1
-            );
-            return Err(ReadError::Faults(vec![fault(
-                path,
-                Some(*line),
-                "t_s",
-                "",
-                &what,
-                "resample the run to a uniform rate",
-            )]));
-        }
-        let rows = places.last().map_or(0, |p| p + 1);
-        let mut t_s = vec![f64::NAN; rows];
-        places.iter().zip(t).for_each(|(p, t)| t_s[*p] = *t);
-        for (p, w) in places.windows(2).zip(t.windows(2)) {
-            let step = (w[1] - w[0]) / (p[1] - p[0]) as f64;
-            (1..p[1] - p[0]).for_each(|k| t_s[p[0] + k] = w[0] + step * k as f64);
-        }
-        let interval_s = (t[t.len() - 1] - t[0]) / (rows - 1) as f64;
-        Ok(Self { t_s, interval_s, places })
-    }
-    /// A column on the grid, NaN in missing rows.
-    fn spread(&self, column: &[f64]) -> Vec<f64> {
-        let mut all = vec![f64::NAN; self.t_s.len()];
-        self.places.iter().zip(column).for_each(|(p, x)| all[*p] = *x);
-        all
-    }
 }
 
 fn floor_of(name: &str, channel: &[f64], s: &Sensors) -> f64 {

@@ -337,8 +337,11 @@ pub(crate) fn number(v: Value<'_>) -> Option<f64> {
 
 /// The allowed word that differs least, when it differs by little.
 pub(crate) fn nearest<'n>(word: &str, allowed: &[&'n str]) -> Option<&'n str> {
+    let letters = word.chars().count();
     allowed
         .iter()
+        // Words differ by their difference in length at least.
+        .filter(|a| a.chars().count().abs_diff(letters) <= 2.max(a.len() / 3))
         .map(|a| (distance(&word.to_lowercase(), &a.to_lowercase()), *a))
         .filter(|(d, a)| *d <= 2.max(a.len() / 3))
         .min_by_key(|(d, _)| *d)

@@ -7,6 +7,7 @@ mod gusts;
 mod knowledge;
 mod loop_closes;
 mod one_identify;
+mod own_columns;
 mod plan;
 mod program;
 mod structure;

@@ -1,32 +1,38 @@
-//! scenarios: run files in Parquet. In: a path. Out: named columns of numbers, or the fault by column.
+//! scenarios: run files in Parquet. In: the bytes. Out: named columns of numbers, or the fault by column.
 
+use super::guarded;
 use crate::columns::{Columns, fault};
 use crate::error::ReadError;
+use bytes::Bytes;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{DataType, DoubleType, FloatType, Int32Type, Int64Type};
 use parquet::errors::{ParquetError, Result};
+use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::file::reader::{FileReader, SerializedFileReader};
-use std::fs::File;
 use std::path::Path;
 
-/// Reads all columns of numbers of a flat table; a null is NaN.
-pub(crate) fn read(path: &Path) -> std::result::Result<Columns, ReadError> {
-    let file = File::open(path).map_err(|reason| ReadError::Open { path: path.to_owned(), reason })?;
-    let broken = |key: &str, e: &ParquetError| {
-        let remedy = "Parquet of numbers in flat columns, without compression or with snappy, gzip or lz4";
+/// Reads all columns of numbers of a flat table; a null is NaN, what is no number is left out.
+pub(super) fn read(path: &Path, bytes: Vec<u8>) -> std::result::Result<Columns, ReadError> {
+    let broken = |key: &str, e: &str| {
+        let remedy = "Parquet of numbers in flat columns, without compression or with snappy, gzip, lz4 or zstd";
         ReadError::Faults(vec![fault(path, None, key, "", &format!("cannot be read as Parquet: {e}"), remedy)])
     };
-    let reader = SerializedFileReader::new(file).map_err(|e| broken("", &e))?;
+    let size = bytes.len();
+    let reader =
+        guarded(|| SerializedFileReader::new(Bytes::from(bytes)).map_err(|e| e.to_string())).map_err(|e| broken("", &e))?;
+    sound(&reader, size).map_err(|e| broken("", &e.to_string()))?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
-    let (mut names, mut data) = (Vec::new(), Vec::new());
+    let (mut names, mut data, mut left) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..schema.num_columns() {
         let column = schema.column(i);
         let name = column.path().string();
-        match numbers(&reader, i, column.max_def_level(), column.max_rep_level()) {
-            Ok(values) => {
+        let read = || numbers(&reader, i, column.max_def_level(), column.max_rep_level()).map_err(|e| e.to_string());
+        match guarded(read) {
+            Ok(Some(values)) => {
                 names.push(name);
                 data.push(values);
             }
+            Ok(None) => left.push(name),
             Err(e) => return Err(broken(&name, &e)),
         }
     }
@@ -34,13 +40,38 @@ pub(crate) fn read(path: &Path) -> std::result::Result<Columns, ReadError> {
     if rows == 0 {
         return Err(ReadError::Faults(vec![fault(path, None, "", "", "has no rows", "one row per sample")]));
     }
-    Ok(Columns::new(names, data, (1..=rows).collect()))
+    if let Some(i) = data.iter().position(|c| c.len() != rows) {
+        let found = format!("has {} rows where {} has {rows}", data[i].len(), names[0]);
+        return Err(broken(&names[i], &found));
+    }
+    let mut columns = Columns::new(names, data, (1..=rows).collect());
+    columns.leave_out(&left);
+    Ok(columns)
 }
 
-/// One column over all groups of rows.
-fn numbers(file: &SerializedFileReader<File>, place: usize, def: i16, rep: i16) -> Result<Vec<f64>> {
+/// Sizes and places in the file that cannot be: the decoder takes them as they are.
+fn sound(file: &SerializedFileReader<Bytes>, size: usize) -> Result<()> {
+    let inside = |from: i64, length: i64| {
+        let end = from.checked_add(length).and_then(|end| usize::try_from(end).ok());
+        from >= 0 && length >= 0 && end.is_some_and(|end| end <= size)
+    };
+    for group in file.metadata().row_groups() {
+        let whole = group.num_rows() >= 0;
+        let column = |c: &ColumnChunkMetaData| {
+            let from = c.dictionary_page_offset().unwrap_or(c.data_page_offset());
+            c.num_values() >= 0 && c.data_page_offset() >= 0 && inside(from, c.compressed_size())
+        };
+        if !whole || !group.columns().iter().all(column) {
+            return Err(ParquetError::General("a column lies outside the file; it may be cut short".to_owned()));
+        }
+    }
+    Ok(())
+}
+
+/// One column over all groups of rows; `None` when it is nested or not of numbers.
+fn numbers(file: &SerializedFileReader<Bytes>, place: usize, def: i16, rep: i16) -> Result<Option<Vec<f64>>> {
     if rep > 0 || def > 1 {
-        return Err(ParquetError::General("is nested".to_owned()));
+        return Ok(None);
     }
     let mut all = Vec::new();
     for group in 0..file.num_row_groups() {
@@ -52,10 +83,10 @@ fn numbers(file: &SerializedFileReader<File>, place: usize, def: i16, rep: i16) 
             ColumnReader::Int32ColumnReader(r) => add::<Int32Type>(r, rows, def, &mut all, f64::from)?,
             #[expect(clippy::cast_precision_loss, reason = "no sample needs more than 53 bits")]
             ColumnReader::Int64ColumnReader(r) => add::<Int64Type>(r, rows, def, &mut all, |x| x as f64)?,
-            _ => return Err(ParquetError::General("is not of numbers".to_owned())),
+            _ => return Ok(None),
         }
     }
-    Ok(all)
+    Ok(Some(all))
 }
 
 fn add<T: DataType>(
@@ -84,6 +115,7 @@ mod tests {
     use parquet::file::properties::WriterProperties;
     use parquet::file::writer::SerializedFileWriter;
     use parquet::schema::parser::parse_message_type;
+    use std::fs::File;
     use std::sync::Arc;
 
     /// Nulls, whole numbers and floats in two groups of rows come back as numbers and NaN, whatever the compression.
@@ -93,9 +125,13 @@ mod tests {
             parse_message_type("message run { required double t_s; optional float X_m; required int64 n; }").expect("a schema"),
         );
         let dir = tempfile::tempdir().expect("a folder");
-        for compression in
-            [Compression::UNCOMPRESSED, Compression::SNAPPY, Compression::GZIP(Default::default()), Compression::LZ4_RAW]
-        {
+        for compression in [
+            Compression::UNCOMPRESSED,
+            Compression::SNAPPY,
+            Compression::GZIP(Default::default()),
+            Compression::LZ4_RAW,
+            Compression::ZSTD(Default::default()),
+        ] {
             let path = dir.path().join("run.parquet");
             let properties = Arc::new(WriterProperties::builder().set_compression(compression).build());
             let mut file =
@@ -114,7 +150,7 @@ mod tests {
                 group.close().expect("closed");
             }
             file.close().expect("closed");
-            let read = read(&path).expect("numbers");
+            let read = crate::formats::read_columns(&path).expect("numbers");
             assert_eq!(read.get("t_s"), Some(&[0.0, 0.5, 1.0, 1.5][..]));
             assert_eq!(read.get("n"), Some(&[7.0, -7.0, 7.0, -7.0][..]));
             let x = read.get("X_m").expect("a column");
@@ -127,7 +163,7 @@ mod tests {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join("run.parquet");
         std::fs::write(&path, "t_s,X_m\n0,1\n").expect("writable");
-        let message = read(&path).err().map(|e| e.to_string()).unwrap_or_default();
+        let message = crate::formats::read_columns(&path).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(message.contains("run.parquet") && message.contains("cannot be read as Parquet"), "{message}");
     }
 }

@@ -1,0 +1,159 @@
+//! scenarios: `[columns]`, run files in their owner's names, units, axes and attitudes. In: the table, columns as a file has them. Out:
+//! the columns of the run file of this program.
+
+mod attitude;
+mod read;
+mod unit;
+
+pub(crate) use attitude::SEQUENCES;
+use attitude::{Attitude, Axes};
+pub(crate) use read::read;
+use unit::{Quantity, Unit};
+
+use crate::columns::{Columns, fault, some_of};
+use crate::error::{Fault, ReadError};
+use std::path::Path;
+
+/// The columns of a run file and what each is.
+pub(crate) const OURS: [(&str, Quantity); 11] = [
+    ("t_s", Quantity::Time),
+    ("X_m", Quantity::Length),
+    ("Y_m", Quantity::Length),
+    ("Z_m", Quantity::Length),
+    ("Rx_deg", Quantity::Angle),
+    ("Ry_deg", Quantity::Angle),
+    ("Rz_deg", Quantity::Angle),
+    ("qW_Pa", Quantity::Pressure),
+    ("ps_Pa", Quantity::Pressure),
+    ("VW_m_s", Quantity::Speed),
+    ("Ts_K", Quantity::Temperature),
+];
+const POSITION: [&str; 3] = ["X_m", "Y_m", "Z_m"];
+const ANGLES: [&str; 3] = ["Rx_deg", "Ry_deg", "Rz_deg"];
+/// Columns that may be one number for a whole run.
+const MAY_BE_CONSTANT: [&str; 3] = ["ps_Pa", "VW_m_s", "Ts_K"];
+
+/// Where one of our columns comes from.
+#[derive(Clone, Debug, PartialEq)]
+enum Origin {
+    Column { name: String, unit: Unit },
+    Constant(f64),
+}
+
+/// What `[columns]` says; empty: files as this program writes them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Own {
+    origins: Vec<(&'static str, Origin)>,
+    axes: Axes,
+    attitude: Option<Attitude>,
+}
+
+impl Own {
+    fn origin(&self, ours: &str) -> Option<&Origin> {
+        self.origins.iter().find(|(n, _)| *n == ours).map(|(_, o)| o)
+    }
+    /// The file's columns in our names, units and axes; columns that are not asked for keep their names.
+    ///
+    /// # Errors
+    /// The faults of columns that `[columns]` names and the file lacks, of units that contradict a row of units in the file, and of
+    /// attitudes that are none.
+    pub(crate) fn apply(&self, path: &Path, file: Columns) -> Result<Columns, ReadError> {
+        let faults: Vec<Fault> = self.lacking(path, &file).into_iter().chain(self.contradicted(path, &file)).collect();
+        if !faults.is_empty() {
+            return Err(ReadError::Faults(faults));
+        }
+        if *self == Self::default() {
+            return Ok(file);
+        }
+        let (mut names, mut data) = (Vec::new(), Vec::new());
+        for (ours, _) in OURS {
+            let column = match self.origin(ours) {
+                Some(Origin::Constant(value)) => Some(vec![*value; file.rows()]),
+                Some(Origin::Column { name, unit }) => file.get(name).map(|c| c.iter().map(|x| unit.ours(*x)).collect()),
+                None => file.get(ours).map(<[f64]>::to_vec),
+            };
+            if let Some(column) = column {
+                names.push(ours.to_owned());
+                data.push(column);
+            }
+        }
+        let used = self.used();
+        for (name, column) in file.all().filter(|(n, _)| !used.contains(&n.as_str()) && !OURS.iter().any(|(o, _)| o == n)) {
+            names.push(name.clone());
+            data.push(column.clone());
+        }
+        let mut ours = Columns::new(names, data, file.lines.clone());
+        ours.header = file.header;
+        ours.notes.clone_from(&file.notes);
+        self.turn(path, &file, &mut ours)?;
+        Ok(ours)
+    }
+    /// The file's names that are read.
+    fn used(&self) -> Vec<&str> {
+        let columns = self.origins.iter().filter_map(|(_, o)| match o {
+            Origin::Column { name, .. } => Some(name.as_str()),
+            Origin::Constant(_) => None,
+        });
+        columns.chain(self.attitude.iter().flat_map(Attitude::columns).map(String::as_str)).collect()
+    }
+    fn lacking(&self, path: &Path, file: &Columns) -> Vec<Fault> {
+        let named = self.origins.iter().filter_map(|(ours, o)| match o {
+            Origin::Column { name, .. } => Some((*ours, name.as_str())),
+            Origin::Constant(_) => None,
+        });
+        let attitude = self.attitude.iter().flat_map(Attitude::columns).map(|name| ("attitude", name.as_str()));
+        let near: Vec<&str> = file.names().iter().map(String::as_str).collect();
+        named
+            .chain(attitude)
+            .filter(|(_, name)| file.get(name).is_none())
+            .map(|(ours, name)| {
+                let what =
+                    format!("[columns] reads {ours} from it, and the file lacks it; the file has {}", some_of(file.names()));
+                let remedy = crate::table::nearest(name, &near).map_or("one of these names".to_owned(), |n| format!("\"{n}\""));
+                fault(path, file.header, ours, name, &what, &remedy)
+            })
+            .collect()
+    }
+    /// Units that the file itself names below its header, where they are not those that the columns are read in.
+    fn contradicted(&self, path: &Path, file: &Columns) -> Vec<Fault> {
+        let mut all = Vec::new();
+        for (ours, quantity) in OURS {
+            let (name, unit) = match self.origin(ours) {
+                Some(Origin::Column { name, unit }) => (name.as_str(), *unit),
+                Some(Origin::Constant(_)) => continue,
+                None => (ours, quantity.ours()),
+            };
+            let word = file.names().iter().position(|n| n == name).and_then(|i| file.units.get(i)).map_or("", String::as_str);
+            let word = word.trim_matches(['[', ']', '(', ')']);
+            if Unit::of(quantity, word).is_some_and(|u| u.factor() != unit.factor()) {
+                let what = format!("is the unit that the file gives for {name}, which is read in {}", unit.word);
+                let remedy = format!("[columns] {ours} = {{ name = \"{name}\", unit = \"{word}\" }}, or a right row of units");
+                all.push(fault(path, None, ours, word, &what, &remedy));
+            }
+        }
+        all
+    }
+    /// Positions and attitude in tunnel and body axes.
+    fn turn(&self, path: &Path, file: &Columns, ours: &mut Columns) -> Result<(), ReadError> {
+        if self.axes != Axes::default()
+            && let [Some(x), Some(y), Some(z)] = POSITION.map(|n| ours.get(n).map(<[f64]>::to_vec))
+        {
+            POSITION.iter().zip(self.axes.tunnel([x, y, z])).for_each(|(n, c)| ours.put(n, c));
+        }
+        let angles = match &self.attitude {
+            Some(attitude) => Some(attitude.angles_deg(file, self.axes)),
+            None if self.axes != Axes::default() => match ANGLES.map(|n| ours.get(n).map(<[f64]>::to_vec)) {
+                [Some(a), Some(b), Some(c)] => Some(Ok((attitude::turned_deg([a, b, c], self.axes), None))),
+                _ => None,
+            },
+            None => None,
+        };
+        let Some(angles) = angles else { return Ok(()) };
+        let (angles, note) = angles.map_err(|(value, what, remedy)| {
+            ReadError::Faults(vec![fault(path, None, "[columns.attitude]", &value, &what, &remedy)])
+        })?;
+        ANGLES.iter().zip(angles).for_each(|(n, c)| ours.put(n, c));
+        ours.notes.extend(note);
+        Ok(())
+    }
+}

@@ -1,0 +1,189 @@
+//! scenarios: the table `[columns]`. In: the table as it stands. Out: what it says, or faults by line.
+
+use super::attitude::{Attitude, Axes, Given, SEQUENCES, determinant};
+use super::unit::{Quantity, Unit};
+use super::{ANGLES, MAY_BE_CONSTANT, OURS, Origin, Own, POSITION};
+use crate::keys;
+use crate::table::{Table, Value, number};
+
+/// `[columns]` of a campaign or `[run.columns]` of a run; nothing when it is absent. `point`: files of a body without attitude.
+pub(crate) fn read(parent: &Table<'_>, point: bool) -> Option<Own> {
+    if !parent.has("columns") {
+        return None;
+    }
+    parent.table("columns", &keys::COLUMNS).map(|t| own(&t, point))
+}
+
+fn own(t: &Table<'_>, point: bool) -> Own {
+    let mut own = Own::default();
+    for (ours, quantity) in OURS {
+        if let Some(at) = t.has(ours).then(|| t.value(ours)).flatten()
+            && let Some(origin) = origin(t, ours, quantity, at)
+        {
+            own.origins.push((ours, origin));
+        }
+    }
+    taken_twice(t, &own);
+    for key in ["axes", "attitude"].into_iter().filter(|k| point && t.has(k)) {
+        let what = "a point mass has no attitude, and [axes] down says how its axes lie";
+        t.source.fault(t.at(key), t.full(key), "", what, "remove it");
+    }
+    if t.has("axes") && !point {
+        own.axes = axes(t).unwrap_or_default();
+    }
+    if t.has("attitude") && !point {
+        own.attitude = t.table("attitude", &keys::COLUMNS_ATTITUDE).and_then(|a| attitude(&a));
+        for ours in ANGLES.into_iter().filter(|n| t.has(n)) {
+            t.source.fault(
+                t.at(ours),
+                t.full(ours),
+                "",
+                "stands beside [columns.attitude], which makes it",
+                "remove one of them",
+            );
+        }
+    }
+    own
+}
+
+fn origin(t: &Table<'_>, ours: &'static str, quantity: Quantity, at: Value<'_>) -> Option<Origin> {
+    let say = |allowed: String, remedy: String| {
+        t.source.fault(Some(at.span()), t.full(ours), t.source.snippet(at.span()), allowed, remedy);
+        None
+    };
+    if let Some(name) = at.get_ref().as_str() {
+        return Some(Origin::Column { name: name.to_owned(), unit: quantity.ours() });
+    }
+    if let Some(value) = number(at) {
+        if !MAY_BE_CONSTANT.contains(&ours) {
+            let what = format!("must be the name of a column; only {} may be one number", MAY_BE_CONSTANT.join(", "));
+            return say(what, format!("{ours} = \"name of the column\""));
+        }
+        if !value.is_finite() {
+            return say("must be a finite number".to_owned(), format!("{ours} in {}", quantity.ours().word));
+        }
+        return Some(Origin::Constant(value));
+    }
+    if at.get_ref().as_table().is_none() {
+        let what = "must be a name, a number or { name = ..., unit = ... }".to_owned();
+        return say(what, format!("{ours} = {{ name = \"name\", unit = \"{}\" }}", quantity.ours().word));
+    }
+    let t = t.table(ours, &keys::COLUMN)?;
+    let name = t.text_if("name").unwrap_or_else(|| ours.to_owned());
+    Some(Origin::Column { name, unit: unit(&t, quantity)? })
+}
+
+fn unit(t: &Table<'_>, quantity: Quantity) -> Option<Unit> {
+    let Some(word) = t.text_if("unit") else { return Some(quantity.ours()) };
+    let found = Unit::of(quantity, &word);
+    if found.is_none() {
+        let words = quantity.words();
+        let all: Vec<&str> = words.split(", ").collect();
+        let near = crate::table::nearest(&word, &all).unwrap_or("one of these, or values converted before");
+        t.source.fault(t.at("unit"), t.full("unit"), word, format!("must be one of {words}"), near);
+    }
+    found
+}
+
+/// A column with one of our names that is read for another: what that other one is must be said.
+fn taken_twice(t: &Table<'_>, own: &Own) {
+    for (ours, origin) in &own.origins {
+        let Origin::Column { name, .. } = origin else { continue };
+        let free = OURS.iter().any(|(n, _)| n == name) && own.origin(name).is_none() && name != ours;
+        if free {
+            let what = format!("is the name of another column of the run file, and {name} itself is not said");
+            t.source.fault(t.at(ours), t.full(ours), name.clone(), what, format!("{name} = \"its column\""));
+        }
+        if own.origins.iter().any(|(n, o)| n != ours && o == origin) && POSITION.contains(ours) {
+            t.source.fault(t.at(ours), t.full(ours), name.clone(), "is read for two axes", "a column for each axis");
+        }
+    }
+}
+
+fn axes(t: &Table<'_>) -> Option<Axes> {
+    let t = t.table("axes", &keys::COLUMNS_AXES)?;
+    let room = rows(&t, "tunnel");
+    let body = rows(&t, "body");
+    let axes = Axes { room: room?, body: body? };
+    if determinant(&axes.room) * determinant(&axes.body) < 0.0 {
+        let what =
+            "one of tunnel and body is right-handed and the other left-handed, so that no rotation leads from one to the other";
+        t.source.fault(Some(t.span.clone()), "[columns.axes]", "", what, "turn the sign of one axis");
+        return None;
+    }
+    Some(axes)
+}
+
+/// Three axes of the owner; the axes themselves when the key is absent.
+fn rows(t: &Table<'_>, key: &str) -> Option<[[f64; 3]; 3]> {
+    if !t.has(key) {
+        return Some(Axes::default().room);
+    }
+    let words = t.words(key);
+    let rows: Vec<[f64; 3]> = words.iter().filter_map(|(w, _)| Axes::row(w)).collect();
+    let found: Option<[[f64; 3]; 3]> = rows.try_into().ok().filter(|r| words.len() == 3 && determinant(r).abs() > 0.5);
+    if found.is_none() && !words.is_empty() {
+        let value = words.iter().map(|(w, _)| w.as_str()).collect::<Vec<_>>().join(", ");
+        let what = "must be three of x, y, z, -x, -y, -z, each letter once";
+        t.source.fault(t.at(key), t.full(key), value, what, format!("{key} = [\"-z\", \"x\", \"-y\"]"));
+    }
+    found
+}
+
+fn attitude(t: &Table<'_>) -> Option<Attitude> {
+    let to_body = t.choice("rotates").map(|i| i == 1);
+    let given = match (t.has("quaternion"), t.has("euler")) {
+        (true, false) => quaternion(t),
+        (false, true) => euler(t),
+        _ => {
+            let what = "must have exactly one of quaternion and euler";
+            let remedy = "quaternion = [\"qw\", \"qx\", \"qy\", \"qz\"] and scalar = \"first\", or euler and sequence";
+            t.source.fault(Some(t.span.clone()), "[columns.attitude]", "", what, remedy);
+            None
+        }
+    };
+    Some(Attitude { given: given?, to_body: to_body? })
+}
+
+/// Names of exactly N columns.
+fn names<const N: usize>(t: &Table<'_>, key: &str) -> Option<[String; N]> {
+    let words: Vec<String> = t.words(key).into_iter().map(|(w, _)| w).collect();
+    let found = <[String; N]>::try_from(words).ok().filter(|n| (1..N).all(|i| !n[..i].contains(&n[i])));
+    if found.is_none() {
+        t.source.fault(t.at(key), t.full(key), "", format!("must be the names of {N} different columns"), "one name for each");
+    }
+    found
+}
+
+fn foreign(t: &Table<'_>, keys: &[&str], beside: &str) {
+    for key in keys.iter().filter(|k| t.has(k)) {
+        t.source.fault(t.at(key), t.full(key), "", format!("has no part beside {beside}"), "remove it");
+    }
+}
+
+/// A key that another one needs.
+fn needs(t: &Table<'_>, key: &str, by: &str, remedy: &str) -> bool {
+    if !t.has(key) {
+        t.source.fault(Some(t.span.clone()), t.full(key), "", format!("is missing; {by} needs it"), remedy);
+    }
+    t.has(key)
+}
+
+fn quaternion(t: &Table<'_>) -> Option<Given> {
+    foreign(t, &["sequence", "unit"], "quaternion");
+    let there = needs(t, "scalar", "quaternion", "scalar = \"first\" or \"last\": where the real part stands");
+    let [a, b, c, d] = names::<4>(t, "quaternion")?;
+    let last = t.choice("scalar").filter(|_| there)? == 1;
+    Some(Given::Quaternion(if last { [d, a, b, c] } else { [a, b, c, d] }))
+}
+
+fn euler(t: &Table<'_>) -> Option<Given> {
+    foreign(t, &["scalar"], "euler");
+    let there = needs(t, "sequence", "euler", "sequence = \"zyx\" for yaw, pitch, roll");
+    let there = needs(t, "unit", "euler", "unit = \"deg\" or \"rad\"") && there;
+    let angles = names::<3>(t, "euler")?;
+    let sequence = SEQUENCES[t.choice("sequence").filter(|_| there)?];
+    let mut axes = [0; 3];
+    axes.iter_mut().zip(sequence.bytes()).for_each(|(a, letter)| *a = usize::from(letter - b'x'));
+    Some(Given::Euler { angles, axes, unit: unit(t, Quantity::Angle)? })
+}
