@@ -12,6 +12,8 @@ const DEGREE: usize = 3;
 const SCALE_REACH: usize = 30;
 /// A spike is an error beyond so many robust standard deviations.
 pub(crate) const SIGMAS: f64 = 6.0;
+/// No channel of a run, in any unit, has numbers beyond this.
+const POSSIBLE: f64 = 1e12;
 /// Standard deviation of a Gaussian over its median absolute deviation.
 const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
 /// Samples on each side of a dropout that bridge it, and the degree of the bridge.
@@ -112,10 +114,10 @@ fn sizes(part: &[Option<f64>]) -> Vec<f64> {
 /// the smallest standard deviation that the instrument can have. Times increase; `interval_s` is the usual step.
 pub(crate) fn remove_spikes(t: &[f64], x: &mut [f64], interval_s: f64, floor: f64) -> Vec<Spike> {
     let reach_s = 2.0 * NEIGHBOURS as f64 * interval_s;
+    let mut removed = impossible(x);
     let error = |x: &[f64], i: usize| if x[i].is_finite() { error_of(t, x, i, x[i], reach_s).map(|e| e.0) } else { None };
     let mut errors: Vec<Option<f64>> = (0..x.len()).map(|i| error(x, i)).collect();
     let scales = Scales::new(&errors, floor);
-    let mut removed: Vec<(usize, f64)> = Vec::new();
     while let Some((worst, ratio)) = worst_of(&errors, &scales) {
         if ratio <= SIGMAS || removed.len() >= x.len() / 4 {
             break;
@@ -140,6 +142,13 @@ pub(crate) fn remove_spikes(t: &[f64], x: &mut [f64], interval_s: f64, floor: f6
         .collect()
 }
 
+/// Takes out what no instrument gives before any fit: a fit through such a number drowns its neighbours.
+fn impossible(x: &mut [f64]) -> Vec<(usize, f64)> {
+    let all: Vec<(usize, f64)> = x.iter().copied().enumerate().filter(|(_, v)| v.abs() > POSSIBLE).collect();
+    all.iter().for_each(|(i, _)| x[*i] = f64::NAN);
+    all
+}
+
 fn worst_of(errors: &[Option<f64>], scales: &Scales) -> Option<(usize, f64)> {
     let ratios = errors.iter().enumerate().filter_map(|(i, e)| e.map(|e| (i, scales.ratio(i, e))));
     ratios.filter(|(_, r)| r.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
@@ -148,7 +157,8 @@ fn worst_of(errors: &[Option<f64>], scales: &Scales) -> Option<(usize, f64)> {
 /// Neighbours of a cluster of spikes may have been taken for spikes while the cluster stood: those come back.
 fn restore_good(t: &[f64], x: &mut [f64], removed: &mut Vec<(usize, f64)>, scales: &Scales, reach_s: f64) {
     removed.retain(|&(i, value)| {
-        let good = error_of(t, x, i, value, reach_s).is_some_and(|(e, _)| scales.ratio(i, e) <= SIGMAS);
+        let good =
+            value.abs() <= POSSIBLE && error_of(t, x, i, value, reach_s).is_some_and(|(e, _)| scales.ratio(i, e) <= SIGMAS);
         if good {
             x[i] = value;
         }
@@ -222,6 +232,21 @@ mod tests {
         let (value, weights2) = fit_at_zero(&points, 3);
         assert!((value - 1.0).abs() < 1e-13);
         assert!(weights2 > 1.0 / 7.0, "no fit is better than the mean of all");
+    }
+
+    /// One cell of 1e308: it and nothing else is removed.
+    #[test]
+    fn law_an_impossible_number_costs_its_own_sample_only() {
+        let t: Vec<f64> = (0..200).map(|i| f64::from(i) / 150.0).collect();
+        let clean: Vec<f64> = t.iter().map(|t| (5.0 * t).sin()).collect();
+        for (at, bad) in [(100, 1e308), (100, -1e308), (0, 1e300), (199, 1e13)] {
+            let mut x = clean.clone();
+            x[at] = bad;
+            let spikes = remove_spikes(&t, &mut x, 1.0 / 150.0, 1e-3);
+            assert_eq!(spikes.iter().map(|s| s.index).collect::<Vec<_>>(), [at], "{bad}");
+            let others = x.iter().zip(&clean).enumerate().filter(|(i, _)| *i != at);
+            assert!(others.into_iter().all(|(_, (a, b))| a.to_bits() == b.to_bits()), "{bad}");
+        }
     }
 
     #[test]

@@ -60,6 +60,7 @@ pub(crate) fn fault(path: &Path, line: Option<usize>, key: &str, value: &str, al
 
 /// Reads a run file by its extension.
 pub(crate) fn read_columns(path: &Path) -> Result<Columns, ReadError> {
+    crate::error::regular(path)?;
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("csv") => parse(path, &crate::error::text_of(path)?),
         Some("parquet") => crate::parquet_columns::read(path),
