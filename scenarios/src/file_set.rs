@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 
 /// Begin of the name of a stage, which nobody reads.
 const STAGE: &str = ".windfall-stage-";
+/// File in a stage that is locked as long as its process lives.
+const HELD: &str = ".held";
 /// Name of a set that is complete and not yet moved.
 const WHOLE: &str = ".windfall-whole";
 
@@ -20,7 +22,8 @@ const WHOLE: &str = ".windfall-whole";
 pub struct FileSet {
     folder: PathBuf,
     stage: tempfile::TempDir,
-    /// Held while this process lives, so that a stage left by a kill is known by being free.
+    /// Locked while this process lives, so that a stage left by a kill is known by being free. A file of its own: the stage itself may be
+    /// locked as the folder of a set within this one.
     _alive: Option<File>,
 }
 
@@ -30,9 +33,10 @@ impl FileSet {
     /// # Errors
     /// A folder in which nothing can be made.
     pub fn new(folder: &Path) -> Result<Self, WriteError> {
+        let _turn = lock(folder);
         sweep(folder);
         let stage = tempfile::Builder::new().prefix(STAGE).tempdir_in(folder).map_err(|e| failed(folder, e))?;
-        let alive = File::open(stage.path()).ok().filter(|f| f.try_lock().is_ok());
+        let alive = File::create_new(stage.path().join(HELD)).ok().filter(|f| f.try_lock().is_ok());
         Ok(Self { folder: folder.to_owned(), stage, _alive: alive })
     }
     /// Where the files are to be written under their own names.
@@ -49,6 +53,7 @@ impl FileSet {
         let Self { folder, stage, _alive } = self;
         let _turn = lock(&folder);
         settle_now(&folder)?;
+        fs::remove_file(stage.path().join(HELD)).map_err(|e| failed(stage.path(), e))?;
         let names = names(stage.path())?;
         let there: Vec<&PathBuf> = names.iter().filter(|n| folder.join(n).symlink_metadata().is_ok()).collect();
         let blocked = |n: &&&PathBuf| !overwrite || folder.join(n).is_dir();
@@ -107,14 +112,13 @@ fn names(folder: &Path) -> Result<Vec<PathBuf>, WriteError> {
     Ok(all)
 }
 
-/// Removes stages that nobody holds.
+/// Removes stages that nobody holds. Who makes one has the folder's lock until it is held.
 fn sweep(folder: &Path) {
     let stale = |path: &Path| {
         let is_stage = path.file_name().and_then(|n| n.to_str()).is_some_and(|n| n.starts_with(STAGE));
         let own = is_stage && path.symlink_metadata().is_ok_and(|m| m.is_dir());
-        own && File::open(path).is_ok_and(|f| f.try_lock().is_ok())
+        own && File::open(path.join(HELD)).map_or(true, |f| f.try_lock().is_ok())
     };
-    let _turn = lock(folder);
     for entry in fs::read_dir(folder).into_iter().flatten().flatten().filter(|e| stale(&e.path())) {
         // What cannot be removed is in nobody's way.
         let _ = fs::remove_dir_all(entry.path());
@@ -147,6 +151,15 @@ mod tests {
     }
     fn pairs(files: &[(&str, &str)]) -> Vec<(String, String)> {
         files.iter().map(|(n, t)| ((*n).to_owned(), (*t).to_owned())).collect()
+    }
+
+    #[test]
+    fn law_sets_go_within_sets() {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let outer = FileSet::new(dir.path()).expect("writable");
+        put(outer.stage(), &[("a", "1")], true).expect("a set within a stage");
+        outer.commit(false).expect("an empty folder");
+        assert_eq!(read(dir.path()), pairs(&[("a", "1")]));
     }
 
     #[test]
