@@ -73,7 +73,7 @@ pub enum Error {
         lacking: String,
     },
     /// The stopping rule of a study asks for what is not there.
-    #[error("[stop] column = \"{column}\": is no column of numbers or flags of this study; columns: {columns}")]
+    #[error("[stop] column = \"{column}\": is no column of numbers or flags of this study; try: one of {columns}")]
     NoColumn {
         /// What was asked for.
         column: String,
