@@ -86,8 +86,16 @@ pub(crate) struct Common {
     #[arg(long)]
     pub(crate) quiet: bool,
     /// Number of threads [default: one per processor]; results do not depend on it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = threads)]
     pub(crate) threads: Option<u16>,
+}
+
+/// Threads at most: more than any one machine has processors for, and few enough to start.
+const MOST_THREADS: u16 = 512;
+
+fn threads(word: &str) -> Result<u16, String> {
+    let what = || format!("allowed: a whole number from 1 to {MOST_THREADS}; try: leave it out, which takes one per processor");
+    word.parse().ok().filter(|n| (1..=MOST_THREADS).contains(n)).ok_or_else(what)
 }
 
 /// `simulate`.

@@ -41,11 +41,11 @@ fn close_campaign(word: &Path, request: &Close, session: &mut Session<'_>) -> Re
         let drawn = if folder.is_some() { campaign.figures(&closing).unwrap_or_default() } else { Vec::new() };
         Ok((closing, drawn))
     })?;
-    if let Some(folder) = &folder {
-        write_json_atomically(&folder.join(FILES[0]), &closing)?;
-        write_json_atomically(&folder.join(FILES[1]), &drawn)?;
-        text_atomically(&folder.join(FILES[2]), &closing_page(&closing, &drawn))?;
-    }
+    session.write(folder.as_deref(), |stage| {
+        write_json_atomically(&stage.join(FILES[0]), &closing)?;
+        write_json_atomically(&stage.join(FILES[1]), &drawn)?;
+        Ok(text_atomically(&stage.join(FILES[2]), &closing_page(&closing, &drawn))?)
+    })?;
     session.show(&closing, || story(&closing))?;
     session.written(folder.as_deref(), &FILES);
     Ok(closing.verdict != Verdict::Unexplained)
@@ -55,10 +55,10 @@ fn close_statistics(word: &Path, request: &Close, session: &mut Session<'_>) -> 
     let published = Published::find(word)?;
     let folder = session.outputs(&STATISTICS_FILES)?;
     let closing = session.work("searching the catalogue", || published.close(request))?;
-    if let Some(folder) = &folder {
-        write_json_atomically(&folder.join(FILES[0]), &closing)?;
-        text_atomically(&folder.join(FILES[2]), &published.page(&closing)?)?;
-    }
+    session.write(folder.as_deref(), |stage| {
+        write_json_atomically(&stage.join(FILES[0]), &closing)?;
+        Ok(text_atomically(&stage.join(FILES[2]), &published.page(&closing)?)?)
+    })?;
     session.show(&closing, || statistics_table(&closing))?;
     session.written(folder.as_deref(), &STATISTICS_FILES);
     Ok(closing.verdict != "unexplained")

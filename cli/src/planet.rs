@@ -8,9 +8,7 @@ pub(crate) fn simulate(file: &PlanetFile, session: &mut Session<'_>) -> Result<b
     let names: Vec<&str> = outputs.iter().map(String::as_str).collect();
     let folder = session.outputs(&names)?;
     let flown = session.pool()?.install(|| planet::fly(file))?;
-    if let Some(folder) = &folder {
-        planet::write(folder, file, &flown)?;
-    }
+    session.write(folder.as_deref(), |stage| planet::write(stage, file, &flown))?;
     let simulation = planet::summary(file, &flown, folder.is_some());
     for (r, f) in simulation.flights.iter().zip(&file.scenario.flights) {
         session.say(&format!("{}: {} samples, {} at {:.3} s, {} steps", r.name, r.samples, r.end, r.end_t_s, r.steps));

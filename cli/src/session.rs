@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::io::{IsTerminal as _, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use windfall::files::{json_text, write_json_atomically};
+use windfall::files::{FileSet, json_text, settle, write_json_atomically};
 use windfall::{Campaign, Flights, Fly, Kind, Scenario};
 
 /// Why a command gave no result, and whose fault that is.
@@ -86,14 +86,20 @@ impl Session<'_> {
         result: &impl Serialize,
         words: impl FnOnce() -> String,
     ) -> Result<(), Failure> {
-        if let Some(folder) = folder {
-            write_json_atomically(&folder.join(file), result)?;
-        }
+        self.write(folder, |stage| Ok(write_json_atomically(&stage.join(file), result)?))?;
         self.show(result, words)?;
         if let Some(folder) = folder {
             self.say(&format!("written: {}", folder.join(file).display()));
         }
         Ok(())
+    }
+    /// Writes the files of a command: all of them, or none. Without `--force` nothing is overwritten, also nothing that another process
+    /// wrote while this one worked.
+    pub(crate) fn write(&self, folder: Option<&Path>, write: impl FnOnce(&Path) -> windfall::Result<()>) -> Result<(), Failure> {
+        let Some(folder) = folder else { return Ok(()) };
+        let set = FileSet::new(folder)?;
+        write(set.stage())?;
+        Ok(set.commit(self.common.force)?)
     }
     /// A result on standard output, as JSON or words.
     pub(crate) fn show(&mut self, result: &impl Serialize, words: impl FnOnce() -> String) -> Result<(), Failure> {
@@ -132,7 +138,8 @@ impl Session<'_> {
         }
         let folder = self.common.out.clone().unwrap_or_else(|| PathBuf::from("."));
         std::fs::create_dir_all(&folder).with_context(|| format!("--out {}: cannot be made a folder", folder.display()))?;
-        let taken: Vec<&str> = files.iter().copied().filter(|f| folder.join(f).exists()).collect();
+        settle(&folder)?;
+        let taken: Vec<&str> = files.iter().copied().filter(|f| folder.join(f).symlink_metadata().is_ok()).collect();
         if !taken.is_empty() && !self.common.force {
             let list = taken.join(", ");
             return Err(anyhow!("{}: {list} exists and is not overwritten; try: --out DIR or --force", folder.display()).into());

@@ -13,9 +13,7 @@ pub(crate) fn run(args: &SimulateArgs, session: &mut Session<'_>) -> Result<bool
     let outputs: Vec<&str> = outputs.iter().map(String::as_str).collect();
     let folder = session.outputs(&outputs)?;
     let flights = session.fly(&scenario, &args.request)?;
-    if let Some(folder) = &folder {
-        flights.write(folder)?;
-    }
+    session.write(folder.as_deref(), |stage| flights.write(stage))?;
     let simulation = flights.summary(folder.is_some());
     for f in &simulation.flights {
         session.say(&format!("{}: {} samples, {} at {:.3} s, {} steps", f.name, f.samples, f.end, f.end_t_s, f.steps));

@@ -3,7 +3,7 @@
 use crate::args::StructureArgs;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
-use windfall::files::write_structure;
+use windfall::files::{write_json_atomically, write_structure};
 use windfall::results::{Choice, CoefficientChoice, Symmetry};
 
 /// Names of the result files.
@@ -17,10 +17,12 @@ pub(crate) fn run(args: &StructureArgs, session: &mut Session<'_>) -> Result<boo
     let folder = session.outputs(&[FILE, DECLARED])?;
     let found = session.work("choosing terms", || campaign.structure(&args.request))?;
     session.warn_all(&found.warnings);
-    if let Some(folder) = &folder {
-        write_structure(&folder.join(DECLARED), &found.aero(NAME).structure)?;
-    }
-    session.deliver(folder.as_deref(), FILE, &found, || words(&campaign.data.name, &found))?;
+    session.write(folder.as_deref(), |stage| {
+        write_structure(&stage.join(DECLARED), &found.aero(NAME).structure)?;
+        Ok(write_json_atomically(&stage.join(FILE), &found)?)
+    })?;
+    session.show(&found, || words(&campaign.data.name, &found))?;
+    session.written(folder.as_deref(), &[FILE, DECLARED]);
     Ok(true)
 }
 

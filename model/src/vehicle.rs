@@ -25,6 +25,8 @@ pub struct Inertia {
 }
 
 impl Inertia {
+    /// Smallest and largest radius of gyration of a body over its reference diameter: a point has 0, a thin pole of thirty diameters 8.7.
+    pub const GYRATION_OVER_DIAMETER: [f64; 2] = [0.01, 10.0];
     /// Inertia matrix, kg m², body axes: moments on the diagonal, minus the products off it.
     #[must_use]
     pub fn matrix(&self) -> Matrix3<f64> {

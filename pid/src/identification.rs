@@ -85,6 +85,11 @@ pub struct Estimate {
     pub std_error_white: f64,
 }
 
+/// A number of a channel (SI, rad) in the unit that the channel's name says.
+pub(crate) fn in_unit_of(channel: &str, si: f64) -> f64 {
+    if channel.ends_with("_deg") { si.to_degrees() } else { si }
+}
+
 /// How well one coefficient is explained.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoefficientFit {
@@ -92,7 +97,7 @@ pub struct CoefficientFit {
     pub coefficient: String,
     /// Coefficient of determination R² (eq. 4.18).
     pub r2: f64,
-    /// Standard deviation of the residual, s of eq. 4.17.
+    /// Standard deviation of the residual, s of eq. 4.17; of a channel in the unit of its name: deg for `Rx_deg`.
     pub residual_std: f64,
     /// Probability that white noise looks as coloured as the residual.
     pub residual_whiteness_p: f64,

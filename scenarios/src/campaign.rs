@@ -2,6 +2,7 @@
 
 use crate::error::{ReadError, text_of};
 use crate::keys;
+use crate::limits;
 use crate::own::{self, Own};
 use crate::plant::{Declared, read_declared};
 use crate::point::{Down, read_own_track};
@@ -107,14 +108,13 @@ fn down_of(file: &Table<'_>, declared: Option<&Declared>) -> Option<Down> {
 
 fn entries(file: &Table<'_>, point: bool) -> Vec<RunEntry> {
     let all_runs = own::read(file, point).unwrap_or_default();
-    let folder = file.source.path().parent().unwrap_or(Path::new("")).to_owned();
     let all: Vec<RunEntry> = file
         .tables("run", &keys::RUN)
         .iter()
         .map(|t| {
             let name = t.text("file");
             RunEntry {
-                path: folder.join(&name),
+                path: limits::beside(file.source, t.value("file"), "[[run]] file", &name),
                 file: name,
                 kind: t.text("kind"),
                 used: used(t),
@@ -125,6 +125,7 @@ fn entries(file: &Table<'_>, point: bool) -> Vec<RunEntry> {
             }
         })
         .collect();
+    limits::of_file(file.source, "run", all.len(), 0.0);
     for (i, e) in all.iter().enumerate() {
         let stem = |e: &RunEntry| crate::formats::stem(&e.path);
         if !e.file.is_empty() && all[..i].iter().any(|o| stem(o) == stem(e) && o.window_s == e.window_s) {

@@ -12,6 +12,8 @@ const DEGREE: usize = 3;
 const SCALE_REACH: usize = 30;
 /// A spike is an error beyond so many robust standard deviations.
 pub(crate) const SIGMAS: f64 = 6.0;
+/// No channel of a run, in any unit, has numbers beyond this.
+const POSSIBLE: f64 = 1e12;
 /// Standard deviation of a Gaussian over its median absolute deviation.
 const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
 /// Samples on each side of a dropout that bridge it, and the degree of the bridge.
@@ -144,10 +146,10 @@ fn sizes(part: &[Option<f64>]) -> Vec<f64> {
 /// the smallest standard deviation that the instrument can have. Times increase; `interval_s` is the usual step.
 pub(crate) fn remove_spikes(t: &[f64], x: &mut [f64], interval_s: f64, floor: f64) -> Vec<Spike> {
     let reach_s = 2.0 * NEIGHBOURS as f64 * interval_s;
+    let mut removed = impossible(x);
     let error = |x: &[f64], i: usize| if x[i].is_finite() { error_of(t, x, i, x[i], reach_s).map(|e| e.0) } else { None };
     let errors: Vec<Option<f64>> = (0..x.len()).map(|i| error(x, i)).collect();
     let scales = Scales::new(&errors, floor);
-    let mut removed: Vec<(usize, f64)> = Vec::new();
     let mut worst = Worst::of(errors.iter().enumerate().map(|(i, e)| scales.ratio_of(i, *e)).collect());
     while let Some((place, ratio)) = worst.first() {
         if ratio <= SIGMAS || removed.len() >= x.len() / 4 {
@@ -213,10 +215,18 @@ fn finite(ratio: Option<f64>) -> f64 {
     ratio.filter(|r| r.is_finite()).unwrap_or(f64::NEG_INFINITY)
 }
 
+/// Takes out what no instrument gives before any fit: a fit through such a number drowns its neighbours.
+fn impossible(x: &mut [f64]) -> Vec<(usize, f64)> {
+    let all: Vec<(usize, f64)> = x.iter().copied().enumerate().filter(|(_, v)| v.abs() > POSSIBLE).collect();
+    all.iter().for_each(|(i, _)| x[*i] = f64::NAN);
+    all
+}
+
 /// Neighbours of a cluster of spikes may have been taken for spikes while the cluster stood: those come back.
 fn restore_good(t: &[f64], x: &mut [f64], removed: &mut Vec<(usize, f64)>, scales: &Scales, reach_s: f64) {
     removed.retain(|&(i, value)| {
-        let good = error_of(t, x, i, value, reach_s).is_some_and(|(e, _)| scales.ratio(i, e) <= SIGMAS);
+        let good =
+            value.abs() <= POSSIBLE && error_of(t, x, i, value, reach_s).is_some_and(|(e, _)| scales.ratio(i, e) <= SIGMAS);
         if good {
             x[i] = value;
         }
@@ -290,6 +300,21 @@ mod tests {
         let (value, weights2) = fit_at_zero(&points, 3);
         assert!((value - 1.0).abs() < 1e-13);
         assert!(weights2 > 1.0 / 7.0, "no fit is better than the mean of all");
+    }
+
+    /// One cell of 1e308: it and nothing else is removed.
+    #[test]
+    fn law_an_impossible_number_costs_its_own_sample_only() {
+        let t: Vec<f64> = (0..200).map(|i| f64::from(i) / 150.0).collect();
+        let clean: Vec<f64> = t.iter().map(|t| (5.0 * t).sin()).collect();
+        for (at, bad) in [(100, 1e308), (100, -1e308), (0, 1e300), (199, 1e13)] {
+            let mut x = clean.clone();
+            x[at] = bad;
+            let spikes = remove_spikes(&t, &mut x, 1.0 / 150.0, 1e-3);
+            assert_eq!(spikes.iter().map(|s| s.index).collect::<Vec<_>>(), [at], "{bad}");
+            let others = x.iter().zip(&clean).enumerate().filter(|(i, _)| *i != at);
+            assert!(others.into_iter().all(|(_, (a, b))| a.to_bits() == b.to_bits()), "{bad}");
+        }
     }
 
     #[test]

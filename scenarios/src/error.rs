@@ -60,6 +60,14 @@ pub enum ReadError {
         /// The folder.
         path: PathBuf,
     },
+    /// A pipe, a device or a socket where a file is meant: reading it may never end.
+    #[error("{}: is {what}; allowed: a regular file; try: write what it holds into a file first", path.display())]
+    Special {
+        /// Its path.
+        path: PathBuf,
+        /// What it is.
+        what: &'static str,
+    },
     /// Read, and wrong: all faults found.
     #[error("{}", list(.0))]
     Faults(Vec<Fault>),
@@ -71,7 +79,7 @@ impl ReadError {
     pub fn faults(&self) -> &[Fault] {
         match self {
             Self::Faults(all) => all,
-            Self::Open { .. } | Self::Folder { .. } => &[],
+            Self::Open { .. } | Self::Folder { .. } | Self::Special { .. } => &[],
         }
     }
 }
@@ -87,6 +95,14 @@ pub enum WriteError {
         path: PathBuf,
         /// The system's words.
         reason: std::io::Error,
+    },
+    /// Results that would be overwritten.
+    #[error("{}: {files} exists and is not overwritten; try: --out DIR or --force", folder.display())]
+    Exists {
+        /// The folder.
+        folder: PathBuf,
+        /// Those that are there.
+        files: String,
     },
     /// The result holds a number that JSON cannot carry, or a key that is not text.
     #[error("{}: result is not representable as JSON ({reason}); try: report this with the input file", path.display())]
@@ -112,10 +128,40 @@ pub enum WriteError {
 
 /// Text of a file.
 pub(crate) fn text_of(path: &Path) -> Result<String, ReadError> {
-    std::fs::read_to_string(path).map_err(|reason| {
-        let (path, folder) = (path.to_owned(), path.is_dir());
-        if folder { ReadError::Folder { path } } else { ReadError::Open { path, reason } }
-    })
+    regular(path)?;
+    std::fs::read_to_string(path).map_err(|reason| ReadError::Open { path: path.to_owned(), reason })
+}
+
+/// Refuses what is there and no regular file, before it is opened: a pipe would be waited for, a device read without end. A set of files
+/// that a killed process left complete is put in place first.
+pub(crate) fn regular(path: &Path) -> Result<(), ReadError> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let unmoved = |e: WriteError| ReadError::Open { path: path.to_owned(), reason: std::io::Error::other(e) };
+    crate::file_set::settle(folder).map_err(unmoved)?;
+    // What is not there, or may not be looked at, is said when it is opened.
+    let Ok(found) = std::fs::metadata(path) else { return Ok(()) };
+    let path = path.to_owned();
+    if found.is_dir() {
+        Err(ReadError::Folder { path })
+    } else if found.is_file() {
+        Ok(())
+    } else {
+        Err(ReadError::Special { path, what: special(found.file_type()) })
+    }
+}
+
+#[cfg(unix)]
+fn special(kind: std::fs::FileType) -> &'static str {
+    use std::os::unix::fs::FileTypeExt as _;
+    match kind {
+        k if k.is_fifo() => "a pipe (FIFO)",
+        k if k.is_socket() => "a socket",
+        _ => "a device",
+    }
+}
+#[cfg(not(unix))]
+fn special(_: std::fs::FileType) -> &'static str {
+    "no regular file"
 }
 
 /// Reads a result that this program wrote as JSON.

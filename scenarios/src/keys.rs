@@ -3,6 +3,7 @@
 mod columns;
 mod planet;
 
+use crate::limits;
 pub(crate) use columns::{COLUMN, COLUMNS, COLUMNS_ATTITUDE, COLUMNS_AXES};
 pub(crate) use planet::{
     ATMOSPHERE_PLANET, ENVIRONMENT_PLANET, FLIGHT_PLANET, INITIAL, PLANET_FILE, VEHICLE_PLANET, WIND_PLANET,
@@ -412,7 +413,7 @@ pub(crate) static FLIGHT: TableSpec = TableSpec {
         other("name", Kind::Text, "name of the run it makes"),
         other("kind", Kind::Text, "perturbed, unperturbed, drop, or your word"),
         other("use", Kind::Choice(&USES), "use in the campaign that is made"),
-        num("duration_s", "s", 0.01, 1e5, "duration"),
+        num("duration_s", "s", 0.01, 1e4, "duration; with rate_hz at most a million samples"),
         num("rate_hz", "Hz", 0.1, 1e5, "sample rate"),
         other("sensor_noise", Kind::Bool, "whether the record carries sensor noise"),
         other("release", Kind::Table, "state at the first sample"),
@@ -520,7 +521,14 @@ pub(crate) static STUDY: TableSpec = TableSpec {
             Kind::Text,
             "identification.json that is flown, with `campaign`; absent: the campaign's own values",
         )),
-        Key { name: "draws", kind: Kind::Integer, unit: "-", range: [1.0, 1e12], needed: true, meaning: "number of draws" },
+        Key {
+            name: "draws",
+            kind: Kind::Integer,
+            unit: "-",
+            range: [1.0, limits::DRAWS],
+            needed: true,
+            meaning: "number of draws",
+        },
         Key {
             name: "seed",
             kind: Kind::Integer,
@@ -533,7 +541,7 @@ pub(crate) static STUDY: TableSpec = TableSpec {
             name: "part_draws",
             kind: Kind::Integer,
             unit: "-",
-            range: [1.0, 1e6],
+            range: [1.0, limits::PART_DRAWS],
             needed: false,
             meaning: "draws in each part of the results; 256 when absent",
         }),
@@ -634,7 +642,7 @@ pub(crate) static STOP: TableSpec = TableSpec {
             name: "least_draws",
             kind: Kind::Integer,
             unit: "-",
-            range: [1.0, 1e12],
+            range: [1.0, limits::DRAWS],
             needed: false,
             meaning: "fewest draws; 100 when absent",
         }),

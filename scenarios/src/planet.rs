@@ -2,11 +2,11 @@
 
 use crate::error::{ReadError, text_of};
 use crate::formats::read_columns;
-use crate::keys;
 use crate::plant::inertia;
-use crate::scenario::{fnv1a, name_of_file, numerics, unique_names};
+use crate::scenario::{fnv1a, name_of_file, numerics};
 use crate::structure::read_aero;
 use crate::table::{Source, Table};
+use crate::{keys, limits};
 use std::path::Path;
 use toml::de::DeTable;
 use windfall_model::frames::Vec3;
@@ -92,7 +92,8 @@ pub fn read_planet(path: &Path) -> Result<PlanetFile, ReadError> {
     let numerics = numerics(&file, PlanetFlight::default_numerics());
     let flights: Vec<PlanetFlight> =
         file.one_or_more("flight", &keys::FLIGHT_PLANET).iter().filter_map(|t| flight(t, point, numerics)).collect();
-    unique_names(&source, &flights.iter().map(|f| f.name.as_str()).collect::<Vec<_>>());
+    limits::unique_files(&source, &flights.iter().map(|f| f.name.as_str()).collect::<Vec<_>>(), &["-truth.csv"]);
+    limits::of_file(&source, "flight", flights.len(), flights.iter().map(|f| f.duration_s * f.rate_hz).sum());
     let built = (|| {
         let ((name, note), (vehicle, reference), aero) = (head?, body?, aero?);
         let own_structure = aero.structure_file.is_some();
@@ -240,7 +241,10 @@ fn rows<const N: usize>(
     if word.is_empty() {
         return None;
     }
-    let path = t.source.path().parent().unwrap_or(Path::new("")).join(&word);
+    let path = limits::beside(t.source, t.value("file"), &t.full("file"), &word);
+    if t.source.has_faults() {
+        return None;
+    }
     let columns = match read_columns(&path) {
         Ok(columns) => columns,
         Err(ReadError::Faults(faults)) => {
@@ -318,10 +322,7 @@ fn flight(t: &Table<'_>, point: bool, numerics: Numerics) -> Option<PlanetFlight
         }
     }
     let (duration_s, rate_hz) = (t.number("duration_s"), t.number("rate_hz"));
-    if duration_s * rate_hz > 5e7 {
-        let what = "gives more than fifty million samples";
-        t.source.fault(t.at("rate_hz"), t.full("rate_hz"), rate_hz.to_string(), what, "a lower rate or a shorter flight");
-    }
+    limits::samples(t, duration_s, rate_hz);
     let start = start(&t.table("initial", &keys::INITIAL)?, point);
     Some(PlanetFlight { name, duration_s, rate_hz, start, numerics })
 }

@@ -13,6 +13,20 @@ use windfall_model::planet::{Atmosphere, Gravity, Planet, PlanetFlight, Winds};
 const ATMOSPHERE_FILE: &str = "atmosphere.csv";
 const WIND_FILE: &str = "wind.csv";
 
+/// Columns of a truth over a planet, by groups: names, unit, meaning.
+pub(crate) const PLANET_COLUMNS: [(&str, &str, &str); 5] = [
+    ("t_s", "s", "time"),
+    ("altitude_m, latitude_deg, longitude_deg", "m, deg", "geodetic place of the c.m."),
+    ("v_north_m_s, v_east_m_s, v_down_m_s", "m/s", "velocity over the ground"),
+    ("roll_deg, pitch_deg, yaw_deg", "deg", "attitude against north, east, down (rigid bodies)"),
+    ("p_deg_s, q_deg_s, r_deg_s", "deg/s", "inertial body rates (rigid bodies)"),
+];
+/// Axes over a planet.
+pub(crate) const AXES_OVER_PLANET: [(&str, &str); 1] = [(
+    "north, east, down",
+    "local to the ellipsoid below the body; velocities are over the ground, wind is where the air goes to",
+)];
+
 impl PlanetFile {
     /// Names of the files that [`write_resolved_planet`] writes beside `scenario.toml`, structures aside.
     #[must_use]

@@ -19,11 +19,11 @@ pub const FEWEST_SAMPLES: usize = 30;
 /// More spikes than this fraction of the samples are no spikes.
 const MOST_SPIKES: f64 = 0.05;
 /// Needed columns, in the order of the channels.
-const NEEDED: [&str; 9] = ["X_m", "Y_m", "Z_m", "Rx_deg", "Ry_deg", "Rz_deg", "VW_m_s", "ps_Pa", "Ts_K"];
+pub(crate) const NEEDED: [&str; 9] = ["X_m", "Y_m", "Z_m", "Rx_deg", "Ry_deg", "Rz_deg", "VW_m_s", "ps_Pa", "Ts_K"];
 /// Those of the motion and what drives it.
 const MOTION: [&str; 7] = ["X_m", "Y_m", "Z_m", "Rx_deg", "Ry_deg", "Rz_deg", "VW_m_s"];
 /// Column that may be absent.
-const QW: &str = "qW_Pa";
+pub(crate) const QW: &str = "qW_Pa";
 /// Deviation of a slow channel (pressure, temperature) below which nothing is a spike, as a fraction of its value.
 const SLOW_FLOOR: f64 = 2e-4;
 

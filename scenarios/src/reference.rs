@@ -1,10 +1,11 @@
-//! scenarios: the key reference. In: the tables of keys that the reader checks by. Out: Markdown.
+//! scenarios: the key reference. In: the tables of keys that the reader checks by, lists of columns and effects. Out: Markdown.
 
 use crate::keys::{ALL, Key, Kind, TableSpec};
 use crate::table::allowed_range;
 use std::fmt::Write as _;
 
-/// Every key of campaign, scenario and structure files as Markdown: kind, unit, what is allowed, whether it is needed, meaning.
+/// Every key of every file as Markdown: kind, unit, what is allowed, whether it is needed, meaning; then columns of runs, axes, variables
+/// of structures and effects.
 #[must_use]
 pub fn key_reference() -> String {
     let mut text = String::from("# Keys of the files\n\nMade from the tables that the reader checks by; do not edit.\n");
@@ -12,6 +13,7 @@ pub fn key_reference() -> String {
         let _ = write!(text, "\n## {title}\n");
         tables.iter().for_each(|t| table_text(&mut text, t));
     }
+    crate::reference_lists::lists(&mut text);
     text
 }
 
@@ -47,6 +49,18 @@ fn allowed(k: &Key) -> String {
 
 #[cfg(test)]
 mod tests {
+    /// What a file may hold is in the reference: columns that are read, effects, variables of structures.
+    #[test]
+    fn law_the_reference_has_columns_effects_and_variables() {
+        let text = super::key_reference();
+        let columns = crate::record::NEEDED.iter().chain(&["t_s", crate::record::QW]).map(|c| (*c).to_owned());
+        let effects = windfall_model::CATALOGUE.iter().map(|e| e.family.to_owned());
+        let variables = windfall_model::Variable::ALL.iter().map(|v| v.name().to_owned());
+        let all: Vec<String> = columns.chain(effects).chain(variables).collect();
+        let lacking: Vec<&String> = all.iter().filter(|n| !text.contains(&format!("`{n}`"))).collect();
+        assert!(lacking.is_empty(), "{lacking:?}");
+    }
+
     #[test]
     fn frozen_reference_file_is_current() {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("KEYS.md");

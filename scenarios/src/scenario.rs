@@ -2,6 +2,7 @@
 
 use crate::error::{ReadError, text_of};
 use crate::keys;
+use crate::limits;
 use crate::plant::{Declared, read_declared};
 use crate::table::{Source, Table, allowed_range, nearest, number};
 use std::path::{Path, PathBuf};
@@ -95,7 +96,9 @@ fn parse(path: &Path, text: &str, input: &str) -> Result<ScenarioFile, ReadError
         air: declared.as_ref().map_or([f64::NAN; 2], |d| d.air),
     };
     let flights: Vec<Flight> = file.tables("flight", &keys::FLIGHT).iter().filter_map(|t| flight(t, &common)).collect();
-    unique_names(&source, &flights.iter().map(|f| f.name.as_str()).collect::<Vec<_>>());
+    // A flight alone makes run.csv and truth.csv, whatever its name.
+    limits::unique_files(&source, &flights.iter().map(|f| f.name.as_str()).collect::<Vec<_>>(), &[".csv", "-truth.csv"]);
+    limits::of_file(&source, "flight", flights.len(), flights.iter().map(|f| f.duration_s * f.rate_hz).sum());
     runs_exist(&source, &effects, flights.len());
     let built = declared.zip(head).filter(|_| !source.has_faults()).map(|(declared, (name, note))| {
         let Declared { plant: declared_plant, declared, knowledge, structure_file, .. } = declared;
@@ -273,12 +276,9 @@ fn flight(t: &Table<'_>, common: &Common) -> Option<Flight> {
         attitude_rad: r.numbers::<3>("attitude_deg").map(f64::to_radians),
         rates_rad_s: r.numbers::<3>("rates_deg_s").map(f64::to_radians),
     });
-    let speed = t.table("speed", &keys::SPEED).and_then(|s| speed(&s));
     let (duration_s, rate_hz) = (t.number("duration_s"), t.number("rate_hz"));
-    if duration_s * rate_hz > 5e7 {
-        let what = "gives more than fifty million samples";
-        t.source.fault(t.at("rate_hz"), t.full("rate_hz"), rate_hz.to_string(), what, "a lower rate or a shorter flight");
-    }
+    let speed = t.table("speed", &keys::SPEED).and_then(|s| speed(&s, duration_s));
+    limits::samples(t, duration_s, rate_hz);
     Some(Flight {
         name,
         kind: t.text("kind"),
@@ -295,15 +295,20 @@ fn flight(t: &Table<'_>, common: &Common) -> Option<Flight> {
     })
 }
 
+/// Names that are safe in a file's name on every system.
+pub(crate) fn is_file_name(name: &str) -> bool {
+    name.len() <= 100 && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c))
+}
+
 /// The name of a flight becomes a file's.
 pub(crate) fn name_of_file(t: &Table<'_>, name: &str) {
-    if !name.is_empty() && !name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c)) {
-        let what = "must be of letters, digits, - _ . (it becomes a file name)";
+    if !name.is_empty() && !is_file_name(name) {
+        let what = "must be of letters, digits, - _ . and at most a hundred of them (it becomes a file name)";
         t.source.fault(t.at("name"), t.full("name"), name, what, "perturbed-1");
     }
 }
 
-fn speed(t: &Table<'_>) -> Option<TunnelSpeed> {
+fn speed(t: &Table<'_>, duration_s: f64) -> Option<TunnelSpeed> {
     let given: Vec<&str> = ["operator", "history", "constant"].into_iter().filter(|n| t.has(n)).collect();
     let [one] = given[..] else {
         let what = "must hold exactly one of operator, history, constant";
@@ -311,7 +316,7 @@ fn speed(t: &Table<'_>) -> Option<TunnelSpeed> {
         return None;
     };
     Some(match one {
-        "operator" => TunnelSpeed::Operator(operator(&t.table(one, &keys::OPERATOR)?)),
+        "operator" => TunnelSpeed::Operator(operator(&t.table(one, &keys::OPERATOR)?, duration_s)),
         "history" => {
             let h = t.table(one, &keys::HISTORY)?;
             TunnelSpeed::History { interval_s: h.number("interval_s"), vw_m_s: h.series("vw_m_s") }
@@ -320,7 +325,10 @@ fn speed(t: &Table<'_>) -> Option<TunnelSpeed> {
     })
 }
 
-fn operator(t: &Table<'_>) -> Operator {
+fn operator(t: &Table<'_>, duration_s: f64) -> Operator {
+    let unsteady_time_s = t.number("unsteady_time_s");
+    // The hand is drawn on a grid of a thirty-second of its time.
+    limits::grid(t, "unsteady_time_s", unsteady_time_s, unsteady_time_s / 32.0, duration_s);
     Operator {
         trim_m_s: t.number_if("trim_m_s"),
         height_gain_per_s: t.number("height_gain_per_s"),
@@ -328,15 +336,7 @@ fn operator(t: &Table<'_>) -> Operator {
         integral_gain_per_s2: t.number("integral_gain_per_s2"),
         lag_s: t.number("lag_s"),
         unsteady_rms_m_s: t.number("unsteady_rms_m_s"),
-        unsteady_time_s: t.number("unsteady_time_s"),
+        unsteady_time_s,
         hold_x_m: t.number("hold_x_m"),
-    }
-}
-
-pub(crate) fn unique_names(source: &Source<'_>, names: &[&str]) {
-    for (i, name) in names.iter().enumerate() {
-        if names[..i].contains(name) {
-            source.fault(None, "[[flight]] name", *name, "appears twice", "give each flight its own name");
-        }
     }
 }

@@ -5,6 +5,7 @@
 //! draw; a full part becomes `parts/NNNNNN-<hash of its bytes>.parquet` by one rename; all parts become `runs.parquet`.
 
 use crate::error::WriteError;
+use crate::file_set::lock;
 use crate::journal::Journal;
 use crate::parquet_rows::{self, RowWriter};
 use crate::scenario::fnv1a;
@@ -77,6 +78,12 @@ pub enum StoreError {
         parts: u64,
         /// First of them.
         first: u64,
+    },
+    /// A link where a study keeps its files.
+    #[error("{}: is a link; a study writes into its own folder only; try: another --out, or remove the link", path.display())]
+    Link {
+        /// The link.
+        path: PathBuf,
     },
     /// The system refused to write.
     #[error(transparent)]
@@ -250,6 +257,12 @@ impl Store {
         opening: Opening,
     ) -> Result<Self, StoreError> {
         let parts = folder.join(PARTS);
+        // Two processes that begin in one folder begin one after the other.
+        if opening != Opening::Resume {
+            fs::create_dir_all(folder).map_err(|e| StoreError::write(folder, e))?;
+        }
+        let _turn = lock(folder);
+        no_links(folder)?;
         if opening == Opening::Force {
             clear(folder)?;
         }
@@ -425,7 +438,7 @@ impl Store {
         let temporary = self.parts_folder().join(format!("{index:06}.tmp"));
         let path = self.parts_folder().join(format!("{index:06}-{:016x}.parquet", fnv1a(bytes)));
         let fail = |e| StoreError::write(&path, e);
-        let mut file = File::create(&temporary).map_err(fail)?;
+        let mut file = fresh(&temporary).map_err(fail)?;
         file.write_all(bytes).and_then(|()| file.sync_all()).map_err(fail)?;
         fs::rename(&temporary, &path).map_err(fail)
     }
@@ -481,12 +494,16 @@ impl Store {
     /// # Errors
     /// A part that is missing or corrupt; a full disk.
     pub fn merge(&self, mut enough: impl FnMut(&Part) -> bool) -> Result<u64, StoreError> {
+        let _turn = lock(&self.folder);
+        if self.is_merged() {
+            return Ok(self.merged()?.draws());
+        }
         let finished = self.finished()?;
         let path = self.runs();
         let partial = self.folder.join(format!("{RUNS}.partial"));
         let fail = |e: ParquetError| StoreError::write(&path, std::io::Error::other(e));
         let io = |e| StoreError::write(&path, e);
-        let sink = File::create(&partial).map_err(io)?;
+        let sink = fresh(&partial).map_err(io)?;
         let mut writer = RowWriter::new(sink, &self.columns).map_err(fail)?;
         let (mut group, mut draws): (Vec<Row>, u64) = (Vec::new(), 0);
         for index in 0..self.parts() {
@@ -534,7 +551,11 @@ impl Store {
     /// A folder that cannot be removed.
     pub fn clean(&self) -> Result<(), StoreError> {
         let parts = self.parts_folder();
-        if parts.is_dir() { fs::remove_dir_all(&parts).map_err(|e| StoreError::write(&parts, e)) } else { Ok(()) }
+        match fs::remove_dir_all(&parts) {
+            // Another process that joined the same parts may have been first.
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(()),
+            other => other.map_err(|e| StoreError::write(&parts, e)),
+        }
     }
 
     /// The merged results, checked: each draw from 0 on, once.
@@ -623,6 +644,24 @@ fn list(folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
         other => other.map_err(fail)?,
     };
     entries.map(|e| e.map(|e| e.path()).map_err(fail)).collect()
+}
+
+/// Names below which a study writes must be its own: a link would lead it elsewhere.
+fn no_links(folder: &Path) -> Result<(), StoreError> {
+    let names = [IDENTITY, RUNS, PARTS].map(|n| folder.join(n));
+    let journals = list(&folder.join(PARTS)).unwrap_or_default();
+    match names.iter().chain(&journals).find(|p| p.is_symlink()) {
+        Some(link) => Err(StoreError::Link { path: link.clone() }),
+        None => Ok(()),
+    }
+}
+
+/// A new file, whatever stood under its name.
+fn fresh(path: &Path) -> std::io::Result<File> {
+    match fs::remove_file(path) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(e),
+        _ => File::create_new(path),
+    }
 }
 
 /// Removes a study's files, and nothing else.

@@ -2,6 +2,8 @@
 
 use crate::error::ReadError;
 use crate::keys;
+use crate::limits;
+use crate::scenario::is_file_name;
 use crate::table::{Source, Table, Value, nearest, number};
 use std::path::Path;
 use toml::de::DeValue;
@@ -65,7 +67,15 @@ fn structure_of(t: &Table<'_>, name: &str) -> Option<(Structure, Option<String>)
                 );
                 return None;
             };
-            let path = t.source.path().parent().unwrap_or(Path::new("")).join(file);
+            if !is_file_name(name) {
+                let what = "must be of letters, digits, - _ . (it becomes a file name)";
+                t.source.fault(Some(t.span.clone()), "[aero]", name, what, "[aero.lander]");
+                return None;
+            }
+            let path = limits::beside(t.source, Some(v), &t.full("structure"), file);
+            if t.source.has_faults() {
+                return None;
+            }
             match read_structure_as(&path, name) {
                 Ok(structure) => return Some((structure, Some(file.to_owned()))),
                 Err(ReadError::Faults(faults)) => t.source.add(&faults),
@@ -101,6 +111,10 @@ fn declared_of(t: &Table<'_>, structure: &Structure) -> Vec<bool> {
     };
     for word in words {
         match word.get_ref().as_str().and_then(|w| structure.index(w)) {
+            Some(i) if declared[i] => {
+                let value = t.source.snippet(word.span());
+                t.source.fault(Some(word.span()), t.full("declared"), value, "appears twice", "name each parameter once");
+            }
             Some(i) => declared[i] = true,
             None => t.source.fault(
                 Some(word.span()),
@@ -163,8 +177,22 @@ fn read_structure_as(path: &Path, name: &str) -> Result<Structure, ReadError> {
     let root = source.parse()?;
     let file = Table::new(&source, "", &root, 0..0, &keys::STRUCTURE_FILE);
     let parameters = words(&file, "parameters");
-    let contributions = file.tables("term", &keys::TERM).iter().filter_map(|t| contribution(t, &parameters)).collect();
+    let contributions: Vec<Contribution> =
+        file.tables("term", &keys::TERM).iter().filter_map(|t| contribution(t, &parameters)).collect();
+    unused(&file, &parameters, &contributions);
     source.finish(Some(Structure { name: name.to_owned(), parameters, contributions }))
+}
+
+/// A parameter that no term has moves nothing and can never be identified.
+fn unused(file: &Table<'_>, parameters: &[String], contributions: &[Contribution]) {
+    if file.source.has_faults() {
+        return;
+    }
+    for (i, name) in parameters.iter().enumerate().filter(|(i, _)| contributions.iter().all(|c| c.parameter != *i)) {
+        let what = "is in no [[term]], so that it moves nothing";
+        let remedy = format!("remove it, or add a [[term]] with parameter = \"{name}\"");
+        file.source.fault(file.at("parameters"), format!("parameters[{i}]"), name, what, remedy);
+    }
 }
 
 fn words(file: &Table<'_>, name: &str) -> Vec<String> {

@@ -2,6 +2,7 @@
 
 use crate::error::{ReadError, text_of};
 use crate::keys;
+use crate::limits;
 use crate::record::read_record_pieces;
 use crate::scenario::{EffectValues, ScenarioFile, fnv1a, read_effects, runs_exist};
 use crate::table::{Source, Table, allowed_range, nearest};
@@ -89,6 +90,9 @@ pub fn read_study(path: &Path) -> Result<StudyFile, ReadError> {
     if counts[1].is_none() {
         head.value("seed");
     }
+    if !source.has_faults() {
+        limits::parts(&head, counts[0].unwrap_or(1), counts[2].unwrap_or(PART_DRAWS));
+    }
     let base = base(&head);
     let model = model(&head);
     let Some(base) = base else { return source.finish(None) };
@@ -117,12 +121,9 @@ fn hash(bytes: &[u8]) -> String {
     format!("{:016x}", fnv1a(bytes))
 }
 
-/// A whole number above zero.
+/// A whole number of the key's range.
 fn count(t: &Table<'_>, name: &str) -> Option<u64> {
     let found = t.integer_if(name);
-    if found == Some(0) {
-        t.source.fault(t.at(name), t.full(name), "0", "must be above zero", "1");
-    }
     if found.is_none() {
         t.value(name);
     }

@@ -183,8 +183,9 @@ impl<'a> Table<'a> {
     pub(crate) fn integer_if(&self, name: &str) -> Option<u64> {
         let at = self.table.get(name)?;
         let parsed = at.get_ref().as_integer().and_then(|i| u64::from_str_radix(i.as_str(), i.radix()).ok());
-        if !parsed.is_some_and(|x| x as f64 <= self.key(name).range[1]) {
-            self.wrong(name, at, "must be a whole number from 0 to 2^53");
+        let [low, high] = self.key(name).range;
+        if !parsed.is_some_and(|x| (low..=high).contains(&(x as f64))) {
+            self.wrong(name, at, format!("must be a whole number from {low} to {high}"));
         }
         parsed
     }

@@ -103,10 +103,19 @@ pub(crate) fn warnings(record: &Record) -> Vec<String> {
     }
 }
 
-/// Faults of a record against physics: q_W against ½ρV², and drag against weight for a run that stays in the tunnel.
+/// A factor this near, in its logarithm, is taken for a slip of units.
+const NEAR: f64 = 0.08;
+/// Airspeed below which no coefficient can be told, m/s.
+const STILL_M_S: f64 = 0.5;
+
+/// Faults of a record against physics: air that moves past the model, q_W against ½ρV², and drag against weight for a run that stays in
+/// the tunnel.
 pub(crate) fn physics_faults(path: &Path, record: &Record, plant: &Plant) -> Vec<Fault> {
     let mut all = Vec::new();
     let v = median(&record.vw_m_s);
+    if let Some(fault) = still(path, record) {
+        return vec![fault];
+    }
     let density = plant.environment.density_kg_m3(median(&record.ps_pa), median(&record.ts_k));
     let q = dynamic_pressure_pa(density, v);
     if let Some(qw) = record.qw_pa.as_ref().map(|q| median(q)).filter(|_| v > 0.5) {
@@ -115,7 +124,7 @@ pub(crate) fn physics_faults(path: &Path, record: &Record, plant: &Plant) -> Vec
             let what = format!(
                 "q_W = {qw:.4} Pa and ½ρV² = {q:.4} Pa (density {density:.4} kg/m3, V_W {v:.3} m/s) disagree by a factor {ratio:.4}"
             );
-            all.push(fault(path, None, "qW_Pa, VW_m_s, ps_Pa, Ts_K", "", &what, &unit_of(ratio)));
+            all.push(fault(path, None, "qW_Pa, VW_m_s, ps_Pa, Ts_K", "", &what, &unit_of(ratio, &OF_PRESSURE)));
             return all;
         }
     }
@@ -129,24 +138,76 @@ pub(crate) fn physics_faults(path: &Path, record: &Record, plant: &Plant) -> Vec
             let what = format!(
                 "V_W {v:.3} m/s at density {density:.4} kg/m3 gives {ratio:.3} times the weight in drag; a model that floats needs about 1"
             );
-            all.push(fault(path, None, "VW_m_s, ps_Pa, Ts_K", "", &what, &unit_of(1.0 / ratio)));
+            let of_weight = if (1e4..1e6).contains(&median(&record.ps_pa)) { &OF_MASS[..] } else { &OF_PRESSURE[..] };
+            let key = "VW_m_s, [vehicle] mass_kg";
+            all.push(fault(path, None, key, "", &what, &unit_of(1.0 / ratio, of_weight)));
         }
     }
     all
 }
 
-/// The unit that a factor of expected over computed dynamic pressure points to.
-fn unit_of(ratio: f64) -> String {
-    let known = [
-        (0.3048_f64.powi(2), "V_W looks like ft/s: multiply by 0.3048"),
-        (0.514_444_f64.powi(2), "V_W looks like knots: multiply by 0.514444"),
-        (0.277_778_f64.powi(2), "V_W looks like km/h: multiply by 0.277778"),
-        (0.447_04_f64.powi(2), "V_W looks like mph: multiply by 0.44704"),
-        (100.0, "ps_Pa looks like hPa: multiply by 100"),
-        (1000.0, "ps_Pa looks like kPa: multiply by 1000"),
-        (47.88, "ps_Pa looks like lb/ft2: multiply by 47.88"),
-        (1.0 / 47.88, "qW_Pa looks like lb/ft2: multiply by 47.88"),
-    ];
-    let near = known.iter().filter(|(f, _)| (ratio / f).ln().abs() < 0.08).map(|(_, words)| *words).next();
+/// A run without any flow past the model: no wind, and the model does not sink or climb through still air either.
+fn still(path: &Path, record: &Record) -> Option<Fault> {
+    let interval_s = record.interval_s();
+    let past = record.vw_m_s.iter().zip(slopes(&record.position_m[0], interval_s)).map(|(v, sink)| (v + sink).abs());
+    let middle = median(&past.collect::<Vec<f64>>());
+    if !middle.is_finite() || middle >= STILL_M_S {
+        return None;
+    }
+    let what = format!(
+        "air passes the model at {middle:.4} m/s (median of V_W and the sinking rate of X_m); no force or moment can be told below \
+         {STILL_M_S} m/s"
+    );
+    Some(fault(
+        path,
+        None,
+        "VW_m_s",
+        &format!("{:.6} (median)", median(&record.vw_m_s)),
+        &what,
+        "the column of the tunnel speed, in m/s",
+    ))
+}
+
+/// Rate of a channel over half a second on each side, or as far as it reaches.
+fn slopes(x: &[f64], interval_s: f64) -> impl Iterator<Item = f64> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive count of samples in half a second")]
+    let reach = (0.5 / interval_s).ceil().clamp(1.0, 1e6) as usize;
+    (0..x.len()).map(move |i| {
+        let (a, b) = (i.saturating_sub(reach), (i + reach).min(x.len() - 1));
+        if b > a { (x[b] - x[a]) / ((b - a) as f64 * interval_s) } else { 0.0 }
+    })
+}
+
+/// Factors of expected over computed dynamic pressure, and the slip that each points to.
+type Slips = [(f64, &'static str)];
+const FT_S: (f64, &str) = (0.3048 * 0.3048, "V_W looks like ft/s: multiply by 0.3048");
+const KNOTS: (f64, &str) = (0.514_444 * 0.514_444, "V_W looks like knots: multiply by 0.514444");
+const KM_H: (f64, &str) = (0.277_778 * 0.277_778, "V_W looks like km/h: multiply by 0.277778");
+const MPH: (f64, &str) = (0.447_04 * 0.447_04, "V_W looks like mph: multiply by 0.44704");
+const OF_PRESSURE: [(f64, &str); 8] = [
+    FT_S,
+    KNOTS,
+    KM_H,
+    MPH,
+    (100.0, "ps_Pa looks like hPa: multiply by 100"),
+    (1000.0, "ps_Pa looks like kPa: multiply by 1000"),
+    (47.88, "ps_Pa looks like lb/ft2: multiply by 47.88"),
+    (1.0 / 47.88, "qW_Pa looks like lb/ft2: multiply by 47.88"),
+];
+/// Where the static pressure is one of a wind tunnel, a weight that is off by a factor is the mass'.
+const OF_MASS: [(f64, &str); 8] = [
+    FT_S,
+    KNOTS,
+    KM_H,
+    MPH,
+    (1000.0, "mass_kg looks like g: multiply by 0.001"),
+    (1.0 / 0.453_592_37, "mass_kg looks like lb: multiply by 0.45359237"),
+    (1.0 / 14.593_903, "mass_kg looks like slug: multiply by 14.593903"),
+    (0.001, "mass_kg looks like t: multiply by 1000"),
+];
+
+/// The slip that a factor points to.
+fn unit_of(ratio: f64, known: &Slips) -> String {
+    let near = known.iter().filter(|(f, _)| (ratio / f).ln().abs() < NEAR).map(|(_, words)| *words).next();
     near.unwrap_or("check the units of V_W (m/s), p_s (Pa), T_s (K), q_W (Pa), and mass and C_A of the campaign").to_owned()
 }

@@ -7,7 +7,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum SimError {
     /// A number of the plant or the flight that cannot be flown.
-    #[error("{what} is {value}; allowed: {allowed}")]
+    #[error("{what} is {value}; allowed: {allowed}; try: another value in the file, or of what it is compared with")]
     Setup {
         /// Which number, with its unit.
         what: &'static str,

@@ -10,6 +10,9 @@ use nalgebra::Matrix3;
 use windfall_model::frames::Vec3;
 use windfall_model::{AeroProgram, Entry, Flight, FlowState, Operator, Plant, TunnelSpeed};
 
+/// Points at most of a grid on which an input is drawn beforehand: a third of a gigabyte.
+const GRID_POINTS: f64 = 2e7;
+
 /// Everything that the equations of motion need, constant during a flight.
 #[derive(Debug)]
 pub(crate) struct Setup<'a> {
@@ -75,7 +78,7 @@ impl<'a> Setup<'a> {
             setup.hand = Some(Hand::new(*order, trim, flight.duration_s, seed));
             setup.hand_index = Some(BASE + if loose { 4 } else { 0 });
         }
-        setup.draw_disturbances(flight, seed);
+        setup.draw_disturbances(flight, seed)?;
         setup.limit_step(flight);
         Ok(setup)
     }
@@ -85,10 +88,17 @@ impl<'a> Setup<'a> {
         BASE + if self.plant.vehicle.loose.is_some() { 4 } else { 0 } + if self.hand.is_some() { 2 } else { 0 }
     }
 
-    fn draw_disturbances(&mut self, flight: &Flight, seed: Seed) {
+    fn draw_disturbances(&mut self, flight: &Flight, seed: Seed) -> Result<(), SimError> {
         let speed = mean_airspeed(self.plant, flight, self.density_kg_m3);
         for d in self.plant.disturbances(speed) {
             let grid_s = noise::grid_s(&d, self.plant.vehicle.diameter_m, speed);
+            let points = flight.duration_s / grid_s;
+            demand(
+                points <= GRID_POINTS,
+                "points of a gust's grid over the flight",
+                points,
+                "at most 2e7: a coarser scale or a larger body",
+            )?;
             self.step_max_s = self.step_max_s.min(4.0 * grid_s);
             let smooth = |channel| noise::smooth(&d, grid_s, flight.duration_s, seed.normals(channel));
             match d.entry {
@@ -96,6 +106,7 @@ impl<'a> Setup<'a> {
                 Entry::Coefficient(index) => self.coefficient_noise.push((index, smooth(Channel::Coefficient(small(index))))),
             }
         }
+        Ok(())
     }
 
     /// No step so long that it could jump over a pulse or a wiggle of an input.

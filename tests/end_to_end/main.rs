@@ -1,6 +1,7 @@
 //! tests: the program from outside. In: arguments and files. Out: exit codes, printed text and written files.
 
 mod arrows;
+mod bad_input;
 mod capsule;
 mod commands;
 mod gusts;

@@ -91,7 +91,7 @@ impl Campaign {
     /// # Errors
     /// A point-mass campaign, no run, an identification of another structure or, for draws, without covariance.
     pub fn resimulate(&self, found: &impl AsRef<Identification>, request: &Resimulate) -> Result<Resimulation> {
-        let (seeds, draws) = (usize::from(request.seeds), usize::from(request.draws));
+        let (seeds, draws) = request.order()?;
         Ok(resimulate_with_draws(&self.data, found.as_ref(), seeds, draws)?)
     }
     /// What the declared model lacks, and the errors before and after: the content of `close.json`.

@@ -64,8 +64,16 @@ pub enum Error {
         /// What was looked for.
         known: String,
     },
+    /// A file that has the name of a result and is none.
+    #[error("{path}: is not the result of its name: it lacks {lacking}; try: the file that the command wrote, unchanged")]
+    NotAResult {
+        /// The file.
+        path: String,
+        /// Keys that it lacks.
+        lacking: String,
+    },
     /// The stopping rule of a study asks for what is not there.
-    #[error("[stop] column = \"{column}\": is no column of numbers or flags of this study; columns: {columns}")]
+    #[error("[stop] column = \"{column}\": is no column of numbers or flags of this study; try: one of {columns}")]
     NoColumn {
         /// What was asked for.
         column: String,

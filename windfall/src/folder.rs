@@ -8,12 +8,14 @@ use windfall_scenarios::read_json;
 use windfall_verify::close::{Closing, Figure};
 use windfall_verify::study::Summary;
 
-/// Results beside a closing, with their titles.
-const OTHERS: [(&str, &str); 3] = [
-    ("identification.json", "Identification"),
-    ("resimulation.json", "Re-simulation"),
-    ("verify.json", "Checks of the program's own truth"),
+/// Results beside a closing, with their titles and the keys that each has.
+const OTHERS: [(&str, &str, &[&str]); 3] = [
+    ("identification.json", "Identification", &["method", "data_sets"]),
+    ("resimulation.json", "Re-simulation", &["method", "parameters", "trajectory", "statistics", "runs"]),
+    ("verify.json", "Checks of the program's own truth", &["verdict", "checks"]),
 ];
+/// Keys of a closing against published statistics.
+const STATISTICS: &[&str] = &["verdict", "name", "source", "options", "seed"];
 
 /// What a folder holds.
 #[derive(Debug)]
@@ -40,18 +42,21 @@ impl ResultsFolder {
             if value.get("campaign").is_some() {
                 closing = Some(read_json(&path)?);
             } else {
+                has_keys(&path, &value, STATISTICS)?;
                 others.push(("Closed against published statistics".to_owned(), value));
             }
         }
         let figures = there(folder, "figures.json").map(|p| read_json(&p)).transpose()?.unwrap_or_default();
-        for (file, title) in OTHERS {
+        for (file, title, keys) in OTHERS {
             if let Some(path) = there(folder, file) {
-                others.push((title.to_owned(), read_json(&path)?));
+                let value: Value = read_json(&path)?;
+                has_keys(&path, &value, keys)?;
+                others.push((title.to_owned(), value));
             }
         }
         let study = there(folder, "summary.json").map(|p| read_json(&p)).transpose()?;
         if closing.is_none() && study.is_none() && others.is_empty() {
-            let known: Vec<&str> = ["close.json", "summary.json"].into_iter().chain(OTHERS.map(|(f, _)| f)).collect();
+            let known: Vec<&str> = ["close.json", "summary.json"].into_iter().chain(OTHERS.map(|(f, ..)| f)).collect();
             return Err(Error::NoResult { folder: folder.display().to_string(), known: known.join(", ") });
         }
         let title = folder.canonicalize().ok().and_then(|p| Some(p.file_name()?.to_string_lossy().into_owned()));
@@ -69,6 +74,15 @@ impl ResultsFolder {
         };
         folder_page(&self.title, &results)
     }
+}
+
+/// A result lacks none of its keys; a file that does was not written by the command of its name.
+fn has_keys(path: &Path, value: &Value, keys: &[&str]) -> Result<()> {
+    let lacking: Vec<&str> = keys.iter().copied().filter(|k| value.get(k).is_none()).collect();
+    if lacking.is_empty() {
+        return Ok(());
+    }
+    Err(Error::NotAResult { path: path.display().to_string(), lacking: lacking.join(", ") })
 }
 
 fn there(folder: &Path, file: &str) -> Option<PathBuf> {

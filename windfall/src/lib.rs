@@ -36,7 +36,7 @@ pub use check::{Checked, Verification, check, verify};
 pub use error::{Error, Kind, Result};
 pub use folder::ResultsFolder;
 pub use published::Published;
-pub use requests::{Close, Fly, Identify, Plan, Resimulate, Structure, Study};
+pub use requests::{Close, Fly, Identify, MOST_COPIES, Plan, Resimulate, Structure, Study};
 pub use scenario::{FlightSummary, Flights, Scenario, Simulation};
 pub use study::{Drawing, PartRule, SUMMARY};
 pub use windfall_model as model;
@@ -69,8 +69,8 @@ pub mod results {
 /// Files of the program: results as JSON, structures, studies' folders.
 pub mod files {
     pub use windfall_scenarios::{
-        BUNDLED, Piece, Store, json_text, key_reference, read_json, read_runs, text_atomically, write_json_atomically,
-        write_structure,
+        BUNDLED, FileSet, Piece, Store, json_text, key_reference, read_json, read_runs, settle, text_atomically,
+        write_json_atomically, write_structure,
     };
 }
 

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;
 use windfall_model::planet::PlanetFlight;
-use windfall_scenarios::{FileKind, kind_of, write_columns_csv, write_resolved_planet};
+use windfall_scenarios::{FileKind, FileSet, kind_of, write_columns_csv, write_resolved_planet};
 use windfall_sim::{PlanetEnd, PlanetTruth};
 
 pub use windfall_model::planet::{Atmosphere, Gravity, PlanetScenario, Winds};
@@ -75,15 +75,17 @@ pub fn fly(file: &PlanetFile) -> Result<Vec<PlanetFlown>> {
     all.into_iter().collect()
 }
 
-/// Writes truths, tables and the resolved scenario into a folder.
+/// Writes truths, tables and the resolved scenario into a folder: all of them or, if the process ends before, none.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn write(folder: &Path, file: &PlanetFile, flown: &[PlanetFlown]) -> Result<()> {
+    let set = FileSet::new(folder)?;
     for (flown, name) in flown.iter().zip(truths(&file.scenario)) {
-        write_truth(&folder.join(name), &flown.truth)?;
+        write_truth(&set.stage().join(name), &flown.truth)?;
     }
-    Ok(write_resolved_planet(&folder.join("scenario.toml"), file)?)
+    write_resolved_planet(&set.stage().join("scenario.toml"), file)?;
+    Ok(set.commit(true)?)
 }
 
 /// Each flight in short; `written` says whether there are files to name.

@@ -11,6 +11,9 @@ use windfall_pid::{Held, Method};
 use windfall_scenarios::{Opening, Shard};
 use windfall_verify::Tie;
 
+/// Copies, seeds or draws at most: each is a campaign flown again, and their scatter is known to 1 % by then.
+pub const MOST_COPIES: u16 = 10_000;
+
 /// How to fly a scenario.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
@@ -35,7 +38,7 @@ pub struct Identify {
     pub combined: bool,
     /// Check the stated errors by N copies: the identified model is flown again with the campaign's own inputs and noise, and identified
     /// again; scatter over stated error is known to 1/√(2N)
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..)))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=MOST_COPIES.into())))]
     pub bootstrap: Option<u16>,
     /// Hold a parameter: it is not estimated but kept at this value (Cl_0=0.0125); may be repeated
     #[cfg_attr(feature = "cli", arg(long, value_name = "NAME=VALUE", value_parser = crate::hold))]
@@ -60,8 +63,8 @@ impl Identify {
         if let Some(p) = self.prior.iter().find(|p| !(p.mean.is_finite() && p.std.is_finite() && p.std > 0.0)) {
             return wrong(format!("prior {}: needs a finite mean and a standard deviation above 0", p.name));
         }
-        if self.bootstrap.is_some_and(|n| n < 2) {
-            return wrong("bootstrap: needs two copies or more".to_owned());
+        if let Some(n) = self.bootstrap.filter(|n| !(2..=MOST_COPIES).contains(n)) {
+            return wrong(format!("bootstrap = {n}: needs two copies or more, and at most {MOST_COPIES}"));
         }
         Ok(windfall_verify::Identify {
             method: self.method,
@@ -136,17 +139,29 @@ impl Default for Plan {
 #[serde(default, deny_unknown_fields)]
 pub struct Resimulate {
     /// Number of seeds over which simulated statistics are averaged
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().seeds, value_parser = clap::value_parser!(u16).range(1..)))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().seeds, value_parser = clap::value_parser!(u16).range(1..=MOST_COPIES.into())))]
     pub seeds: u16,
     /// Also fly N models with parameters drawn from their covariance: 95 % bands on Θ and ω_q,r, intervals of the statistics; 40 to
     /// 200 are enough, 0 is none
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().draws))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().draws, value_parser = clap::value_parser!(u16).range(0..=MOST_COPIES.into())))]
     pub draws: u16,
 }
 
 impl Default for Resimulate {
     fn default() -> Self {
         Self { seeds: 1, draws: 0 }
+    }
+}
+
+impl Resimulate {
+    /// Seeds and draws, of sound size.
+    pub(crate) fn order(&self) -> Result<(usize, usize)> {
+        let wrong = |name: &str, n: u16, low: u16| Err(Error::Request(format!("{name} = {n}: allowed: {low} to {MOST_COPIES}")));
+        match (self.seeds, self.draws) {
+            (n, _) if !(1..=MOST_COPIES).contains(&n) => wrong("seeds", n, 1),
+            (_, n) if n > MOST_COPIES => wrong("draws", n, 0),
+            (seeds, draws) => Ok((usize::from(seeds), usize::from(draws))),
+        }
     }
 }
 
@@ -233,10 +248,14 @@ mod tests {
         let all = [
             (Identify { hold: vec![held], ..Identify::default() }, "hold Cl_0"),
             (Identify { prior: vec![prior], ..Identify::default() }, "prior Cl_p"),
-            (Identify { bootstrap: Some(1), ..Identify::default() }, "bootstrap"),
+            (Identify { bootstrap: Some(1), ..Identify::default() }, "bootstrap = 1"),
+            (Identify { bootstrap: Some(65_535), ..Identify::default() }, "at most 10000"),
         ];
         for (request, word) in all {
             assert!(request.order().is_err_and(|e| e.to_string().contains(word)), "{word}");
+        }
+        for (seeds, draws, word) in [(0, 0, "seeds = 0: allowed: 1 to 10000"), (1, 65_535, "draws = 65535")] {
+            assert!(Resimulate { seeds, draws }.order().is_err_and(|e| e.to_string().contains(word)), "{word}");
         }
         let both = Study { resume: true, force: true, shard: None };
         assert!(both.order().is_err_and(|e| e.to_string().contains("not both")));

@@ -7,7 +7,7 @@ use std::path::Path;
 use windfall_model::effects::{self, Acts};
 use windfall_model::{CATALOGUE, Flight, Run};
 use windfall_scenarios::{
-    EffectValues, RunLine, ScenarioFile, read_bundled, read_scenario_file, write_campaign_toml, write_columns_csv,
+    EffectValues, FileSet, RunLine, ScenarioFile, read_bundled, read_scenario_file, write_campaign_toml, write_columns_csv,
     write_record_csv, write_resolved_scenario,
 };
 use windfall_sim::{End, Flown, Seed, Truth, fly};
@@ -211,11 +211,17 @@ impl Flights {
             campaign: written.then_some(CAMPAIGN),
         }
     }
-    /// Writes records, truths, the campaign they make and the resolved scenario into a folder that exists.
+    /// Writes records, truths, the campaign they make and the resolved scenario into a folder that exists: all of them or, if the process
+    /// ends before, none.
     ///
     /// # Errors
     /// A file that cannot be written.
     pub fn write(&self, folder: &Path) -> Result<()> {
+        let set = FileSet::new(folder)?;
+        self.write_into(set.stage())?;
+        Ok(set.commit(true)?)
+    }
+    fn write_into(&self, folder: &Path) -> Result<()> {
         let file = &self.scenario.file;
         let flights = &file.scenario.flights;
         let mut lines = Vec::new();

@@ -5,7 +5,7 @@ use super::filter::Filter;
 use super::likelihood::Local;
 use super::point::{Point, RANDOM, SIZES};
 use super::search::SCALE_PRIOR;
-use crate::identification::{CoefficientFit, DataSet, Estimate, Held, NORMAL_95, relative_percent};
+use crate::identification::{CoefficientFit, DataSet, Estimate, Held, NORMAL_95, in_unit_of, relative_percent};
 use crate::output_error::{CHANNELS, NOT_NOISE, aligned, estimates, low_frequency_p, spread};
 use crate::plant::{Gust, PROCESS_NOISE, START_SCALE_M, TURBULENCE};
 use nalgebra::DMatrix;
@@ -64,7 +64,7 @@ pub(super) fn data_set(
             CoefficientFit {
                 coefficient: crate::smooth::CHANNELS[c].to_owned(),
                 r2: if total > 0.0 { 1.0 - now.left[c] / total } else { 0.0 },
-                residual_std: (now.left[c] / now.samples).sqrt(),
+                residual_std: in_unit_of(crate::smooth::CHANNELS[c], (now.left[c] / now.samples).sqrt()),
                 residual_whiteness_p: low_frequency_p(&series, &intervals, &mut planner),
             }
         })

@@ -7,7 +7,7 @@ use super::unknowns::{Options, Unknowns};
 use crate::PidError;
 use crate::compatibility;
 use crate::identifiability::{examine, of_runs};
-use crate::identification::{CoefficientFit, DataSet, Estimate, Identification, NORMAL_95, relative_percent};
+use crate::identification::{CoefficientFit, DataSet, Estimate, Identification, NORMAL_95, in_unit_of, relative_percent};
 use nalgebra::DMatrix;
 use windfall_model::{Campaign, Coefficient, Data, Plant, Use};
 
@@ -179,7 +179,7 @@ fn fit(f: ChannelFit) -> CoefficientFit {
     CoefficientFit {
         coefficient: f.channel.to_owned(),
         r2: f.r2,
-        residual_std: f.residual_std,
+        residual_std: in_unit_of(f.channel, f.residual_std),
         residual_whiteness_p: f.whiteness_p,
     }
 }

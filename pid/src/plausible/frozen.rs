@@ -15,7 +15,22 @@ const MOVED: f64 = 6.0;
 
 /// A frozen pose, or a block of samples given again.
 pub(super) fn fault(name: &str, r: &Record) -> Option<Fault> {
-    frozen(name, r).or_else(|| again(name, r))
+    still(name, r).or_else(|| frozen(name, r)).or_else(|| again(name, r))
+}
+
+/// A run whose pose is one number six times over from its first sample to its last.
+fn still(name: &str, r: &Record) -> Option<Fault> {
+    let moves = (1..r.len()).any(|i| key(r, i) != key(r, 0));
+    (!moves && r.len() > 1).then(|| Fault {
+        place: format!("run {name}"),
+        cause: "the pose never changes".to_owned(),
+        evidence: format!(
+            "all {} samples have the same X, Y, Z, Rx, Ry, Rz, so that no parameter is excited: neither static moments nor damping nor \
+             roll",
+            r.len()
+        ),
+        change: "use a run in which the model swings, or leave this one out".to_owned(),
+    })
 }
 
 /// Shortest stretch in samples.

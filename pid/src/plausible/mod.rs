@@ -6,7 +6,7 @@
 //! passes. Runs without attitude are not looked at.
 //!
 //! One file per kind of check: `frozen` and `jump` on samples, `twice` on pairs of runs, `line` on the tether's geometry,
-//! `contest` and `constants` on the balance of forces and moments.
+//! `contest` and `constants` on the balance of forces and moments, `size` on the declared body.
 
 mod balance;
 mod change;
@@ -16,6 +16,7 @@ mod frozen;
 mod jump;
 mod line;
 mod motion;
+mod size;
 mod twice;
 
 use crate::PidError;
@@ -67,6 +68,7 @@ pub fn fault(campaign: &Campaign) -> Option<Fault> {
             .or_else(|| constants::gravity(campaign, &instants))
             .or_else(|| contest::fault(campaign, &instants))
             .or_else(|| constants::fault(campaign, &instants))
+            .or_else(|| size::fault(campaign))
     })
 }
 

@@ -94,7 +94,7 @@ pub(crate) static FLIGHT_PLANET: TableSpec = TableSpec {
         optional(other("name", Kind::Text, "name of the flight; \"flight\" when absent")),
         optional(other("kind", Kind::Text, "your word, read and not used")),
         optional(other("use", Kind::Choice(&super::USES), "read and not used")),
-        num("duration_s", "s", 1e-6, 1e7, "duration"),
+        num("duration_s", "s", 1e-6, 1e7, "duration; with rate_hz at most a million samples"),
         num("rate_hz", "Hz", 1e-4, 1e5, "sample rate"),
         optional(other("sensor_noise", Kind::Bool, "false: the truth alone is written")),
         other("initial", Kind::Table, "state at the first sample"),

@@ -7,6 +7,7 @@ mod common;
 mod ends;
 mod instruments;
 mod lander;
+mod nothing;
 mod planet;
 mod rigid;
 mod sage;
