@@ -143,6 +143,8 @@ impl<'a> Contest<'a> {
         wanted.extend((0..at.len()).flat_map(|k| others.iter().map(move |&f| (k, f))).map(|(k, f)| with(&less(k), f)));
         wanted.extend(all.map(|f| vec![f]).filter(|s| at.len() != 1 || s[0] != at[0]));
         let kept = self.best.fit.hypothesis.clone();
+        wanted.sort();
+        wanted.dedup();
         let mut fitted: Vec<Scored> = wanted.into_par_iter().filter_map(|set| self.fitted(&set, &kept)).collect();
         self.singles = fitted.iter().filter(|s| s.families.len() == 1).cloned().collect();
         if let Some(i) = fitted.iter().position(|s| s.families == at) {
@@ -153,8 +155,6 @@ impl<'a> Contest<'a> {
             missing <= 1 && s.families.len() + missing <= at.len() + 1
         };
         fitted.retain(|s| near(s) && s.families != at);
-        fitted.sort_by(|a, b| a.families.cmp(&b.families));
-        fitted.dedup_by(|a, b| a.families == b.families);
         self.neighbours = fitted;
     }
 
