@@ -5,6 +5,7 @@
 
 mod campaign;
 mod errors;
+mod files;
 mod study;
 mod threads;
 
@@ -18,5 +19,9 @@ fn _windfall(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<campaign::Campaign>()?;
     m.add_class::<study::Study>()?;
     m.add_function(wrap_pyfunction!(campaign::simulate, m)?)?;
+    m.add_function(wrap_pyfunction!(files::check, m)?)?;
+    m.add_function(wrap_pyfunction!(files::verify, m)?)?;
+    m.add_function(wrap_pyfunction!(files::close_statistics, m)?)?;
+    m.add_function(wrap_pyfunction!(files::page, m)?)?;
     m.add_function(wrap_pyfunction!(study::read_runs, m)?)
 }

@@ -246,3 +246,16 @@ def test_law_an_interrupt_in_another_handler_reaches_it():
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
+
+
+def test_law_verbs_on_files(tmp_path):
+    kind, warnings = windfall.check("sage-combined")
+    assert (kind, warnings) == ("scenario", [])
+    with pytest.raises(windfall.ReadError):
+        windfall.check(tmp_path / "none.toml")
+    verified = windfall.verify()
+    assert verified["verdict"] == "pass" and len(verified["checks"]) > 50
+    (tmp_path / "verify.json").write_text(json.dumps(verified))
+    assert windfall.report(tmp_path).startswith("<!DOCTYPE html>")
+    with pytest.raises(windfall.WindfallError):
+        windfall.report(tmp_path / "empty")

@@ -274,6 +274,27 @@ fn recover_the_unit_of_length_of_the_cube_tosses() {
     assert!(!r.unexplained.is_empty(), "every toss has a push of its own beyond noise");
 }
 
+/// An effect beside one that the campaign declares, settings far from zero: the other is named, its numbers are those put in.
+#[test]
+fn recover_an_effect_beside_a_declared_one() {
+    let plant = ball().expect("a campaign file of one ball");
+    let mut truth = plant.clone();
+    truth.point.lift_per_input = vec![2e-4];
+    truth.point.acceleration = windfall_model::frames::Vec3::new(0.0, 0.5, 0.0);
+    let mut c = planted(&plant, &truth, &[1000.0, 2000.0, 3000.0, 1500.0, 2500.0, 2800.0, 1200.0, 2200.0], [true; 3], 21);
+    let push = find("constant-acceleration", Acts::PointMass).expect("in the catalogue");
+    c.knowledge.effects = vec![(push, vec![0.0, 0.1, 0.0])];
+    let r = close(&c, &Options::default()).expect("the declared model fits");
+    assert_eq!(r.effects.iter().map(|e| e.family.as_str()).collect::<Vec<_>>(), ["spin-lift"]);
+    for (name, planted) in [("CL_per_spin", 2e-4), ("CL_constant", 0.0)] {
+        let line = r.effects[0].parameters.iter().find(|p| p.name == name).expect("a parameter of lift");
+        let error = line.std_error.expect("free");
+        eprintln!("{name} {} ± {error}", line.estimate);
+        // 3 standard errors: one in 370 per number, seed fixed.
+        assert!((line.estimate - planted).abs() < 3.0 * error, "{name}: {} ± {error}", line.estimate);
+    }
+}
+
 /// Campaigns in which nothing acts but a push of each launch's own: names are false. Bound: binomial, 16 draws at 2 %; three or more have
 /// probability 0.4 %. With 30 draws none was false.
 #[test]

@@ -26,6 +26,31 @@ pub enum Checked {
     Planet(Box<PlanetFile>),
 }
 
+impl Checked {
+    /// Kind of the file, in words.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Run(_) => "run",
+            Self::Campaign(_) => "campaign",
+            Self::Structure(_) => "structure",
+            Self::Study(_) => "study",
+            Self::Scenario(_) => "scenario",
+            Self::Planet(_) => "planet scenario",
+        }
+    }
+    /// What its reader wants said.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        match self {
+            Self::Run(pieces) => pieces.iter().flat_map(|p| p.notes.clone()).collect(),
+            Self::Campaign(campaign) => campaign.warnings.clone(),
+            Self::Study(drawing) => drawing.warnings().to_vec(),
+            Self::Structure(_) | Self::Scenario(_) | Self::Planet(_) => Vec::new(),
+        }
+    }
+}
+
 /// Reads and checks a file of any kind, or a bundled scenario. A campaign's records are held against physics.
 ///
 /// # Errors

@@ -48,14 +48,18 @@ __all__ = [
     "WriteError",
     "__version__",
     "campaign",
+    "check",
     "close",
+    "close_statistics",
     "identify",
     "plan",
     "read_runs",
+    "report",
     "resimulate",
     "simulate",
     "structure",
     "study",
+    "verify",
 ]
 
 Columns = dict[str, npt.NDArray[np.float64]]
@@ -139,6 +143,28 @@ def close(campaign: Campaign | Path, *, threads: int = 0) -> dict[str, Any]:
     """What the declared model lacks: the content of close.json."""
     found: dict[str, Any] = json.loads(_campaign(campaign).close(_request(), threads))
     return found
+
+
+def close_statistics(statistics: Path, *, threads: int = 0) -> dict[str, Any]:
+    """What the declared model lacks beside published statistics (a file, or `table-5.6`): the content of close.json."""
+    found: dict[str, Any] = json.loads(_windfall.close_statistics(os.fspath(statistics), _request(), threads))
+    return found
+
+
+def check(path: Path) -> tuple[str, list[str]]:
+    """Kind of a file (or of a bundled scenario) and its reader's warnings; faults, and a record that is not what it says, raise."""
+    return _windfall.check(os.fspath(path))
+
+
+def verify(*, threads: int = 0) -> dict[str, Any]:
+    """Every check of the program's own truth, figure beside bound: the content of verify.json."""
+    found: dict[str, Any] = json.loads(_windfall.verify(threads))
+    return found
+
+
+def report(folder: Path) -> str:
+    """The page of a folder of results, as HTML in one piece."""
+    return _windfall.page(os.fspath(folder))
 
 
 def structure(campaign: Campaign | Path, *, criterion: str | None = None, threads: int = 0) -> dict[str, Any]:

@@ -14,8 +14,12 @@ __all__ = [
     "WindfallError",
     "WriteError",
     "__version__",
+    "check",
+    "close_statistics",
+    "page",
     "read_runs",
     "simulate",
+    "verify",
 ]
 
 __version__: str
@@ -65,3 +69,7 @@ class Study:
 
 def simulate(word: str, request: str = "{}", threads: int = 0) -> list[Any]: ...
 def read_runs(path: str) -> dict[str, Any]: ...
+def check(word: str) -> tuple[str, list[str]]: ...
+def verify(threads: int = 0) -> str: ...
+def close_statistics(word: str, request: str = "{}", threads: int = 0) -> str: ...
+def page(folder: str) -> str: ...

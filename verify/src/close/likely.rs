@@ -55,7 +55,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, V
         candidates: candidates(&found),
         bounds: bounds(&found),
         unexplained,
-        shifts: shifts(campaign, before, after),
+        shifts: Shift::between(parameters(campaign, before), parameters(campaign, after)),
         before: side(campaign, &engine, before, &held, options),
         after: side(campaign, &engine, after, &held, options),
         effects,
@@ -342,19 +342,6 @@ fn parameters(campaign: &Campaign, fit: &Fit) -> Vec<ParameterLine> {
             let coefficient = structure.contributions.iter().find(|c| c.parameter == i).map_or("", |c| c.coefficient.name());
             let std = error_of(fit, Id::Declared(i)).unwrap_or(f64::NAN);
             ParameterLine::new(coefficient, &structure.parameters[i], fit.model.declared[i], std, "-")
-        })
-        .collect()
-}
-
-fn shifts(campaign: &Campaign, before: &Fit, after: &Fit) -> Vec<Shift> {
-    parameters(campaign, before)
-        .into_iter()
-        .zip(parameters(campaign, after))
-        .map(|(b, a)| Shift {
-            name: b.name,
-            before: b.estimate,
-            after: a.estimate,
-            std_error_after: a.std_error.unwrap_or(f64::NAN),
         })
         .collect()
 }

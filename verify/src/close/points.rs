@@ -40,7 +40,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, V
     };
     let (held, select) = (other(Use::HoldOut)?, other(Use::Select)?);
     let found = Contest::new(&own, &settings, &indices, select.as_ref())?.run()?;
-    let Report { start, best } = Report::of(&found);
+    let (start, best) = (&found.declared.fit, &found.best.fit);
     let unexplained_of = |left: &[ChannelResidual], fit: &Fit| {
         let beyond = p_least(left) < options.false_alarm;
         if beyond { lead::describe(&own, &found.evidence, fit, left, options) } else { Vec::new() }
@@ -68,23 +68,11 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, V
         candidates: candidates(&found),
         bounds: bounds(&found, &settings),
         unexplained,
-        shifts: shifts(campaign, start, best),
+        shifts: Shift::between(parameter_lines(campaign, start), parameter_lines(campaign, best)),
         before: side(&own, start, held.as_ref()),
         after: side(&own, best, held.as_ref()),
         false_alarm_rate: options.false_alarm,
     })
-}
-
-/// The two fits that a report compares.
-struct Report<'a> {
-    start: &'a Fit,
-    best: &'a Fit,
-}
-
-impl<'a> Report<'a> {
-    fn of(found: &'a Contest<'_>) -> Self {
-        Self { start: &found.declared.fit, best: &found.best.fit }
-    }
 }
 
 impl Contest<'_> {
@@ -110,7 +98,8 @@ fn effect_line(
     p_left: f64,
 ) -> EffectLine {
     let fit = &found.best.fit;
-    let instance = &fit.hypothesis.effects[k];
+    let place = found.best.place(k);
+    let instance = &fit.hypothesis.effects[place];
     let effect = instance.effect;
     let without = found.without(k);
     let gain = |h: &PointEvidence| {
@@ -120,12 +109,12 @@ fn effect_line(
     EffectLine {
         family: effect.family.to_owned(),
         parameters: settings
-            .outward(fit, k)
+            .outward(fit, place)
             .into_iter()
             .zip(&instance.parameters)
             .map(|((value, std), p)| ParameterLine::new("", &p.name, value, std, p.unit))
             .collect(),
-        p_value: wald(found, fit, k),
+        p_value: chance(found, k),
         probability: Some(found.weighed().iter().filter(|(s, _)| s.has(effect)).map(|(_, p)| p).sum()),
         rivals: rivals(found, k),
         form: Some(Form {
@@ -139,14 +128,13 @@ fn effect_line(
     }
 }
 
-/// Chance of strengths this many standard errors from null anywhere in the catalogue: Wald's statistic as few runs allow it.
-fn wald(found: &Contest<'_>, fit: &Fit, k: usize) -> f64 {
-    let places: Vec<usize> = (0..fit.free.len()).filter(|&i| matches!(fit.free[i], Free::Effect(e, _) if e == k)).collect();
-    let n = places.len();
-    let covariance = nalgebra::DMatrix::from_fn(n, n, |i, j| fit.covariance[(places[i], places[j])]);
-    let values = nalgebra::DVector::from_fn(n, |i, _| fit.hypothesis.get(fit.free[places[i]]));
-    let statistic = covariance.cholesky().map_or(0.0, |c| values.dot(&c.solve(&values)));
-    p_value(statistic * found.factor(n), n, found.families.len())
+/// Chance of such a gain of likelihood over the set without a family from noise alone, anywhere in the catalogue, as few runs allow it.
+fn chance(found: &Contest<'_>, k: usize) -> f64 {
+    let Some(without) = found.without(k) else { return f64::NAN };
+    let (fit, place) = (&found.best.fit, found.best.place(k));
+    let n = fit.free.iter().filter(|f| matches!(f, Free::Effect(e, _) if *e == place)).count();
+    let gain = 2.0 * (fit.log_likelihood - without.fit.log_likelihood) * found.factor(n);
+    p_value(gain, n, found.families.len())
 }
 
 /// Families that take this one's place at odds of less than twenty.
@@ -199,10 +187,10 @@ fn bounds(found: &Contest<'_>, settings: &Settings) -> Vec<Bound> {
     let added = found.neighbours.iter().filter(|s| s.families.len() == found.best.families.len() + 1);
     added
         .flat_map(|s| {
-            let k = s.families.len() - 1;
-            let instance = &s.fit.hypothesis.effects[k];
+            let place = s.fit.hypothesis.effects.len() - 1;
+            let instance = &s.fit.hypothesis.effects[place];
             settings
-                .outward(&s.fit, k)
+                .outward(&s.fit, place)
                 .into_iter()
                 .zip(&instance.parameters)
                 .filter(|((_, std), _)| std.is_finite())
@@ -247,19 +235,6 @@ fn constants(campaign: &Campaign, fit: &Fit) -> Vec<ConstantLine> {
                 std_error: Some(fit.std_error(Free::Constant(i))).filter(|s| s.is_finite()),
                 unit: c.unit.to_owned(),
             }
-        })
-        .collect()
-}
-
-fn shifts(campaign: &Campaign, before: &Fit, after: &Fit) -> Vec<Shift> {
-    parameter_lines(campaign, before)
-        .into_iter()
-        .zip(parameter_lines(campaign, after))
-        .map(|(b, a)| Shift {
-            name: b.name,
-            before: b.estimate,
-            after: a.estimate,
-            std_error_after: a.std_error.unwrap_or(f64::NAN),
         })
         .collect()
 }

@@ -208,6 +208,19 @@ pub struct Shift {
     pub std_error_after: f64,
 }
 
+impl Shift {
+    /// Of every declared parameter, in their order.
+    pub(crate) fn between(before: Vec<ParameterLine>, after: Vec<ParameterLine>) -> Vec<Self> {
+        let one = |(b, a): (ParameterLine, ParameterLine)| Self {
+            name: b.name,
+            before: b.estimate,
+            after: a.estimate,
+            std_error_after: a.std_error.unwrap_or(f64::NAN),
+        };
+        before.into_iter().zip(after).map(one).collect()
+    }
+}
+
 /// rms differences of simulation and measurement over runs that were not used. A body without attitude has none of it and of rates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HeldOutTrajectory {

@@ -31,6 +31,10 @@ pub(super) struct Scored {
 }
 
 impl Scored {
+    /// Place of its `k`-th family among the fit's effects: after those declared.
+    pub(super) fn place(&self, k: usize) -> usize {
+        self.fit.hypothesis.effects.len() - self.families.len() + k
+    }
     pub(super) fn has(&self, effect: &Effect) -> bool {
         self.fit.hypothesis.effects.iter().any(|e| e.effect == effect)
     }

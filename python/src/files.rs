@@ -1,0 +1,37 @@
+//! python: verbs on files alone: check, verify, closing against statistics, the page of a folder. In: paths. Out: JSON and HTML.
+
+use crate::errors::Error;
+use crate::threads::on_threads;
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use windfall::files::json_text;
+
+/// Kind of a file and what a reader wants said of it; every fault is an exception.
+#[pyfunction]
+pub(crate) fn check(py: Python<'_>, word: PathBuf) -> PyResult<(&'static str, Vec<String>)> {
+    on_threads(py, 1, move || {
+        let checked = windfall::check(&word)?;
+        Ok((checked.kind(), checked.warnings()))
+    })
+}
+
+/// `verify.json`.
+#[pyfunction]
+#[pyo3(signature = (threads=0))]
+pub(crate) fn verify(py: Python<'_>, threads: usize) -> PyResult<String> {
+    on_threads(py, threads, || Ok(json_text(&windfall::verify()?)?))
+}
+
+/// `close.json` of published statistics.
+#[pyfunction]
+#[pyo3(signature = (word, request="{}", threads=0))]
+pub(crate) fn close_statistics(py: Python<'_>, word: PathBuf, request: &str, threads: usize) -> PyResult<String> {
+    let request = serde_json::from_str(request).map_err(Error::from)?;
+    on_threads(py, threads, move || Ok(json_text(&windfall::Published::find(&word)?.close(&request)?)?))
+}
+
+/// Page of a folder of results, as HTML in one piece.
+#[pyfunction]
+pub(crate) fn page(py: Python<'_>, folder: PathBuf) -> PyResult<String> {
+    on_threads(py, 1, move || Ok(windfall::ResultsFolder::read(&folder)?.page()))
+}
