@@ -61,7 +61,8 @@ impl<'a> Rivals<'a> {
         all
     }
 
-    /// The named set beside every other whose odds are less than `odds`, each by its best form; likeliest first.
+    /// The named set beside every other that is less than `odds` from it either way, each by its best form; likeliest first. What is far
+    /// better by its likelihood alone was given up for a generic alternative.
     #[must_use]
     pub fn pairs(&self, odds: f64) -> Vec<Pair> {
         let sets = &self.weighed.sets;
@@ -74,7 +75,7 @@ impl<'a> Rivals<'a> {
         for rival in 0..sets.len() {
             let log_odds = sets[best].gain - sets[rival].gain;
             let families = self.families(rival);
-            if log_odds < odds.ln() && !seen.contains(&families) {
+            if log_odds.abs() < odds.ln() && !seen.contains(&families) {
                 seen.push(families);
                 all.push(Pair { best, rival, log_odds });
             }
