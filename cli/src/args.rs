@@ -44,6 +44,10 @@ pub(crate) enum Command {
     Verify(VerifyArgs),
     /// Read a file, validate it and print what was understood
     Check(CheckArgs),
+    /// Write a commented campaign for a run file; guesses are marked, what no record tells is left to fill in
+    Init(InitArgs),
+    /// What a family of effects, a key or a warning means, and where that is from
+    Explain(ExplainArgs),
     /// Print a shell's completion script
     Completions {
         /// The shell
@@ -65,6 +69,8 @@ impl Command {
             Self::Report(a) => Some(&a.common),
             Self::Verify(a) => Some(&a.common),
             Self::Check(a) => Some(&a.common),
+            Self::Init(a) => Some(&a.common),
+            Self::Explain(a) => Some(&a.common),
             Self::Completions { .. } => None,
         }
     }
@@ -189,8 +195,22 @@ pub(crate) struct StudyArgs {
 pub(crate) struct ReportArgs {
     /// Folder with close.json, identification.json, resimulation.json or verify.json
     pub(crate) folder: PathBuf,
+    /// Also write every figure into this folder as SVG and PDF, and its data as CSV
+    #[arg(long, value_name = "DIR")]
+    pub(crate) figures: Option<PathBuf>,
+    /// Width of those figures, mm: 86 is one column of most journals, 178 two
+    #[arg(long, value_name = "MM", default_value_t = windfall::report::WIDTH_MM, requires = "figures", value_parser = width)]
+    pub(crate) width: f64,
     #[command(flatten)]
     pub(crate) common: Common,
+}
+
+/// Narrowest and widest figure, mm: labels need the one, no sheet holds more than the other.
+const WIDTHS_MM: [f64; 2] = [60.0, 400.0];
+
+fn width(word: &str) -> Result<f64, String> {
+    let what = || format!("allowed: {} to {} mm", WIDTHS_MM[0], WIDTHS_MM[1]);
+    word.parse().ok().filter(|w| (WIDTHS_MM[0]..=WIDTHS_MM[1]).contains(w)).ok_or_else(what)
 }
 
 /// `verify`.
@@ -209,6 +229,26 @@ pub(crate) struct CheckArgs {
     /// Print every key of the files, with unit and range
     #[arg(long)]
     pub(crate) keys: bool,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+/// `init`.
+#[derive(Args, Debug)]
+pub(crate) struct InitArgs {
+    /// Folder for the campaign file, made if missing
+    pub(crate) folder: PathBuf,
+    /// A run file (.csv, .parquet, .mat, .arrow, .h5)
+    pub(crate) run: PathBuf,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+/// `explain`.
+#[derive(Args, Debug)]
+pub(crate) struct ExplainArgs {
+    #[command(flatten)]
+    pub(crate) request: windfall::Explain,
     #[command(flatten)]
     pub(crate) common: Common,
 }

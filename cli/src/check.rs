@@ -4,15 +4,13 @@ use crate::args::CheckArgs;
 use crate::session::{Failure, Session};
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::path::Path;
 use windfall::files::{Piece, key_reference};
 use windfall::model::{Aero, Constant, Data, Effect, Knowledge, Plant, Structure, TunnelSpeed};
-use windfall::planet::PlanetFile;
 use windfall::results::FALSE_ALARM_RATE;
 use windfall::{Campaign, Checked, Drawing, Scenario};
 
 /// What is printed with `--json`.
-#[derive(Default, Serialize)]
+#[derive(Serialize)]
 struct Understood {
     kind: &'static str,
     name: String,
@@ -25,14 +23,16 @@ pub(crate) fn run(args: &CheckArgs, session: &mut Session<'_>) -> Result<bool, F
         session.print(&key_reference())?;
         return Ok(true);
     };
-    let understood = match windfall::check(file)? {
-        Checked::Run(pieces) => run_file(file, pieces),
-        Checked::Campaign(c) => campaign(*c),
-        Checked::Structure(s) => structure(s),
-        Checked::Study(drawing) => study(&drawing),
-        Checked::Scenario(s) => scenario(&s),
-        Checked::Planet(file) => planet(*file),
+    let checked = windfall::check(file)?;
+    let (name, summary) = match &checked {
+        Checked::Run(pieces) => (file.display().to_string(), run_lines(pieces)),
+        Checked::Campaign(c) => (c.data.name.clone(), campaign_lines(c)),
+        Checked::Structure(s) => (s.name.clone(), structure_lines(s)),
+        Checked::Study(drawing) => (drawing.prepared().study().name.clone(), study_lines(drawing)),
+        Checked::Scenario(s) => (s.file.scenario.name.clone(), scenario_lines(s)),
+        Checked::Planet(file) => (file.scenario.name.clone(), crate::planet::summary(&file.scenario)),
     };
+    let understood = Understood { kind: checked.kind(), name, summary, warnings: checked.warnings() };
     session.warn_all(&understood.warnings);
     session.show(&understood, || {
         let mut text = format!("{} {}\n", understood.kind, understood.name);
@@ -42,11 +42,6 @@ pub(crate) fn run(args: &CheckArgs, session: &mut Session<'_>) -> Result<bool, F
         text
     })?;
     Ok(true)
-}
-
-fn planet(file: PlanetFile) -> Understood {
-    let summary = crate::planet::summary(&file.scenario);
-    Understood { kind: "planet scenario", name: file.scenario.name, summary, warnings: Vec::new() }
 }
 
 fn plant_lines(plant: &Plant, declared: &[bool]) -> Vec<String> {
@@ -88,7 +83,7 @@ fn knowledge_lines(known: &Knowledge, plant: &Plant, inputs: &[String]) -> Vec<S
     all
 }
 
-fn campaign(campaign: Campaign) -> Understood {
+fn campaign_lines(campaign: &Campaign) -> Vec<String> {
     let c = &campaign.data;
     let mut summary = plant_lines(&c.plant, &c.declared);
     summary.extend(knowledge_lines(&c.knowledge, &c.plant, &c.inputs));
@@ -102,10 +97,10 @@ fn campaign(campaign: Campaign) -> Understood {
     if let Some(p) = campaign.pressure() {
         summary.push(crate::agreement::pressure(&p, FALSE_ALARM_RATE));
     }
-    Understood { kind: "campaign", name: c.name.clone(), summary, warnings: campaign.warnings }
+    summary
 }
 
-fn scenario(scenario: &Scenario) -> Understood {
+fn scenario_lines(scenario: &Scenario) -> Vec<String> {
     let s = &scenario.file;
     let mut summary = plant_lines(&s.declared_plant, &s.declared);
     summary.extend(knowledge_lines(&s.knowledge, &s.declared_plant, &[]));
@@ -126,10 +121,10 @@ fn scenario(scenario: &Scenario) -> Understood {
         ));
     }
     summary.push(format!("seed {}", s.scenario.seed));
-    Understood { kind: "scenario", name: s.scenario.name.clone(), summary, warnings: Vec::new() }
+    summary
 }
 
-fn study(drawing: &Drawing) -> Understood {
+fn study_lines(drawing: &Drawing) -> Vec<String> {
     let s = drawing.prepared().study();
     let mut summary =
         vec![format!("{} draws of {} flights, seed {}, {} draws a part", s.draws, s.flights.len(), s.seed, s.part_draws)];
@@ -141,20 +136,15 @@ fn study(drawing: &Drawing) -> Understood {
         "columns: {}",
         drawing.prepared().columns().iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", ")
     ));
-    Understood { kind: "study", name: s.name.clone(), summary, warnings: drawing.warnings().to_vec() }
+    summary
 }
 
-fn structure(s: Structure) -> Understood {
-    let summary = s
-        .contributions
-        .iter()
-        .map(|k| format!("{}: {} x {:?}", k.coefficient.name(), s.parameters[k.parameter], k.term))
-        .collect();
-    Understood { kind: "structure", name: s.name, summary, warnings: Vec::new() }
+fn structure_lines(s: &Structure) -> Vec<String> {
+    s.contributions.iter().map(|k| format!("{}: {} x {:?}", k.coefficient.name(), s.parameters[k.parameter], k.term)).collect()
 }
 
-fn run_file(file: &Path, pieces: Vec<Piece>) -> Understood {
-    let summary = pieces
+fn run_lines(pieces: &[Piece]) -> Vec<String> {
+    pieces
         .iter()
         .map(|p| {
             format!(
@@ -165,7 +155,5 @@ fn run_file(file: &Path, pieces: Vec<Piece>) -> Understood {
                 p.record.interval_s()
             )
         })
-        .collect();
-    let warnings = pieces.into_iter().flat_map(|p| p.notes).collect();
-    Understood { kind: "run", name: file.display().to_string(), summary, warnings }
+        .collect()
 }

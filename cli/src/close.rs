@@ -1,18 +1,18 @@
 //! cli: `windfall close`. In: a campaign, or a scenario that is flown first. Out: the story on a screenful, `close.json`,
-//! `figures.json` and `report.html`.
+//! `figures.json`, `tracks.json` and `report.html`.
 
 use crate::args::CloseArgs;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
 use std::path::Path;
-use windfall::files::{text_atomically, write_json_atomically};
+use windfall::files::{series_text, text_atomically, write_json_atomically};
 use windfall::report::{closing_page, number, p_value, sentence, with_interval};
-use windfall::results::{Closing, EffectLine, HeldOut, Verdict, statistics_table};
-use windfall::{Close, Fly, Published, Source};
+use windfall::results::{Closing, EffectLine, HeldOut, SignalTracks, Verdict, statistics_table};
+use windfall::{CampaignSource, Close, Fly, Published};
 
 /// Names of the result files; without a campaign there are no figures.
-const FILES: [&str; 3] = ["close.json", "figures.json", "report.html"];
-const STATISTICS_FILES: [&str; 2] = [FILES[0], FILES[2]];
+const FILES: [&str; 4] = ["close.json", "figures.json", "tracks.json", "report.html"];
+const STATISTICS_FILES: [&str; 2] = [FILES[0], FILES[3]];
 
 pub(crate) fn run(args: &CloseArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
     match (&args.campaign, &args.statistics) {
@@ -23,28 +23,32 @@ pub(crate) fn run(args: &CloseArgs, session: &mut Session<'_>) -> Result<bool, F
 }
 
 fn close_campaign(word: &Path, request: &Close, session: &mut Session<'_>) -> Result<bool, Failure> {
-    let source = Source::find(word)?;
-    if let Source::Campaign(campaign) = &source {
+    let source = CampaignSource::find(word)?;
+    if let CampaignSource::Campaign(campaign) = &source {
         session.warn_all(&campaign.warnings);
     }
     let folder = session.outputs(&FILES)?;
     let campaign = match source {
-        Source::Campaign(campaign) => *campaign,
-        Source::Scenario(scenario) => {
+        CampaignSource::Campaign(campaign) => *campaign,
+        CampaignSource::Scenario(scenario) => {
             let flights = session.fly(&scenario, &Fly::default())?;
             flights.summary(false).flights.iter().filter_map(|f| f.warning.as_deref()).for_each(|w| session.warn(w));
             flights.campaign()
         }
     };
-    let (closing, drawn) = session.work("closing the loop", || {
+    let (closing, drawn, tracks) = session.work("closing the loop", || {
         let closing = campaign.close(request)?;
         let drawn = if folder.is_some() { campaign.figures(&closing).unwrap_or_default() } else { Vec::new() };
-        Ok((closing, drawn))
+        let tracks = if folder.is_some() { campaign.tracks(&closing).unwrap_or_default() } else { SignalTracks::default() };
+        Ok((closing, drawn, tracks))
     })?;
+    let series = series_text(&tracks)?;
     session.write(folder.as_deref(), |stage| {
         write_json_atomically(&stage.join(FILES[0]), &closing)?;
         write_json_atomically(&stage.join(FILES[1]), &drawn)?;
-        Ok(text_atomically(&stage.join(FILES[2]), &closing_page(&closing, &drawn))?)
+        // Long series, a line for all.
+        text_atomically(&stage.join(FILES[2]), &series)?;
+        Ok(text_atomically(&stage.join(FILES[3]), &closing_page(&closing, &drawn, Some(&tracks)))?)
     })?;
     session.show(&closing, || story(&closing))?;
     session.written(folder.as_deref(), &FILES);
@@ -57,7 +61,7 @@ fn close_statistics(word: &Path, request: &Close, session: &mut Session<'_>) -> 
     let closing = session.work("searching the catalogue", || published.close(request))?;
     session.write(folder.as_deref(), |stage| {
         write_json_atomically(&stage.join(FILES[0]), &closing)?;
-        Ok(text_atomically(&stage.join(FILES[2]), &published.page(&closing)?)?)
+        Ok(text_atomically(&stage.join(FILES[3]), &published.page(&closing)?)?)
     })?;
     session.show(&closing, || statistics_table(&closing))?;
     session.written(folder.as_deref(), &STATISTICS_FILES);

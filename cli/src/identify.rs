@@ -1,24 +1,30 @@
-//! cli: `windfall identify`. In: a campaign. Out: a table of parameters, and `identification.json`.
+//! cli: `windfall identify`. In: a campaign. Out: a table of parameters, `identification.json`, and `coefficients.json`.
 
 use crate::args::IdentifyArgs;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
-use windfall::results::{Bootstrap, DataSet, Estimate, Identifiability, Identification};
+use windfall::results::{Bootstrap, DataSet, Estimate, Identifiability, Identification, SignalTracks};
 
-/// Name of the result file.
-const FILE: &str = "identification.json";
+/// Names of the result files.
+const FILES: [&str; 2] = ["identification.json", "coefficients.json"];
 
 pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
     let campaign = session.campaign(&args.campaign)?;
-    let folder = session.outputs(&[FILE])?;
+    let folder = session.outputs(&FILES)?;
     let what = if args.request.bootstrap.is_some() { "identifying, then copies" } else { "identifying" };
-    let result = session.work(what, || campaign.identify(&args.request))?;
+    let (result, tracks) = session.work(what, || {
+        let result = campaign.identify(&args.request)?;
+        // Without a file nobody sees them; a plant whose coefficients cannot be had has none.
+        let tracks =
+            if folder.is_some() { campaign.coefficient_tracks(&result).unwrap_or_default() } else { SignalTracks::default() };
+        Ok((result, tracks))
+    })?;
     if let Some(reason) = &result.found.reason {
         session.say(&format!("method {}: {reason}", result.found.method));
     }
     // The reader's notes, which lead the warnings, are said already.
     session.warn_all(&result.found.warnings[campaign.warnings.len()..]);
-    session.deliver(folder.as_deref(), FILE, &result, || {
+    session.deliver_with(folder.as_deref(), FILES, (&result, &tracks), || {
         table(&campaign.data.name, &result.found) + &result.bootstrap.as_ref().map_or_else(String::new, bootstrap_table)
     })?;
     Ok(true)

@@ -7,6 +7,7 @@ mod agreement;
 mod args;
 mod check;
 mod close;
+mod first;
 mod identify;
 mod interrupt;
 mod plan;
@@ -72,6 +73,8 @@ fn dispatch(command: &Command, session: &mut Session<'_>) -> Result<bool, Failur
         Command::Report(a) => report::run(a, session),
         Command::Verify(a) => verify::run(a, session),
         Command::Check(a) => check::run(a, session),
+        Command::Init(a) => first::init(a, session),
+        Command::Explain(a) => first::explain(a, session),
         Command::Completions { shell } => {
             clap_complete::generate(*shell, &mut Cli::command(), "windfall", session.out);
             Ok(true)

@@ -3,7 +3,7 @@
 use crate::args::PlanArgs;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
-use windfall::results::{NextRun, Plan, Planned, Separation, TargetPlan};
+use windfall::results::{NextRun, Planned, Separation, TargetPlan, TestPlan};
 
 /// Name of the result file.
 const FILE: &str = "plan.json";
@@ -22,7 +22,7 @@ pub(crate) fn run(args: &PlanArgs, session: &mut Session<'_>) -> Result<bool, Fa
     Ok(found.is_within_reach())
 }
 
-fn words(campaign: &str, found: &Plan) -> String {
+fn words(campaign: &str, found: &TestPlan) -> String {
     let mut text = format!(
         "{campaign}, {}\nhovers at {:.3} m/s; flown so far up to {:.1} deg; {:.0} s between runs\n",
         found.method, found.trim_m_s, found.flown_deg, found.between_s

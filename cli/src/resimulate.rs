@@ -4,18 +4,22 @@ use crate::args::ResimulateArgs;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
 use windfall::files::read_json;
-use windfall::results::{Identification, Resimulation, RunComparison, Statistic};
+use windfall::results::{Identification, Resimulation, RunComparison, SignalTracks, Statistic};
 
-/// Name of the result file.
-const FILE: &str = "resimulation.json";
+/// Names of the result files.
+const FILES: [&str; 2] = ["resimulation.json", "flights.json"];
 
 pub(crate) fn run(args: &ResimulateArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
     let campaign = session.campaign(&args.campaign)?;
     let model: Identification = read_json(&args.model)?;
-    let folder = session.outputs(&[FILE])?;
-    let result = session.work("flying the identified model", || campaign.resimulate(&model, &args.request))?;
+    let folder = session.outputs(&FILES)?;
+    let (result, tracks) = session.work("flying the identified model", || {
+        let result = campaign.resimulate(&model, &args.request)?;
+        let tracks = if folder.is_some() { campaign.flight_tracks(&model)? } else { SignalTracks::default() };
+        Ok((result, tracks))
+    })?;
     session.warn_all(&result.warnings);
-    session.deliver(folder.as_deref(), FILE, &result, || table(&campaign.data.name, &result))?;
+    session.deliver_with(folder.as_deref(), FILES, (&result, &tracks), || table(&campaign.data.name, &result))?;
     Ok(true)
 }
 

@@ -7,25 +7,26 @@ use serde::Serialize;
 use std::io::{IsTerminal as _, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use windfall::files::{FileSet, json_text, settle, write_json_atomically};
-use windfall::{Campaign, Flights, Fly, Kind, Scenario};
+use windfall::files::{FileSet, json_text, series_text, settle, text_atomically, write_json_atomically};
+use windfall::results::SignalTracks;
+use windfall::{Campaign, ErrorKind, Flights, Fly, Scenario};
 
 /// Why a command gave no result, and whose fault that is.
 #[derive(Debug)]
 pub(crate) struct Failure {
-    kind: Kind,
+    kind: ErrorKind,
     error: anyhow::Error,
 }
 
 impl Failure {
     pub(crate) fn numerical(error: anyhow::Error) -> Self {
-        Self { kind: Kind::Numerical, error }
+        Self { kind: ErrorKind::Numerical, error }
     }
     pub(crate) fn exit_code(&self) -> u8 {
         match self.kind {
-            Kind::Input => 2,
-            Kind::Numerical => 3,
-            Kind::Interrupted => crate::interrupt::EXIT_CODE,
+            ErrorKind::Input => 2,
+            ErrorKind::Numerical => 3,
+            ErrorKind::Interrupted => crate::interrupt::EXIT_CODE,
         }
     }
 }
@@ -34,7 +35,7 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
     fn from(error: E) -> Self {
         let error = error.into();
         // What is no error of the program's own is of the paths and streams that it was given.
-        let kind = error.downcast_ref::<windfall::Error>().map_or(Kind::Input, windfall::Error::kind);
+        let kind = error.downcast_ref::<windfall::Error>().map_or(ErrorKind::Input, windfall::Error::kind);
         Self { kind, error }
     }
 }
@@ -91,6 +92,23 @@ impl Session<'_> {
         if let Some(folder) = folder {
             self.say(&format!("written: {}", folder.join(file).display()));
         }
+        Ok(())
+    }
+    /// [`Session::deliver`] with series over time beside the result, in a file of their own.
+    pub(crate) fn deliver_with(
+        &mut self,
+        folder: Option<&Path>,
+        [file, beside]: [&str; 2],
+        (result, tracks): (&impl Serialize, &SignalTracks),
+        words: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
+        let series = series_text(tracks)?;
+        self.write(folder, |stage| {
+            write_json_atomically(&stage.join(file), result)?;
+            Ok(text_atomically(&stage.join(beside), &series)?)
+        })?;
+        self.show(result, words)?;
+        self.written(folder, &[file, beside]);
         Ok(())
     }
     /// Writes the files of a command: all of them, or none. Without `--force` nothing is overwritten, also nothing that another process

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Mutex;
 use windfall::files::Store;
-use windfall::model::study::{Kind, Row};
+use windfall::model::study::{CellKind, Row};
 use windfall::results::{Moments, Summary};
 use windfall::{Drawing, SUMMARY, Shard, Study};
 
@@ -62,7 +62,7 @@ pub(crate) fn run(args: &StudyArgs, session: &mut Session<'_>) -> Result<bool, F
 /// What a terminal shows while draws are made: how many, time left, the asked-for quantity so far.
 struct Live {
     bar: ProgressBar,
-    asked: Option<(String, usize, Kind)>,
+    asked: Option<(String, usize, CellKind)>,
     seen: Mutex<Moments>,
 }
 

@@ -215,8 +215,23 @@ fn law_pages_are_of_results_and_run_nothing() {
     b.refused(&["report", "closed", "--quiet"], 0, &[]);
     for page in [made, b.text("closed/report.html")] {
         assert!(page.contains("http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'"), "no policy");
-        assert!(["<script", "<img", "<b>k", "\" onload"].iter().all(|w| !page.contains(w)), "code of a name in the page");
-        assert!(!page.contains("http://") && !page.contains("https://"), "an address outside");
+        // Data of the page is text to a browser as long as no tag can begin in it.
+        let (before, rest) = page.split_once("id=\"data\">").expect("data");
+        let (data, after) = rest.split_once("</script>").expect("an end");
+        assert!(!data.contains('<'), "a tag in the data");
+        let marked = |w: &&str| before.contains(*w) || after.contains(*w);
+        assert!(!["<script>", "<img", "<b>k", "\" onload"].iter().any(marked), "code of a name in the page");
+        // The page's own scripts alone: each has the nonce that the policy names, or is data.
+        let nonce = page.split("'nonce-").nth(1).and_then(|rest| rest.split('\'').next()).expect("a nonce");
+        let (own, data) = (format!(" nonce=\"{nonce}\""), " type=\"application/json\"");
+        let scripts: Vec<&str> = page.split("<script").skip(1).collect();
+        assert!(
+            !scripts.is_empty() && scripts.iter().all(|s| s.starts_with(&own) || s.starts_with(data)),
+            "a script of another's"
+        );
+        // The plotting library's licence notice, a comment, names where it is from.
+        let own_words = page.replace("https://github.com/leeoniya/uPlot", "");
+        assert!(!own_words.contains("http://") && !own_words.contains("https://"), "an address outside");
     }
 }
 

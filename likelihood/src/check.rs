@@ -7,7 +7,7 @@
 
 use crate::columns::{Along, Basis, CHANNEL_NAMES, LOADS};
 use crate::engine::{Engine, Summed};
-use crate::hum::{FORCE, MOMENT, ROLL, Stream, of_instrument};
+use crate::hum::{FORCE, HumStream, MOMENT, ROLL, of_instrument};
 use crate::model::Model;
 use crate::noise::POSE;
 use crate::spectrum::periodogram;
@@ -124,7 +124,7 @@ pub(crate) fn lines(engine: &Engine, model: &Model, sum: &Summed) -> Vec<Lead> {
         let skip = 20.min(seen.whitened.len());
         let n = seen.whitened.len() - skip;
         let density_kg_m3 = run.nodes.first().map_or(1.2, |n| n.density_kg_m3);
-        let stream = Stream { density_kg_m3, speed_m_s: run.speed_m_s };
+        let stream = HumStream { density_kg_m3, speed_m_s: run.speed_m_s };
         if n < 64 {
             continue;
         }

@@ -6,7 +6,7 @@ use windfall_model::Plant;
 
 /// What a column is a change of.
 #[derive(Clone, Debug)]
-pub(crate) enum Column {
+pub(crate) enum SensitivityColumn {
     /// A parameter of the aerodynamic structure, by its terms.
     Declared(usize),
     /// The plant with one number a small step away, and that step.

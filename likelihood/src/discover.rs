@@ -79,48 +79,7 @@ fn families() -> f64 {
 pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let mut log = Vec::new();
     let declared = Model::declared(&engine.campaign);
-    let noise = engine.noise.map(|n| format!("{:.3e}/{:.2}", n.std(), if n.coloured > 0.0 { n.correlation } else { 0.0 }));
-    log.push(format!("noise {}", noise.join(" ")));
-    // Random inputs that every start may have: none, or one effect in one form at one size.
-    let starts = ladder(&engine.coarse(), &declared, &mut log)?;
-    let mut best: Option<(f64, Fit, Weighed)> = None;
-    let top = starts.first().map_or(f64::NEG_INFINITY, |s| s.total);
-    for Start { total, at, next } in starts.into_iter().take(STARTS) {
-        let floor = best.as_ref().map_or(f64::NEG_INFINITY, |b| b.0);
-        if engine.is_exhausted() && best.is_some() {
-            break;
-        }
-        if total < top - FAR && best.as_ref().is_some_and(|b| b.1.chi < LEFT) {
-            continue;
-        }
-        log.push(format!("start at {total:.1}: {}", describe(&at)));
-        let Some((fit, weighed)) = polish(engine, next, floor, &mut log) else { continue };
-        let score = fit.total - cost_of(&fit.model, engine);
-        log.push(format!("  ends at {score:.1}: {}", describe(&fit.model)));
-        if best.as_ref().is_none_or(|b| score > b.0) {
-            best = Some((score, fit, weighed));
-        }
-    }
-    // Noise again, by the likelihood of the best model, and the best model in it.
-    if let Some((_, fit, _)) = &best
-        && !engine.campaign.knowledge.exact_noise
-        && !engine.is_exhausted()
-        && engine.refine_noise(&fit.model)
-    {
-        log.push(format!("noise {:?}", engine.noise.map(|n| format!("{:.3e}/{:.2}", n.std(), n.correlation))));
-        if let Some((fit, weighed)) = polish(engine, fit.model.clone(), f64::NEG_INFINITY, &mut log) {
-            best = Some((fit.total, fit, weighed));
-        }
-    }
-    // Something that struck once, beside what was found.
-    if let Some((_, fit, _)) = &best
-        && !engine.is_exhausted()
-        && let Some(struck) = struck(engine, fit)
-        && let Some((fit, weighed)) = polish(engine, struck.model, f64::NEG_INFINITY, &mut log)
-        && best.as_ref().is_none_or(|b| fit.total - cost_of(&fit.model, engine) > b.1.total - cost_of(&b.1.model, engine))
-    {
-        best = Some((fit.total, fit, weighed));
-    }
+    let best = searched(engine, &declared, &mut log)?;
     log.push(format!("work {:.0}", engine.passes()));
     let (_, after, weighed) = best.ok_or("no set of effects could be fitted")?;
     let (after, weighed) = selected(engine, after, weighed, &mut log);
@@ -130,8 +89,9 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let sets = named(&weighed, &after.model);
     let (random_gains, random_errors) = (gains(engine, &after), random_errors(engine, &after));
     let random_bounds = random_bounds(engine, &after);
+    let after = engine.robust(&after);
     let (before, before_fault) = match before {
-        Ok(fit) => (Some(fit), Ok(())),
+        Ok(fit) => (Some(engine.robust(&fit)), Ok(())),
         Err(words) => (None, Err(words)),
     };
     let innovations = engine.sum(&after.model, &[], &[]).ok();
@@ -154,6 +114,53 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
         outliers,
         log,
     })
+}
+
+/// The best set from all starts, in noise learnt again at it, with what struck once: its fit, and all sets weighed there.
+fn searched(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Result<Option<(f64, Fit, Weighed)>, String> {
+    let noise = engine.noise.map(|n| format!("{:.3e}/{:.2}", n.std(), if n.coloured > 0.0 { n.correlation } else { 0.0 }));
+    log.push(format!("noise {}", noise.join(" ")));
+    // Random inputs that every start may have: none, or one effect in one form at one size.
+    let starts = ladder(&engine.coarse(), declared, log)?;
+    let mut best: Option<(f64, Fit, Weighed)> = None;
+    let top = starts.first().map_or(f64::NEG_INFINITY, |s| s.total);
+    for Start { total, at, next } in starts.into_iter().take(STARTS) {
+        let floor = best.as_ref().map_or(f64::NEG_INFINITY, |b| b.0);
+        if engine.is_exhausted() && best.is_some() {
+            break;
+        }
+        if total < top - FAR && best.as_ref().is_some_and(|b| b.1.chi < LEFT) {
+            continue;
+        }
+        log.push(format!("start at {total:.1}: {}", describe(&at)));
+        let Some((fit, weighed)) = polish(engine, next, floor, log) else { continue };
+        let score = fit.total - cost_of(&fit.model, engine);
+        log.push(format!("  ends at {score:.1}: {}", describe(&fit.model)));
+        if best.as_ref().is_none_or(|b| score > b.0) {
+            best = Some((score, fit, weighed));
+        }
+    }
+    // Noise again, by the likelihood of the best model, and the best model in it.
+    if let Some((_, fit, _)) = &best
+        && !engine.campaign.knowledge.exact_noise
+        && !engine.is_exhausted()
+        && engine.refine_noise(&fit.model)
+    {
+        log.push(format!("noise {:?}", engine.noise.map(|n| format!("{:.3e}/{:.2}", n.std(), n.correlation))));
+        if let Some((fit, weighed)) = polish(engine, fit.model.clone(), f64::NEG_INFINITY, log) {
+            best = Some((fit.total, fit, weighed));
+        }
+    }
+    // Something that struck once, beside what was found.
+    if let Some((_, fit, _)) = &best
+        && !engine.is_exhausted()
+        && let Some(struck) = struck(engine, fit)
+        && let Some((fit, weighed)) = polish(engine, struck.model, f64::NEG_INFINITY, log)
+        && best.as_ref().is_none_or(|b| fit.total - cost_of(&fit.model, engine) > b.1.total - cost_of(&b.1.model, engine))
+    {
+        best = Some((fit.total, fit, weighed));
+    }
+    Ok(best)
 }
 
 /// Declared parameters and uncertain constants with what the campaign declares and, where the runs speak for them, gusts; no other effect.
@@ -231,16 +238,15 @@ fn gains(engine: &Engine, fit: &Fit) -> Vec<(usize, f64)> {
         .collect()
 }
 
-/// Standard errors of the random members' numbers by their information, to first order in their logarithms.
+/// Standard errors of the random members' numbers, to first order in their logarithms.
 fn random_errors(engine: &Engine, fit: &Fit) -> Vec<((usize, usize), f64)> {
     let places = crate::engine::random_numbers(&fit.model);
     if places.is_empty() {
         return Vec::new();
     }
-    let inverse = engine.random_scores(&fit.model).and_then(|(_, _, information)| information.try_inverse());
-    let Some(inverse) = inverse else { return Vec::new() };
+    let Some(covariance) = engine.random_covariance(&fit.model) else { return Vec::new() };
     let one = |(j, (k, i)): (usize, (usize, usize))| {
-        let variance = inverse[(j, j)];
+        let variance = covariance[(j, j)];
         (variance > 0.0).then(|| ((k, i), fit.model.members[k].values[i] * variance.sqrt()))
     };
     places.into_iter().enumerate().filter_map(one).collect()

@@ -1,7 +1,7 @@
 //! likelihood: passes over all runs, and climbing to the most likely numbers. In: campaign, model. Out: normal equations, fitted models.
 
-use crate::columns::Basis;
-use crate::filter::{Departed, Seen, Setting, pass};
+use crate::columns::{Basis, SensitivityColumn};
+use crate::filter::{Departed, PassSetting, Seen, pass};
 use crate::gram::Gram;
 use crate::hum::{Hum, take_off};
 use crate::model::{Id, Model, Number, VAGUE_PRIOR};
@@ -104,6 +104,14 @@ pub(crate) struct Summed {
     pub(crate) log_likelihood: f64,
     pub(crate) channels: [[f64; 4]; CHANNELS],
     pub(crate) runs: Vec<Seen>,
+}
+
+/// A model with its normal equations and channels.
+type SteppedModel = (Model, Gram, [[f64; 4]; CHANNELS]);
+
+/// What the prior takes off the log-likelihood.
+fn penalty(g: &Gram) -> f64 {
+    0.5 * g.numbers.iter().map(|n| (n.value / n.prior).powi(2)).sum::<f64>()
 }
 
 impl Engine {
@@ -232,28 +240,7 @@ impl Engine {
 
     /// One pass over all runs.
     pub(crate) fn sum(&self, model: &Model, numbers: &[Number], generic: &[(bool, usize, Basis)]) -> Result<Summed, Departed> {
-        self.work.fetch_add(self.instants() as u64 * (NODE_COST + numbers.len() as u64), Ordering::Relaxed);
-        let columns = model.columns(&self.campaign, numbers, generic);
-        let plant = model.plant(&self.campaign);
-        let local = |p: &Plant, run: usize| p.for_run(run, &self.campaign.runs[run].inputs);
-        let seen: Vec<Result<Seen, Departed>> = self
-            .runs
-            .par_iter()
-            .map(|run| {
-                let own = local(&plant, run.index);
-                let columns: Vec<crate::columns::Column> = columns
-                    .iter()
-                    .map(|c| match c {
-                        crate::columns::Column::Plant(p, step) if !p.contacts.is_empty() => {
-                            crate::columns::Column::Plant(Box::new(local(p, run.index)), *step)
-                        }
-                        other => other.clone(),
-                    })
-                    .collect();
-                pass(run, &Setting { plant: &own, noise: &self.noise, columns: &columns, slack: self.slack, traced: false })
-            })
-            .collect();
-        let runs: Vec<Seen> = seen.into_iter().collect::<Result<_, _>>()?;
+        let runs = self.passed(model, numbers, generic, false)?;
         let n = numbers.len();
         let (mut g, mut b) = (DMatrix::zeros(n, n), DVector::zeros(n));
         let mut log_likelihood = 0.0;
@@ -273,17 +260,42 @@ impl Engine {
         Ok(Summed { g, b, log_likelihood, channels, runs })
     }
 
+    /// One pass over all runs that keeps what the filter did.
+    pub(crate) fn traced(&self, model: &Model, numbers: &[Number]) -> Result<Vec<Seen>, Departed> {
+        self.passed(model, numbers, &[], true)
+    }
+
+    fn passed(
+        &self,
+        model: &Model,
+        numbers: &[Number],
+        generic: &[(bool, usize, Basis)],
+        traced: bool,
+    ) -> Result<Vec<Seen>, Departed> {
+        self.work.fetch_add(self.instants() as u64 * (NODE_COST + numbers.len() as u64), Ordering::Relaxed);
+        let columns = model.columns(&self.campaign, numbers, generic);
+        let plant = model.plant(&self.campaign);
+        let local = |p: &Plant, run: usize| p.for_run(run, &self.campaign.runs[run].inputs);
+        let one = |run: &Prepared| {
+            let own = local(&plant, run.index);
+            let of_run = |c: &SensitivityColumn| match c {
+                SensitivityColumn::Plant(p, step) if !p.contacts.is_empty() => {
+                    SensitivityColumn::Plant(Box::new(local(p, run.index)), *step)
+                }
+                other => other.clone(),
+            };
+            let columns: Vec<SensitivityColumn> = columns.iter().map(of_run).collect();
+            pass(run, &PassSetting { plant: &own, noise: &self.noise, columns: &columns, slack: self.slack, traced })
+        };
+        let seen: Vec<Result<Seen, Departed>> = self.runs.par_iter().map(one).collect();
+        seen.into_iter().collect()
+    }
+
     /// The instant at which a kick would explain most, over all runs: the run's index and the shock.
     pub(crate) fn shock(&self, model: &Model) -> Option<(usize, Shock)> {
-        let plant = model.plant(&self.campaign);
-        let one = |run: &Prepared| {
-            let own = plant.for_run(run.index, &self.campaign.runs[run.index].inputs);
-            let setting = Setting { plant: &own, noise: &self.noise, columns: &[], slack: self.slack, traced: true };
-            let seen = pass(run, &setting).ok()?;
-            Some((run.index, strongest(&seen.trace, seen.states)?))
-        };
-        let all: Vec<Option<(usize, Shock)>> = self.runs.par_iter().map(one).collect();
-        all.into_iter().flatten().max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))
+        let seen = self.traced(model, &[]).ok()?;
+        let all = self.runs.iter().zip(&seen).filter_map(|(run, seen)| Some((run.index, strongest(&seen.trace, seen.states)?)));
+        all.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))
     }
 
     /// Work done so far, in passes over all runs without columns.
@@ -319,6 +331,31 @@ impl Engine {
         all
     }
 
+    /// The model after a step, shortened until the log posterior is not below `here`; where none is, the last departure of those tried.
+    fn stepped(
+        &self,
+        model: &Model,
+        gram: &Gram,
+        step: &DVector<f64>,
+        here: f64,
+        shapes: bool,
+    ) -> Result<SteppedModel, Option<Departed>> {
+        let long = (0..step.len()).map(|i| step[i].abs() / (LONGEST * gram.numbers[i].prior)).fold(1.0, f64::max);
+        let mut fraction = 1.0 / long;
+        let mut departed = None;
+        for _ in 0..6 {
+            let mut next = model.clone();
+            gram.numbers.iter().zip(step.iter()).for_each(|(n, s)| next.change(n, fraction * s));
+            match self.gram(&next, self.free(&next, shapes)) {
+                Ok((g, c)) if g.log_likelihood - penalty(&g) > here - 1e-6 => return Ok((next, g, c)),
+                Ok(_) => {}
+                Err(d) => departed = Some(d),
+            }
+            fraction *= 0.35;
+        }
+        Err(departed)
+    }
+
     /// Gauss-Newton with a prior, steps halved until the posterior rises.
     ///
     /// # Errors
@@ -326,7 +363,6 @@ impl Engine {
     pub fn climb(&self, model: &Model, shapes: bool, most: usize) -> Result<Fit, Departed> {
         let mut model = model.clone();
         let (mut gram, mut chi) = self.gram(&model, self.free(&model, shapes))?;
-        let penalty = |g: &Gram| 0.5 * g.numbers.iter().map(|n| (n.value / n.prior).powi(2)).sum::<f64>();
         let mut stop = Stop::Iterations;
         let most = if self.is_exhausted() { most.min(FEW) } else { most };
         for _ in 0..most {
@@ -339,30 +375,16 @@ impl Engine {
                 stop = Stop::Converged;
                 break;
             }
-            let long = (0..step.len()).map(|i| step[i].abs() / (LONGEST * gram.numbers[i].prior)).fold(1.0, f64::max);
-            let mut fraction = 1.0 / long;
             let here = gram.log_likelihood - penalty(&gram);
-            let mut accepted = None;
-            let mut departed = None;
-            for _ in 0..6 {
-                let mut next = model.clone();
-                gram.numbers.iter().zip(step.iter()).for_each(|(n, s)| next.change(n, fraction * s));
-                match self.gram(&next, self.free(&next, shapes)) {
-                    Ok((g, c)) if g.log_likelihood - penalty(&g) > here - 1e-6 => {
-                        accepted = Some((next, g, c));
-                        break;
-                    }
-                    Ok(_) => {}
-                    Err(d) => departed = Some(d),
+            let (next, g, c) = match self.stepped(&model, &gram, &step, here, shapes) {
+                Ok(next) => next,
+                Err(departed) => {
+                    stop = match departed {
+                        Some(d) if largest > 10.0 => Stop::Departs { run: d.run, t_s: d.t_s },
+                        _ => Stop::NoAscent,
+                    };
+                    break;
                 }
-                fraction *= 0.35;
-            }
-            let Some((next, g, c)) = accepted else {
-                stop = match departed {
-                    Some(d) if largest > 10.0 => Stop::Departs { run: d.run, t_s: d.t_s },
-                    _ => Stop::NoAscent,
-                };
-                break;
             };
             let gained = g.log_likelihood - penalty(&g) - here;
             (model, gram, chi) = (next, g, c);
@@ -388,7 +410,6 @@ impl Engine {
     /// Slopes of the log-likelihood over the logarithms of the random members' numbers, node by node, as the gradient and the sum of outer
     /// products, which is the information (Berndt, Hall, Hall and Hausman 1974).
     pub(crate) fn random_scores(&self, model: &Model) -> Option<(f64, DVector<f64>, DMatrix<f64>)> {
-        const STEP: f64 = 0.05;
         let places = random_numbers(model);
         let series = |m: &Model| -> Option<(f64, Vec<f64>)> {
             let sum = self.sum(m, &[], &[]).ok()?;
@@ -397,18 +418,24 @@ impl Engine {
         let (here, base) = series(model)?;
         let n = places.len();
         let mut slopes = Vec::with_capacity(n);
-        for &(m, i) in &places {
-            let [low, high] = log_range(model, m, i);
-            // Away from the upper end of the range.
-            let up = model.members[m].values[i].max(low.exp()).ln() + STEP < high;
-            let by = if up { STEP } else { -STEP };
-            let mut moved = model.clone();
-            moved.members[m].values[i] *= by.exp();
+        for &place in &places {
+            let (moved, by) = self.moved(model, place);
             slopes.push(series(&moved)?.1.iter().zip(&base).map(|(a, b)| (a - b) / by).collect::<Vec<f64>>());
         }
         let gradient = DVector::from_fn(n, |i, _| slopes[i].iter().sum());
         let information = DMatrix::from_fn(n, n, |i, k| slopes[i].iter().zip(&slopes[k]).map(|(a, b)| a * b).sum());
         Some((here, gradient, information))
+    }
+
+    /// A model with a random member's number a step further in its logarithm, away from the upper end of its range; and that step.
+    pub(crate) fn moved(&self, model: &Model, (member, i): (usize, usize)) -> (Model, f64) {
+        const STEP: f64 = 0.05;
+        let [low, high] = log_range(model, member, i);
+        let up = model.members[member].values[i].max(low.exp()).ln() + STEP < high;
+        let by = if up { STEP } else { -STEP };
+        let mut moved = model.clone();
+        moved.members[member].values[i] *= by.exp();
+        (moved, by)
     }
 
     /// Sizes and shapes of the random members, the rest held, by at most `most` steps of scoring, then a climb; the better of before and

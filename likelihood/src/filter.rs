@@ -5,14 +5,17 @@
 //! by the innovations' covariance `G = Σ DᵀD`, `b = Σ Dᵀν` (Durbin and Koopman 2012, §7.3; Klein and Morelli 2006, §6.2). Rates are means
 //! over two opposite points of the unresolved gust, so that what is not linear in the flow angles acts as it does on average (Gelb 1974, §6.2).
 
-use crate::columns::{Basis, Column, Shown, View, body_to_tunnel, lag_s, shown};
+mod predict;
+mod update;
+
+use crate::columns::{Basis, SensitivityColumn, Shown, View, body_to_tunnel, lag_s, shown};
 use crate::noise::{CHANNELS, ChannelNoise, POSE};
 use crate::random::{Input, ORDER, inputs};
 use crate::run::Prepared;
-use crate::shock::{Innovation, Taken, Trace};
+use crate::shock::{Taken, Trace};
 use nalgebra::{DMatrix, DVector};
 use windfall_model::{Entry, Plant};
-use windfall_pid::equations::{ADDED, Air, Craft, LOOSE, Local, MOTION, STATES};
+use windfall_pid::equations::{ADDED, Craft, LOOSE, MOTION, STATES, TunnelAir};
 
 /// Spread of the first state about its start: wide, so that the data decide (m, rad, m/s, rad/s).
 const START_STD: [f64; STATES] = [0.05, 0.05, 0.05, 0.05, 0.05, 0.05, 0.5, 0.5, 0.5, 1.0, 1.0, 1.0];
@@ -60,10 +63,10 @@ impl Departed {
 
 /// What a pass is made at.
 #[derive(Clone, Copy)]
-pub(crate) struct Setting<'a> {
+pub(crate) struct PassSetting<'a> {
     pub(crate) plant: &'a Plant,
     pub(crate) noise: &'a [ChannelNoise; CHANNELS],
-    pub(crate) columns: &'a [Column],
+    pub(crate) columns: &'a [SensitivityColumn],
     /// Share of [`SLACK`] that the accelerations are left free by from node to node.
     pub(crate) slack: f64,
     /// Whether to keep what the filter did.
@@ -117,7 +120,7 @@ struct Filter<'a> {
 }
 
 /// Runs the filter over a run. `plant` and the columns' plants are those of this run.
-pub(crate) fn pass(run: &Prepared, s: &Setting<'_>) -> Result<Seen, Departed> {
+pub(crate) fn pass(run: &Prepared, s: &PassSetting<'_>) -> Result<Seen, Departed> {
     let fault = Departed { run: run.index, t_s: 0.0 };
     let craft = Craft::complete(s.plant).map_err(|_| fault)?;
     let columns: Vec<Ready<'_>> = s.columns.iter().map(|c| ready(c, s.plant)).collect::<Option<_>>().ok_or(fault)?;
@@ -150,10 +153,10 @@ pub(crate) fn pass(run: &Prepared, s: &Setting<'_>) -> Result<Seen, Departed> {
     filter.run(columns)
 }
 
-fn ready<'a>(column: &'a Column, base: &Plant) -> Option<Ready<'a>> {
+fn ready<'a>(column: &'a SensitivityColumn, base: &Plant) -> Option<Ready<'a>> {
     Some(match column {
-        Column::Declared(i) => Ready::Declared(*i),
-        Column::Plant(plant, step) => {
+        SensitivityColumn::Declared(i) => Ready::Declared(*i),
+        SensitivityColumn::Plant(plant, step) => {
             let shows = plant.sensors != base.sensors || plant.vehicle.p_origin_cm != base.vehicle.p_origin_cm;
             let own = Plant { sensors: base.sensors, ..(**plant).clone() };
             let acts = own != *base;
@@ -164,8 +167,8 @@ fn ready<'a>(column: &'a Column, base: &Plant) -> Option<Ready<'a>> {
             let craft = if acts { Some(Box::new(Craft::complete(plant).ok()?)) } else { None };
             Ready::Plant { craft, plant, step: *step, acts, shows, winds, clock, loose }
         }
-        Column::Load(k, basis) => Ready::Load(*k, *basis),
-        Column::Error(k, basis) => Ready::Error(*k, *basis),
+        SensitivityColumn::Load(k, basis) => Ready::Load(*k, *basis),
+        SensitivityColumn::Error(k, basis) => Ready::Error(*k, *basis),
     })
 }
 
@@ -255,7 +258,7 @@ impl<'a> Filter<'a> {
     }
 
     /// Inputs at an instant of a step: tunnel speed with its rate, then what the air adds.
-    fn air(&self, z: &[f64], k: usize, stage: Stage, spread: [f64; 3]) -> (Air, [f64; ADDED]) {
+    fn air(&self, z: &[f64], k: usize, stage: Stage, spread: [f64; 3]) -> (TunnelAir, [f64; ADDED]) {
         let at = self.nm;
         let (fraction, place) = match stage {
             Stage::Now => (0.0, None),
@@ -266,7 +269,7 @@ impl<'a> Filter<'a> {
         let node = &self.run.nodes[k];
         let t_s = node.t_s + fraction * self.run.step_s();
         let [speed, rate] = self.speed(self.plant, t_s);
-        let air = Air { t_s, density_kg_m3: node.density_kg_m3, vw_m_s: speed, vw_rate_m_s2: rate };
+        let air = TunnelAir { t_s, density_kg_m3: node.density_kg_m3, vw_m_s: speed, vw_rate_m_s2: rate };
         let mut added = [0.0; ADDED];
         for (j, input) in self.random.iter().enumerate() {
             let q: [f64; ORDER] = std::array::from_fn(|i| z[at + ORDER * j + i]);
@@ -341,381 +344,6 @@ impl<'a> Filter<'a> {
     fn shown(&self, plant: &Plant, z: &[f64], rate: &[f64; MOTION], k: usize) -> Shown {
         let samples = &self.run.nodes[k].pose;
         shown(plant, z, rate, [samples.tau_s, samples.tau2_s2])
-    }
-
-    /// Measurement update at a node, channel by channel (their white noise is independent).
-    #[expect(clippy::too_many_arguments, reason = "the state of one filter, borrowed in parts")]
-    fn update(
-        &self,
-        k: usize,
-        z: &mut [f64],
-        p: &mut [f64],
-        s: &mut [f64],
-        rate: &[f64; MOTION],
-        columns: &[Ready<'_>],
-        view: &View,
-        seen: &mut Seen,
-        rows: &mut Vec<f64>,
-        work: &mut Work,
-    ) {
-        let (n, nc, node) = (self.n, self.nc, &self.run.nodes[k]);
-        let predicted = self.shown(self.plant, z, rate, k);
-        // Slopes by the states that a channel shows, by differences.
-        const STEP: f64 = 1e-6;
-        let h = &mut work.h;
-        h.fill(0.0);
-        for i in 0..STATES {
-            let kept = z[i];
-            z[i] = kept + STEP;
-            let moved = self.shown(self.plant, z, rate, k);
-            z[i] = kept;
-            (0..POSE).for_each(|c| h[c * n + i] = (moved[c] - predicted[c]) / STEP);
-        }
-        for (j, (channel, ..)) in self.coloured.iter().enumerate() {
-            h[channel * n + n - self.coloured.len() + j] = 1.0;
-        }
-        // What columns do to the channels at once.
-        let direct = &mut work.direct;
-        direct.fill(0.0);
-        for (j, column) in columns.iter().enumerate() {
-            match column {
-                Ready::Plant { plant, step, shows: true, .. } => {
-                    let moved = self.shown(plant, z, rate, k);
-                    (0..POSE).for_each(|c| direct[c * nc + j] = (moved[c] - predicted[c]) / step);
-                }
-                Ready::Error(channel, basis) => direct[channel * nc + j] = basis.value(view),
-                _ => {}
-            }
-        }
-        let mut whitened = [0.0; POSE];
-        let so_far = seen.log_likelihood;
-        let before = z.to_vec();
-        for c in 0..if node.pose.count > 0.0 { POSE } else { 0 } {
-            let noise = self.white[c] / node.pose.count;
-            let hc = &work.h[c * n..(c + 1) * n];
-            let ph = &mut work.ph;
-            ph.fill(0.0);
-            let mut noise_state = 0.0;
-            let mut carried = 0.0;
-            let d = &mut work.d;
-            d.copy_from_slice(&work.direct[c * nc..(c + 1) * nc]);
-            for i in (0..n).filter(|&i| hc[i] != 0.0) {
-                axpy(hc[i], &p[i * n..(i + 1) * n], ph);
-                axpy(hc[i], &s[i * nc..(i + 1) * nc], d);
-                carried += hc[i] * (z[i] - before[i]);
-                if i >= n - self.coloured.len() {
-                    noise_state += hc[i] * before[i];
-                }
-            }
-            let variance = hc.iter().zip(ph.iter()).map(|(a, b)| a * b).sum::<f64>() + noise;
-            let innovation = node.y[c] - predicted[c] - noise_state - carried;
-            let root = variance.sqrt();
-            let w = innovation / root;
-            seen.log_likelihood -= 0.5 * w * w + root.ln();
-            if node.t_s > SETTLED_S {
-                let sums = &mut seen.channels[c];
-                *sums = [sums[0] + innovation * innovation, sums[1] + variance, sums[2] + w * w, sums[3] + 1.0];
-            }
-            whitened[c] = w;
-            rows.extend(d.iter().map(|x| x / root));
-            rows.push(w);
-            if let Some(node) = seen.trace.nodes.last_mut() {
-                node.channels.push(Innovation { slope: hc.to_vec(), covariance: ph.clone(), value: innovation, variance });
-            }
-            pulp::Arch::new().dispatch(|| {
-                for i in 0..n {
-                    let gain = ph[i] / variance;
-                    if gain == 0.0 {
-                        continue;
-                    }
-                    z[i] += gain * innovation;
-                    axpy(-gain, d, &mut s[i * nc..(i + 1) * nc]);
-                    axpy(-gain, ph, &mut p[i * n..(i + 1) * n]);
-                }
-            });
-        }
-        seen.whitened.push(whitened);
-        seen.nodes.push(seen.log_likelihood - so_far);
-    }
-
-    /// Time update to the next node.
-    #[expect(clippy::too_many_arguments, reason = "the state of one filter, borrowed in parts")]
-    fn predict(
-        &self,
-        k: usize,
-        z: &mut [f64],
-        p: &mut [f64],
-        s: &mut Vec<f64>,
-        columns: &mut [Ready<'_>],
-        view: &View,
-        work: &mut Work,
-    ) -> Option<()> {
-        let (n, nm, nc, h) = (self.n, self.nm, self.nc, self.step_s);
-        let spread = self.spread(p, k);
-        // Motion: one step of the classical Runge-Kutta method.
-        let x0 = self.motion(z);
-        let from = |k: &[f64; MOTION], t: f64| -> [f64; MOTION] { std::array::from_fn(|i| x0[i] + t * k[i]) };
-        let k1 = self.rates_at(&x0, z, k, Stage::Start, spread, &mut work.terms)?;
-        let k2 = self.rates_at(&from(&k1, 0.5 * h), z, k, Stage::Middle, spread, &mut work.terms)?;
-        let k3 = self.rates_at(&from(&k2, 0.5 * h), z, k, Stage::Middle, spread, &mut work.terms)?;
-        let k4 = self.rates_at(&from(&k3, h), z, k, Stage::End, spread, &mut work.terms)?;
-        let x1: [f64; MOTION] = std::array::from_fn(|i| x0[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
-        let middle: [f64; MOTION] = std::array::from_fn(|i| 0.5 * (x0[i] + x1[i]) + 0.125 * h * (k1[i] - k4[i]));
-        let (air, added) = self.air(z, k, Stage::Middle, [0.0; 3]);
-        let local = self.craft.local(&middle, air, &added, &mut work.terms)?;
-        work.values.clone_from(&work.terms);
-        let base = self.craft.rates(&middle, air, &added, &mut work.terms)?;
-        self.transition(&local, work);
-        // Columns: their push on the rates in the middle of the step.
-        let push = &mut work.push;
-        push.fill(0.0);
-        let wrench = self.craft.by_wrench(&std::array::from_fn(|i| middle[i]));
-        let vehicle = &self.plant.vehicle;
-        let qs = 0.5 * air.density_kg_m3 * view.speed_m_s * view.speed_m_s * vehicle.area_m2();
-        for (j, column) in columns.iter_mut().enumerate() {
-            match column {
-                Ready::Declared(parameter) => {
-                    for ((coefficient, _), value) in
-                        self.craft.acts().iter().zip(&work.values).filter(|((_, p), _)| *p == Some(*parameter))
-                    {
-                        (6..nm).for_each(|i| push[i * nc + j] += local.by_added[i][6 + coefficient] * value);
-                    }
-                }
-                Ready::Plant { craft: Some(craft), acts: true, step, loose, .. } => {
-                    let mut x = middle;
-                    if let Some(part) = loose {
-                        x[STATES..].copy_from_slice(part);
-                    }
-                    let moved = craft.rates(&x, air, &added, &mut work.terms)?;
-                    if let Some(part) = loose {
-                        swing(part, &moved, craft.plant(), h);
-                    }
-                    (0..nm).for_each(|i| push[i * nc + j] = (moved[i] - base[i]) / *step);
-                }
-                Ready::Plant { plant, step, winds: true, .. } => {
-                    let moved = self.speed(plant, air.t_s);
-                    let by = [(moved[0] - air.vw_m_s) / *step, (moved[1] - air.vw_rate_m_s2) / *step];
-                    (0..nm).for_each(|i| push[i * nc + j] = local.by_speed[i][0] * by[0] + local.by_speed[i][1] * by[1]);
-                }
-                Ready::Load(load, basis) => {
-                    let size = qs * basis.value(view) * if *load < 3 { 1.0 } else { vehicle.diameter_m };
-                    (0..6).for_each(|i| push[(6 + i) * nc + j] = wrench[i][*load] * size);
-                }
-                _ => {}
-            }
-        }
-        self.carry(s, columns, &k1, work);
-        z[..nm].copy_from_slice(&x1[..nm]);
-        for (j, input) in self.random.iter().enumerate() {
-            let at = nm + ORDER * j;
-            let q = times(&input.driven.whole, std::array::from_fn(|i| z[at + i]));
-            z[at..at + ORDER].copy_from_slice(&q);
-        }
-        for (j, (_, r, _)) in self.coloured.iter().enumerate() {
-            z[n - self.coloured.len() + j] *= r;
-        }
-        self.spread_out(p, work);
-        Some(())
-    }
-
-    /// Standard deviations of the part of each gust that is not known, with signs that change from node to node so that axes do not mix.
-    fn spread(&self, p: &[f64], k: usize) -> [f64; 3] {
-        let mut spread = [0.0; 3];
-        let pattern = k % 4;
-        let sign = [1.0, if pattern < 2 { 1.0 } else { -1.0 }, if pattern.is_multiple_of(2) { 1.0 } else { -1.0 }];
-        for (j, input) in self.random.iter().enumerate() {
-            if let Entry::AirVelocity(axis) = input.entry {
-                let at = self.nm + ORDER * j;
-                spread[axis] = sign[axis] * p[at * self.n + at].max(0.0).sqrt();
-            }
-        }
-        spread
-    }
-
-    /// Transition of all states over a step and the noise that it adds. Motion by the Taylor series of its matrix exponential; inputs, and
-    /// their integrals that move it, exactly.
-    fn transition(&self, local: &Local, work: &mut Work) {
-        let (n, nm, h) = (self.n, self.nm, self.step_s);
-        let blocks = self.random.len();
-        let phi = &mut work.phi;
-        phi.fill(0.0);
-        let a = DMatrix::from_fn(nm, nm, |i, j| local.by_state[i][j]);
-        let identity = DMatrix::<f64>::identity(nm, nm);
-        let a2 = &a * &a;
-        let full = &identity + &a * h + &a2 * (h * h / 2.0) + (&a2 * &a) * (h * h * h / 6.0);
-        work.gamma = &identity * h + &a * (h * h / 2.0) + &a2 * (h * h * h / 6.0);
-        // Rates of motion by the inputs, and what motion makes of those.
-        let mut input = DMatrix::<f64>::zeros(nm, ORDER * blocks);
-        for i in 0..nm {
-            for (j, r) in self.random.iter().enumerate() {
-                for q in 0..ORDER {
-                    let own = if q == 0 { 1.0 } else { 0.0 };
-                    input[(i, ORDER * j + q)] = match r.entry {
-                        Entry::AirVelocity(axis) => local.by_added[i][axis] * own + local.by_added[i][3 + axis] * r.rate[q],
-                        Entry::Coefficient(c) => local.by_added[i][6 + c] * own,
-                    };
-                }
-            }
-        }
-        let once = &a * &input;
-        let twice = &a * &once;
-        let noise = &mut work.q;
-        noise.fill(0.0);
-        for i in 0..nm {
-            (0..nm).for_each(|j| phi[i * n + j] = full[(i, j)]);
-        }
-        // White noise that the tunnel speed's record leaves: ∫ (B + A B s)(B + A B s)ᵀ ds.
-        let wind = DVector::from_fn(nm, |i, _| local.by_speed[i][0]);
-        let next = &a * &wind;
-        let density = self.run.speed.density / (1.0 + self.plant.sensors.wind_scale).powi(2);
-        for i in 0..nm {
-            for k in 0..nm {
-                let mixed = wind[i] * next[k] + next[i] * wind[k];
-                noise[i * n + k] += density * h * (wind[i] * wind[k] + 0.5 * h * mixed + h * h / 3.0 * next[i] * next[k]);
-            }
-        }
-        for (k, a) in SLACK.iter().enumerate() {
-            noise[(6 + k) * n + 6 + k] += (self.slack * a * h).powi(2);
-        }
-        for block in 0..blocks {
-            let driven = &self.random[block].driven;
-            let from = ORDER * block;
-            // Motion by the first, second and third integrals of the block's states.
-            let by = |i: usize, s: usize| {
-                let m = [&input, &once, &twice][s / ORDER];
-                m[(i, from + s % ORDER)]
-            };
-            let mut spread = [[0.0; 4 * ORDER]; MOTION];
-            for i in 0..nm {
-                let row: [f64; 3 * ORDER] = std::array::from_fn(|s| by(i, s));
-                for c in 0..ORDER {
-                    phi[i * n + nm + from + c] = (0..3 * ORDER).map(|s| row[s] * driven.sums[s / ORDER][s % ORDER][c]).sum();
-                }
-                for (c, x) in spread[i].iter_mut().enumerate() {
-                    *x = (0..3 * ORDER).map(|s| row[s] * driven.added[(ORDER + s, c)]).sum();
-                }
-                for c in 0..ORDER {
-                    noise[i * n + nm + from + c] = spread[i][c];
-                    noise[(nm + from + c) * n + i] = spread[i][c];
-                }
-            }
-            for i in 0..nm {
-                let row: [f64; 3 * ORDER] = std::array::from_fn(|s| by(i, s));
-                for (k, of) in spread.iter().enumerate().take(nm) {
-                    noise[k * n + i] += row.iter().zip(&of[ORDER..]).map(|(r, x)| r * x).sum::<f64>();
-                }
-            }
-            for i in 0..ORDER {
-                for k in 0..ORDER {
-                    phi[(nm + from + i) * n + nm + from + k] = driven.whole[i][k];
-                    noise[(nm + from + i) * n + nm + from + k] = driven.added[(i, k)];
-                }
-            }
-        }
-        for (j, (_, r, variance)) in self.coloured.iter().enumerate() {
-            let at = n - self.coloured.len() + j;
-            phi[at * n + at] = *r;
-            noise[at * n + at] = variance * (1.0 - r * r);
-        }
-    }
-
-    /// `S⁻ = Φ S⁺ + Γ`.
-    fn carry(&self, s: &mut Vec<f64>, columns: &[Ready<'_>], rate: &[f64; MOTION], work: &mut Work) {
-        let (nm, nc) = (self.nm, self.nc);
-        if nc == 0 {
-            return;
-        }
-        pulp::Arch::new().dispatch(|| self.moved(s, work));
-        let next = &mut work.s;
-        // A clock that runs otherwise: all states go further or less far in a step.
-        for (j, column) in columns.iter().enumerate() {
-            if let Ready::Plant { clock, step, .. } = column
-                && *clock != 0.0
-            {
-                let f = -self.step_s / (1.0 + self.plant.sensors.time_base) * clock / step;
-                (0..nm).for_each(|i| next[i * nc + j] += f * rate[i]);
-            }
-        }
-        std::mem::swap(s, next);
-    }
-
-    #[inline(always)]
-    fn moved(&self, s: &[f64], work: &mut Work) {
-        let (n, nm, nc) = (self.n, self.nm, self.nc);
-        let next = &mut work.s;
-        next.fill(0.0);
-        for i in 0..n {
-            let row = &mut next[i * nc..(i + 1) * nc];
-            for k in 0..n {
-                let f = work.phi[i * n + k];
-                if f != 0.0 {
-                    axpy(f, &s[k * nc..(k + 1) * nc], row);
-                }
-            }
-            if i < nm {
-                for k in 6..nm {
-                    let f = work.gamma[(i, k)];
-                    if f != 0.0 {
-                        axpy(f, &work.push[k * nc..(k + 1) * nc], row);
-                    }
-                }
-            }
-        }
-    }
-
-    /// `P⁻ = Φ P⁺ Φᵀ + Q`.
-    fn spread_out(&self, p: &mut [f64], work: &mut Work) {
-        pulp::Arch::new().dispatch(|| self.spread_on(p, work));
-    }
-
-    #[inline(always)]
-    fn spread_on(&self, p: &mut [f64], work: &mut Work) {
-        let n = self.n;
-        let half = &mut work.half;
-        half.fill(0.0);
-        for i in 0..n {
-            for k in 0..n {
-                let f = work.phi[i * n + k];
-                if f != 0.0 {
-                    axpy(f, &p[k * n..(k + 1) * n], &mut half[i * n..(i + 1) * n]);
-                }
-            }
-        }
-        // Φ P, turned, is P Φᵀ; Φ times that.
-        let turned = &mut work.turned;
-        for i in 0..n {
-            (0..n).for_each(|j| turned[j * n + i] = half[i * n + j]);
-        }
-        half.copy_from_slice(&work.q);
-        for i in 0..n {
-            for k in 0..n {
-                let f = work.phi[i * n + k];
-                if f != 0.0 {
-                    axpy(f, &turned[k * n..(k + 1) * n], &mut half[i * n..(i + 1) * n]);
-                }
-            }
-        }
-        for i in 0..n {
-            for j in 0..=i {
-                let value = 0.5 * (half[i * n + j] + half[j * n + i]);
-                p[i * n + j] = value;
-                p[j * n + i] = value;
-            }
-        }
-    }
-}
-
-/// Displacement and rate of a loose part a step later, its mount's specific force held: exact for that oscillator.
-fn swing(part: &mut [f64; LOOSE], moved: &[f64; MOTION], plant: &Plant, h: f64) {
-    let Some(l) = &plant.vehicle.loose else { return };
-    let w = std::f64::consts::TAU * l.frequency_hz;
-    let a = nalgebra::Matrix2::new(0.0, 1.0, -w * w, -2.0 * l.damping_ratio * w);
-    let e = (a * h).exp();
-    for axis in 0..2 {
-        let (x, v, acceleration) = (part[axis], part[2 + axis], moved[STATES + 2 + axis]);
-        let force = acceleration + w * w * x + 2.0 * l.damping_ratio * w * v;
-        let rest = force / (w * w);
-        (part[axis], part[2 + axis]) = (rest + e[(0, 0)] * (x - rest) + e[(0, 1)] * v, e[(1, 0)] * (x - rest) + e[(1, 1)] * v);
     }
 }
 

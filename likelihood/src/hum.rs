@@ -7,7 +7,7 @@ use crate::noise::POSE;
 use crate::spectrum::{hann, periodogram};
 use std::f64::consts::TAU;
 use windfall_model::{Plant, Record};
-use windfall_pid::equations::{ADDED, Air, Craft, MOTION};
+use windfall_pid::equations::{ADDED, Craft, MOTION, TunnelAir};
 use windfall_pid::golden::minimise;
 
 /// Prior sizes of coefficients that vary: of forces, of the roll moment, of pitch and yaw moments.
@@ -28,7 +28,7 @@ const LOBE: usize = 3;
 
 /// A run's mean air: density, kg/m³, and speed, m/s.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stream {
+pub(crate) struct HumStream {
     pub(crate) density_kg_m3: f64,
     pub(crate) speed_m_s: f64,
 }
@@ -45,10 +45,10 @@ pub struct Hum {
 }
 
 /// Frequency of the pitch mode at small angles, Hz, from the rates of motion's slope.
-fn pitch_hz(plant: &Plant, stream: Stream) -> f64 {
+fn pitch_hz(plant: &Plant, stream: HumStream) -> f64 {
     let Ok(craft) = Craft::complete(plant) else { return 0.0 };
     let mut x = [0.0; MOTION];
-    let air = Air { t_s: 0.0, density_kg_m3: stream.density_kg_m3, vw_m_s: stream.speed_m_s, vw_rate_m_s2: 0.0 };
+    let air = TunnelAir { t_s: 0.0, density_kg_m3: stream.density_kg_m3, vw_m_s: stream.speed_m_s, vw_rate_m_s2: 0.0 };
     let mut rate = |angle: f64| {
         x[4] = angle;
         craft.rates(&x, air, &[0.0; ADDED], &mut Vec::new()).map_or(0.0, |r| r[10])
@@ -59,7 +59,7 @@ fn pitch_hz(plant: &Plant, stream: Stream) -> f64 {
 }
 
 /// Coefficient of the load that would move a channel by an amplitude at a frequency against the model's inertia, over what is plausible.
-fn load_of(plant: &Plant, stream: Stream, channel: usize, hz: f64, amplitude: f64) -> f64 {
+fn load_of(plant: &Plant, stream: HumStream, channel: usize, hz: f64, amplitude: f64) -> f64 {
     let v = &plant.vehicle;
     let qs = 0.5 * stream.density_kg_m3 * stream.speed_m_s * stream.speed_m_s * v.area_m2();
     let acceleration = (TAU * hz).powi(2) * amplitude;
@@ -71,7 +71,7 @@ fn load_of(plant: &Plant, stream: Stream, channel: usize, hz: f64, amplitude: f6
 }
 
 /// Whether a line of a channel is the instrument's.
-pub(crate) fn of_instrument(plant: &Plant, stream: Stream, channel: usize, hz: f64, amplitude: f64) -> bool {
+pub(crate) fn of_instrument(plant: &Plant, stream: HumStream, channel: usize, hz: f64, amplitude: f64) -> bool {
     hz > FAST * pitch_hz(plant, stream) && load_of(plant, stream, channel, hz, amplitude) > IMPLAUSIBLE
 }
 
@@ -80,7 +80,7 @@ pub(crate) fn take_off(record: &mut Record, plant: &Plant) -> Vec<Hum> {
     let n = record.len() as f64;
     let mean = |x: &[f64]| x.iter().sum::<f64>() / n;
     let density = mean(&record.ps_pa) / (plant.environment.gas_constant_j_kg_k * mean(&record.ts_k));
-    let stream = Stream { density_kg_m3: density, speed_m_s: mean(&record.vw_m_s) };
+    let stream = HumStream { density_kg_m3: density, speed_m_s: mean(&record.vw_m_s) };
     let dt = record.interval_s();
     let mut all = Vec::new();
     for channel in 0..POSE {

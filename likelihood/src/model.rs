@@ -1,7 +1,7 @@
 //! likelihood: a model at a point. In: a campaign, values of declared parameters, constants and effects. Out: its plant, and every number
 //! that may be changed as a column with a prior.
 
-use crate::columns::{Basis, Column};
+use crate::columns::{Basis, SensitivityColumn};
 use std::collections::BTreeMap;
 use windfall_model::{Acts, CATALOGUE, Campaign, Effect, Parameter, Plant, Role};
 
@@ -216,17 +216,26 @@ impl Model {
 
     /// Columns of numbers, in their order.
     #[must_use]
-    pub(crate) fn columns(&self, campaign: &Campaign, numbers: &[Number], generic: &[(bool, usize, Basis)]) -> Vec<Column> {
+    pub(crate) fn columns(
+        &self,
+        campaign: &Campaign,
+        numbers: &[Number],
+        generic: &[(bool, usize, Basis)],
+    ) -> Vec<SensitivityColumn> {
         let base = self.plant(campaign);
         let mut forms: BTreeMap<usize, (Member, Vec<Vec<f64>>)> = BTreeMap::new();
         numbers
             .iter()
             .map(|n| {
                 let plant = match n.id {
-                    Id::Declared(i) => return Column::Declared(i),
+                    Id::Declared(i) => return SensitivityColumn::Declared(i),
                     Id::Generic(i) => {
                         let (error, place, basis) = generic[i];
-                        return if error { Column::Error(place, basis) } else { Column::Load(place, basis) };
+                        return if error {
+                            SensitivityColumn::Error(place, basis)
+                        } else {
+                            SensitivityColumn::Load(place, basis)
+                        };
                     }
                     Id::Strength(family, form, parameter) => {
                         let (member, forms) = forms.entry(family).or_insert_with(|| {
@@ -248,7 +257,7 @@ impl Model {
                         moved.plant(campaign)
                     }
                 };
-                Column::Plant(Box::new(plant), n.step)
+                SensitivityColumn::Plant(Box::new(plant), n.step)
             })
             .collect()
     }

@@ -37,6 +37,8 @@ pub(crate) struct Innovation {
     pub(crate) covariance: Vec<f64>,
     pub(crate) value: f64,
     pub(crate) variance: f64,
+    /// Its slopes by the columns.
+    pub(crate) columns: Vec<f64>,
 }
 
 /// An instant at which something struck the model.

@@ -1,39 +1,11 @@
 //! model: a campaign, one vehicle with its declared model and its runs. In: checked data. Out: what identifier and loop work on.
 
+use crate::acts::Acts;
 use crate::knowledge::Knowledge;
 use crate::plant::Plant;
-use crate::record::{PointRecord, Record};
+use crate::record::{Measured, PointRecord, Record};
+use crate::run_use::Use;
 use crate::scenario::Flight;
-
-/// What a run is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Use {
-    /// Parameters are identified on it.
-    Identify,
-    /// Chooses between sets of effects: nothing is fitted to it, nothing reported of it.
-    Select,
-    /// Only predictions are judged on it.
-    HoldOut,
-}
-
-impl Use {
-    /// All uses.
-    pub const ALL: [Self; 3] = [Self::Identify, Self::Select, Self::HoldOut];
-    /// Word of the files.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Identify => "identify",
-            Self::Select => "select",
-            Self::HoldOut => "hold-out",
-        }
-    }
-    /// The use of that word.
-    #[must_use]
-    pub fn of_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|u| u.name() == name)
-    }
-}
 
 /// One run's data.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,9 +84,26 @@ impl Campaign {
     pub fn is_point_mass(&self) -> bool {
         matches!(self.runs.first().map(|r| &r.data), Some(Data::Point(_)))
     }
+    /// Kind of its body, for the catalogue of effects.
+    #[must_use]
+    pub fn body(&self) -> Acts {
+        if self.is_point_mass() { self.plant.point.body() } else { Acts::Lander }
+    }
+    /// What its runs of a body without attitude measured.
+    #[must_use]
+    pub fn measured(&self) -> Measured {
+        match self.runs.first().map(|r| &r.data) {
+            Some(Data::Point(record)) => record.measured,
+            _ => Measured::Position,
+        }
+    }
     /// The plant as it acts in run `i`.
     #[must_use]
     pub fn plant_for(&self, plant: &Plant, i: usize) -> Plant {
-        plant.for_run(i, &self.runs[i].inputs)
+        let run = &self.runs[i];
+        match &run.data {
+            Data::Tunnel(_) => plant.for_run(i, &run.inputs),
+            Data::Point(record) => record.plant(plant, i, &run.inputs),
+        }
     }
 }

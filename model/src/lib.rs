@@ -3,6 +3,7 @@
 //!
 //! Units are SI throughout, angles in radians; a name says when it is otherwise.
 
+mod acts;
 mod aero;
 mod aero_program;
 mod air;
@@ -18,6 +19,7 @@ mod plant;
 mod point;
 mod quantity;
 mod record;
+mod run_use;
 mod scenario;
 mod sensors;
 pub mod study;
@@ -27,17 +29,18 @@ mod vehicle;
 pub use aero::{Aero, Coefficient, Contribution, Factor, Structure, Term, Wrench, wrench_at_cm};
 pub use aero_program::AeroProgram;
 pub use air::{Environment, dynamic_pressure_pa};
-pub use campaign::{Campaign, Data, Run, Use};
+pub use campaign::{Campaign, Data, Run};
 pub use disturbance::{Disturbance, Entry, Shape, ShapingFilter, Turbulence, WakeShedding};
 pub use effects::{Acts, CATALOGUE, Effect, Parameter, Role};
 pub use flow::{FlowState, MeanFlow, VARIABLES, Variable, Wind};
 pub use froude::FroudeScale;
 pub use knowledge::{Constant, Knowledge};
 pub use plant::{AirState, Contact, Motion, Plant};
-pub use point::PointMass;
+pub use point::{CoefficientTable, Pivot, PointAir, PointMass};
 pub use quantity::{Dimension, Given, PLANT_NUMBERS, PlantNumber};
-pub use record::{PointRecord, Record};
-pub use scenario::{Flight, Method, Numerics, Operator, Release, Scenario, TestSection, TunnelSpeed};
+pub use record::{Measured, PointRecord, Record};
+pub use run_use::Use;
+pub use scenario::{Flight, Integrator, Numerics, Operator, Release, Scenario, TestSection, TunnelSpeed};
 pub use sensors::Sensors;
 pub use tether::{Line, Tether};
 pub use vehicle::{ApparentMass, Inertia, LooseMass, Vehicle};

@@ -5,7 +5,7 @@ use crate::air::{Environment, dynamic_pressure_pa};
 use crate::disturbance::{Disturbance, Turbulence, WakeShedding};
 use crate::flow::{FlowState, MeanFlow};
 use crate::frames::{Body, Rotation, Tunnel, Vec3};
-use crate::point::PointMass;
+use crate::point::{PointAir, PointMass};
 use crate::sensors::Sensors;
 use crate::tether::Tether;
 use crate::vehicle::Vehicle;
@@ -100,6 +100,10 @@ pub struct AirState {
     pub coefficient_noise: [f64; 6],
 }
 
+/// Rate of turning below which dry friction gives way, rad/s: a tenth of a degree in two seconds, far below any swing that an encoder
+/// sees, so that the step at rest is smooth (Armstrong-Helouvry, Dupont and Canudas de Wit 1994).
+const SLIP_RAD_S: f64 = 1e-3;
+
 impl Plant {
     /// Flow variables and dynamic pressure (Pa) of a motion in the air (thesis B.37-B.52).
     #[must_use]
@@ -189,5 +193,70 @@ impl Plant {
         plant.contacts.retain(|c| c.run == run);
         plant.point.inputs = inputs.to_vec();
         plant
+    }
+
+    /// Acceleration of a point mass, m/s², tunnel axes (X down): gravity, quadratic drag along −v, lift across v in the
+    /// vertical plane of flight, buoyancy, apparent mass. `v` is the velocity in still air (m/s), density in kg/m³.
+    #[must_use]
+    pub fn point_acceleration(&self, v: Vec3<Tunnel>, density_kg_m3: f64) -> Vec3<Tunnel> {
+        self.point_acceleration_in(v, PointAir { density_kg_m3, sound_m_s: f64::INFINITY })
+    }
+
+    /// The same in air whose speed of sound matters.
+    #[must_use]
+    pub fn point_acceleration_in(&self, v: Vec3<Tunnel>, air: PointAir) -> Vec3<Tunnel> {
+        let density_kg_m3 = air.density_kg_m3;
+        let p = &self.point;
+        let d = self.vehicle.diameter_m;
+        let displaced_kg = density_kg_m3 * std::f64::consts::PI / 6.0 * d.powi(3);
+        let speed = v.norm();
+        let half_rho_s = 0.5 * density_kg_m3 * self.vehicle.area_m2();
+        let of_table = p.drag_over_mach.as_ref().map_or(1.0, |t| t.value(speed / air.sound_m_s));
+        let cd = self.aero.values.first().copied().unwrap_or(0.0) * of_table
+            + self.aero.extra.iter().map(|(_, value, _)| value).sum::<f64>()
+            + p.drag_per_input.iter().zip(&p.inputs).map(|(k, u)| k * u).sum::<f64>();
+        let drag = v * (-half_rho_s * cd * speed);
+        let horizontal = v.y().hypot(v.z());
+        let lift = if horizontal > 0.0 {
+            let cl = p.following(p.lift_constant, &p.lift_per_input);
+            let cs = p.following(p.side_constant, &p.side_per_input);
+            // In the vertical plane of flight, perpendicular to v, upward (tunnel −X) for a level launch.
+            let up = Vec3::new(-horizontal, v.x() * v.y() / horizontal, v.x() * v.z() / horizontal);
+            let aside = Vec3::new(0.0, -v.z(), v.y()) * (speed / horizontal);
+            (up * cl + aside * cs) * (half_rho_s * speed)
+        } else {
+            Vec3::zero()
+        };
+        let g = self.environment.gravity_m_s2;
+        let m = self.vehicle.mass_kg;
+        let weight = Vec3::new((m - p.buoyancy_fraction * displaced_kg) * g, 0.0, 0.0);
+        (weight + drag + lift) * (1.0 / (m + p.apparent_fraction * displaced_kg)) + p.acceleration
+    }
+
+    /// Angular acceleration about a pivot, rad/s², of the angle from hanging down (rad) and its rate (rad/s):
+    /// `J θ'' = −m g a sin θ − k θ' − T sgn θ' − ½ ρ S C_D a³ θ'|θ'|`, `J = I + m a²`. The air that the arm displaces or drags along, and
+    /// bending of arm and frame, are left out. Zero without a pivot.
+    #[must_use]
+    pub fn pivot_acceleration_rad_s2(&self, angle_rad: f64, rate_rad_s: f64) -> f64 {
+        let Some(pivot) = &self.point.pivot else { return 0.0 };
+        let (m, g, a) = (self.vehicle.mass_kg, self.environment.gravity_m_s2, pivot.arm_m);
+        let cd = self.aero.values.first().copied().unwrap_or(0.0)
+            + self.aero.extra.iter().map(|(_, value, _)| value).sum::<f64>()
+            + self.point.following(0.0, &self.point.drag_per_input);
+        let of_air = 0.5 * self.point.air_density_kg_m3 * self.vehicle.area_m2() * cd * a.powi(3);
+        let torque = m * g * a * angle_rad.sin()
+            + pivot.viscous_n_m_s * rate_rad_s
+            + pivot.dry_n_m * (rate_rad_s / SLIP_RAD_S).tanh()
+            + of_air * rate_rad_s * rate_rad_s.abs();
+        -torque / (pivot.inertia_kg_m2 + m * a * a)
+    }
+
+    /// What an altimeter reads too much, m, at a velocity through the air: `−C_p v²/2g`, the height of a static pressure that is off by
+    /// C_p times the dynamic pressure (Gracey, NASA RP-1046, 1980, ch. 3).
+    #[must_use]
+    pub fn altimeter_error_m(&self, v: Vec3<Tunnel>) -> f64 {
+        let p = &self.point;
+        let cp = p.following(p.pressure_coefficient, &p.pressure_per_input);
+        if cp == 0.0 { 0.0 } else { -cp * v.dot(v) / (2.0 * self.environment.gravity_m_s2) }
     }
 }

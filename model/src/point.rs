@@ -1,7 +1,57 @@
-//! model: bodies without attitude (balls). In: velocity, density, run settings. Out: acceleration.
+//! model: bodies without attitude (balls, rockets), free or on a pivot. In: numbers of a declared model. Out: plain data; their acceleration is
+//! the plant's.
 
+use crate::acts::Acts;
 use crate::frames::{Tunnel, Vec3};
-use crate::plant::Plant;
+use crate::planet::Atmosphere;
+
+/// A coefficient over one variable: linear between its points, held beyond their ends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CoefficientTable {
+    at: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl CoefficientTable {
+    /// A table; `None` unless there are two points or more, as many values, abscissas that ascend, and all finite.
+    #[must_use]
+    pub fn new(at: Vec<f64>, values: Vec<f64>) -> Option<Self> {
+        let finite = at.iter().chain(&values).all(|x| x.is_finite());
+        (at.len() >= 2 && at.len() == values.len() && finite && at.windows(2).all(|w| w[0] < w[1])).then_some(Self { at, values })
+    }
+    /// The coefficient there.
+    #[must_use]
+    pub fn value(&self, x: f64) -> f64 {
+        let i = self.at.partition_point(|a| *a <= x).clamp(1, self.at.len() - 1);
+        let share = ((x - self.at[i - 1]) / (self.at[i] - self.at[i - 1])).clamp(0.0, 1.0);
+        self.values[i - 1] + share * (self.values[i] - self.values[i - 1])
+    }
+}
+
+/// A pivot with a level axis that holds the body, so that one angle says where it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pivot {
+    /// Distance of the mass centre from the axis, m.
+    pub arm_m: f64,
+    /// Moment of inertia about the mass centre, along the axis, kg m².
+    pub inertia_kg_m2: f64,
+    /// Torque against the rate of turning, N m s (per rad/s).
+    pub viscous_n_m_s: f64,
+    /// Torque of dry friction, N m: against the rate, whatever its size.
+    pub dry_n_m: f64,
+}
+
+/// Ratio of specific heats of a gas of two-atom molecules (air).
+const HEAT_RATIO: f64 = 1.4;
+
+/// The air around a body at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointAir {
+    /// Density, kg/m³.
+    pub density_kg_m3: f64,
+    /// Speed of sound, m/s; infinite where the campaign declares no atmosphere, so that the Mach number is zero.
+    pub sound_m_s: f64,
+}
 
 /// What acts on a point mass beyond gravity and drag; all zero in a declared model. Axes: tunnel (X down).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,38 +76,48 @@ pub struct PointMass {
     pub buoyancy_fraction: f64,
     /// This run's settings.
     pub inputs: Vec<f64>,
-    /// Density of the still air, kg/m³, as the campaign gives it.
+    /// Density of the still air, kg/m³, as the campaign gives it; with an atmosphere that at the launch.
     pub air_density_kg_m3: f64,
+    /// How the air thins and cools over height; none: the same density everywhere.
+    pub atmosphere: Option<Atmosphere>,
+    /// Height of the launch (position X of zero) in that atmosphere, m.
+    pub launch_height_m: f64,
+    /// Drag coefficient over Mach number, which the structure's parameter is a factor of; none: the parameter is the coefficient.
+    pub drag_over_mach: Option<CoefficientTable>,
+    /// What holds the body; none: it flies.
+    pub pivot: Option<Pivot>,
+    /// Whether its height is that of a pressure altimeter.
+    pub altimeter: bool,
+    /// Error of the altimeter's static pressure over the dynamic pressure.
+    pub pressure_coefficient: f64,
+    /// The same per unit of each run input.
+    pub pressure_per_input: Vec<f64>,
 }
 
-impl Plant {
-    /// Acceleration of a point mass, m/s², tunnel axes (X down): gravity, quadratic drag along −v, lift across v in the
-    /// vertical plane of flight, buoyancy, apparent mass. `v` is the velocity in still air (m/s), density in kg/m³.
+impl PointMass {
+    /// Kind of the body that it is, for the catalogue.
     #[must_use]
-    pub fn point_acceleration(&self, v: Vec3<Tunnel>, density_kg_m3: f64) -> Vec3<Tunnel> {
-        let p = &self.point;
-        let d = self.vehicle.diameter_m;
-        let displaced_kg = density_kg_m3 * std::f64::consts::PI / 6.0 * d.powi(3);
-        let speed = v.norm();
-        let half_rho_s = 0.5 * density_kg_m3 * self.vehicle.area_m2();
-        let cd = self.aero.values.first().copied().unwrap_or(0.0)
-            + self.aero.extra.iter().map(|(_, value, _)| value).sum::<f64>()
-            + p.drag_per_input.iter().zip(&p.inputs).map(|(k, u)| k * u).sum::<f64>();
-        let drag = v * (-half_rho_s * cd * speed);
-        let horizontal = v.y().hypot(v.z());
-        let lift = if horizontal > 0.0 {
-            let of = |constant: f64, per: &[f64]| constant + per.iter().zip(&p.inputs).map(|(k, u)| k * u).sum::<f64>();
-            let (cl, cs) = (of(p.lift_constant, &p.lift_per_input), of(p.side_constant, &p.side_per_input));
-            // In the vertical plane of flight, perpendicular to v, upward (tunnel −X) for a level launch.
-            let up = Vec3::new(-horizontal, v.x() * v.y() / horizontal, v.x() * v.z() / horizontal);
-            let aside = Vec3::new(0.0, -v.z(), v.y()) * (speed / horizontal);
-            (up * cl + aside * cs) * (half_rho_s * speed)
-        } else {
-            Vec3::zero()
+    pub fn body(&self) -> Acts {
+        match (self.pivot.is_some(), self.altimeter) {
+            (true, _) => Acts::Pivot,
+            (false, true) => Acts::Altimeter,
+            (false, false) => Acts::PointMass,
+        }
+    }
+    /// Sum of a coefficient and what follows this run's settings.
+    pub(crate) fn following(&self, constant: f64, per_input: &[f64]) -> f64 {
+        constant + per_input.iter().zip(&self.inputs).map(|(k, u)| k * u).sum::<f64>()
+    }
+    /// The air at a height over the launch, m.
+    #[must_use]
+    pub fn air(&self, height_m: f64) -> PointAir {
+        let Some(atmosphere) = &self.atmosphere else {
+            return PointAir { density_kg_m3: self.air_density_kg_m3, sound_m_s: f64::INFINITY };
         };
-        let g = self.environment.gravity_m_s2;
-        let m = self.vehicle.mass_kg;
-        let weight = Vec3::new((m - p.buoyancy_fraction * displaced_kg) * g, 0.0, 0.0);
-        (weight + drag + lift) * (1.0 / (m + p.apparent_fraction * displaced_kg)) + p.acceleration
+        let (there, launch) = (atmosphere.at(self.launch_height_m + height_m), atmosphere.at(self.launch_height_m));
+        PointAir {
+            density_kg_m3: self.air_density_kg_m3 * there.density_kg_m3() / launch.density_kg_m3(),
+            sound_m_s: (HEAT_RATIO * there.gas_constant_j_kg_k * there.temperature_k).sqrt(),
+        }
     }
 }

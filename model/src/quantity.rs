@@ -87,6 +87,7 @@ const ACCELERATION: [i8; 3] = [0, 1, -2];
 const INERTIA: [i8; 3] = [1, 2, 0];
 const FORCE: [i8; 3] = [1, 1, -2];
 const MOMENT: [i8; 3] = [1, 2, -2];
+const MOMENT_TIME: [i8; 3] = [1, 2, -1];
 const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 const CM: &str = "c.m. from the geometric origin, body axes";
@@ -117,6 +118,9 @@ macro_rules! place {
     };
     (tether $x:ident $place:expr) => {
         |plant| plant.tether.as_mut().map(|$x| $place)
+    };
+    (pivot $x:ident $place:expr) => {
+        |plant| plant.point.pivot.as_mut().map(|$x| $place)
     };
     (loose $x:ident $place:expr) => {
         |plant| plant.vehicle.loose.as_mut().map(|$x| $place)
@@ -175,6 +179,11 @@ plant_numbers! {
     plant "environment.gravity_m_s2" "", "m/s2" ACCELERATION [0.0, 300.0], Declared "acceleration of gravity", p => &mut p.environment.gravity_m_s2;
     plant "environment.gas_constant_j_kg_k" "", "J/(kg K)" PURE [10.0, 1e4], Declared "specific gas constant", p => &mut p.environment.gas_constant_j_kg_k;
     plant "environment.air_density_kg_m3" "", "kg/m3" DENSITY [0.0, 1e3], DeclaredOfPoint "density of the air", p => &mut p.point.air_density_kg_m3;
+    plant "environment.launch_height_m" "", "m" LENGTH [-5e3, 86e3], DeclaredOfPoint "height of the launch in the atmosphere: where the files' heights are zero", p => &mut p.point.launch_height_m;
+    pivot "pivot.arm_m" "", "m" LENGTH [TINY, 1e3], DeclaredOfPoint "distance of the mass centre from the pivot's axis", p => &mut p.arm_m;
+    pivot "pivot.inertia_kg_m2" "", "kg m2" INERTIA [0.0, 1e9], DeclaredOfPoint "moment of inertia about the mass centre", p => &mut p.inertia_kg_m2;
+    pivot "pivot.viscous_n_m_s" "", "N m s" MOMENT_TIME [0.0, 1e6], DeclaredOfPoint "torque of the bearing per rate", p => &mut p.viscous_n_m_s;
+    pivot "pivot.dry_n_m" "", "N m" MOMENT ANY, Effect "torque of dry friction", p => &mut p.dry_n_m;
     plant "sensors.position_std_m" "", "m" LENGTH [0.0, 10.0], Declared "position, each axis", p => &mut p.sensors.position_std_m;
     plant "sensors.roll_std_deg" "", "rad" PURE [0.0, 90.0], Declared "roll angle R_x", p => &mut p.sensors.roll_std_rad;
     plant "sensors.pitch_yaw_std_deg" "", "rad" PURE [0.0, 90.0], Declared "pitch and yaw angles R_y, R_z", p => &mut p.sensors.pitch_yaw_std_rad;
@@ -187,6 +196,9 @@ plant_numbers! {
     plant "sensors.pose_misalignment_deg" "z", "rad" PURE [-90.0, 90.0], Uncertain TURNED, p => &mut p.sensors.misalignment_rad[2];
     plant "sensors.length_scale" "", "-" PURE [-0.5, 0.5], Uncertain "recorded positions over the true ones, less 1", p => &mut p.sensors.length_scale;
     plant "sensors.time_base" "", "-" PURE [-0.5, 0.5], Uncertain "recorded times over the true ones, less 1", p => &mut p.sensors.time_base;
+    plant "sensors.specific_force_std_m_s2" "", "m/s2" ACCELERATION [0.0, 100.0], DeclaredOfPoint "specific force, each axis", p => &mut p.sensors.specific_force_std_m_s2;
+    plant "sensors.angle_std_deg" "", "rad" PURE [0.0, 90.0], DeclaredOfPoint "angle of a body on a pivot", p => &mut p.sensors.angle_std_rad;
+    plant "point.pressure_coefficient" "", "-" PURE ANY, Effect "error of the altimeter's pressure over dynamic pressure", p => &mut p.point.pressure_coefficient;
     plant "point.lift_constant" "", "-" PURE ANY, Effect "lift coefficient", p => &mut p.point.lift_constant;
     plant "point.side_constant" "", "-" PURE ANY, Effect "sideways coefficient", p => &mut p.point.side_constant;
     plant "point.acceleration_m_s2" "X", "m/s2" ACCELERATION ANY, Effect "constant acceleration", p => &mut p.point.acceleration.xyz[0];

@@ -1,5 +1,9 @@
 //! model: the run record, what was measured. In: columns in SI and rad. Out: checked series of one length.
 
+use crate::plant::Plant;
+use crate::point::CoefficientTable;
+use crate::quantity::PLANT_NUMBERS;
+
 /// A tunnel run: pose of the geometric origin and tunnel state, uniformly sampled; gaps already bridged or split.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
@@ -60,11 +64,76 @@ impl Record {
     }
 }
 
-/// Track of a body without attitude: times (may be uneven) and position; tunnel axes, X down.
-#[derive(Clone, Debug, PartialEq)]
+/// What a track of a body without attitude is a series of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Measured {
+    /// Position along tunnel axes, m.
+    #[default]
+    Position,
+    /// Specific force along tunnel axes, m/s²: acceleration less gravity, as an accelerometer on a body that keeps its attitude has it.
+    SpecificForce,
+    /// Angle of a body on a pivot from hanging down, rad.
+    Angle,
+}
+
+impl Measured {
+    /// Names of its series, in the order of [`PointRecord::series`].
+    #[must_use]
+    pub fn names(self) -> [&'static str; 3] {
+        match self {
+            Self::Position => ["X", "Y", "Z"],
+            Self::SpecificForce => ["fX", "fY", "fZ"],
+            Self::Angle => ["angle", "", ""],
+        }
+    }
+    /// SI unit.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Position => "m",
+            Self::SpecificForce => "m/s2",
+            Self::Angle => "rad",
+        }
+    }
+}
+
+/// Track of a body without attitude: times (may be uneven) and what was measured; tunnel axes, X down.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointRecord {
     /// Sample times, s, increasing.
     pub t_s: Vec<f64>,
-    /// Position series along tunnel X, Y, Z, m; an axis that was not measured is absent.
+    /// Position series along tunnel X, Y, Z, m; an axis that was not measured is absent. Of other measurements see `measured`.
     pub position_m: [Option<Vec<f64>>; 3],
+    /// What the series are; of an angle the first alone is there.
+    pub measured: Measured,
+    /// Run inputs that were recorded row by row, by their place in [`crate::Campaign::inputs`]; the others are constant.
+    pub recorded_inputs: Vec<(usize, Vec<f64>)>,
+    /// What this run's body and air have otherwise than the campaign's: index in [`crate::PLANT_NUMBERS`], and the difference.
+    pub own_departures: Vec<(usize, f64)>,
+    /// This run's drag coefficient over Mach number, where it is not the campaign's.
+    pub drag_over_mach: Option<CoefficientTable>,
+    /// Recording that this run is a window of. Windows of one recording are one witness.
+    pub recording: Option<String>,
+}
+
+impl PointRecord {
+    /// The series by their axes; the unit is that of [`Measured::unit`].
+    #[must_use]
+    pub fn series(&self) -> &[Option<Vec<f64>>; 3] {
+        &self.position_m
+    }
+    /// A plant with what this run has of its own: settings, numbers of body and air, drag.
+    #[must_use]
+    pub fn plant(&self, plant: &Plant, run: usize, inputs: &[f64]) -> Plant {
+        let mut own = plant.for_run(run, inputs);
+        for (i, departure) in &self.own_departures {
+            if let Some(x) = (PLANT_NUMBERS[*i].lens)(&mut own) {
+                *x += departure;
+            }
+        }
+        if let Some(table) = &self.drag_over_mach {
+            own.point.drag_over_mach = Some(table.clone());
+        }
+        own
+    }
 }

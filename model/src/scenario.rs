@@ -1,7 +1,7 @@
 //! model: what to fly. In: checked numbers of a scenario file. Out: the order that the simulator carries out.
 
-use crate::campaign::Use;
 use crate::plant::Plant;
+use crate::run_use::Use;
 
 /// How the tunnel speed comes about.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +55,7 @@ pub struct Release {
 
 /// Integrator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
+pub enum Integrator {
     /// Dormand-Prince 5(4) with dense output.
     Dopri5,
     /// Dormand-Prince 8(5,3) with dense output.
@@ -66,7 +66,7 @@ pub enum Method {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Numerics {
     /// Integrator.
-    pub method: Method,
+    pub method: Integrator,
     /// Relative tolerance.
     pub relative_tolerance: f64,
     /// Absolute tolerance, SI.
@@ -75,7 +75,7 @@ pub struct Numerics {
 
 impl Default for Numerics {
     fn default() -> Self {
-        Self { method: Method::Dop853, relative_tolerance: 1e-9, absolute_tolerance: 1e-11 }
+        Self { method: Integrator::Dop853, relative_tolerance: 1e-9, absolute_tolerance: 1e-11 }
     }
 }
 

@@ -11,6 +11,10 @@ pub struct Sensors {
     pub pitch_yaw_std_rad: f64,
     /// Tunnel speed V_W, m/s.
     pub wind_std_m_s: f64,
+    /// Specific force of a body without attitude, each axis, m/s².
+    pub specific_force_std_m_s2: f64,
+    /// Angle of a body on a pivot, rad.
+    pub angle_std_rad: f64,
     /// Recorded V_W is the true one times `1 + wind_scale`.
     pub wind_scale: f64,
     /// Recorded V_W is the true one this long ago, s.

@@ -172,7 +172,7 @@ pub struct Histories {
 pub struct StudyEffect {
     /// Of the catalogue.
     pub effect: &'static Effect,
-    /// Index of its values in [`Study::effect_values`].
+    /// Index of its values in [`StudyOrder::effect_values`].
     pub index: usize,
 }
 
@@ -204,7 +204,7 @@ pub struct Keep {
 
 /// When a study may end before all draws: the asked-for quantity is known well enough.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stop {
+pub struct StopRule {
     /// Column of the results: of a number the mean is asked for, of a flag the rate.
     pub column: String,
     /// Half width of the 95 % interval that is enough, in the column's unit.
@@ -215,7 +215,7 @@ pub struct Stop {
 
 /// Where draws start from.
 #[derive(Clone, Debug)]
-pub struct Study {
+pub struct StudyOrder {
     /// Name.
     pub name: String,
     /// Seed of all chance.
@@ -249,10 +249,10 @@ pub struct Study {
     /// What is kept.
     pub keep: Keep,
     /// When it may end.
-    pub stop: Option<Stop>,
+    pub stop: Option<StopRule>,
 }
 
-impl Study {
+impl StudyOrder {
     /// Lower triangle L of the correlation matrix with these entries off its diagonal; none when no such matrix exists (it is not
     /// positive definite).
     #[must_use]
@@ -271,7 +271,7 @@ impl Study {
 pub struct Setting {
     /// Plant without effects.
     pub plant: Plant,
-    /// Values of effects, as [`Study::effect_values`].
+    /// Values of effects, as [`StudyOrder::effect_values`].
     pub effect_values: Vec<Vec<f64>>,
     /// Flights.
     pub flights: Vec<Flight>,
@@ -299,7 +299,7 @@ impl Setting {
 
 /// What a column of results holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum CellKind {
     /// A number, or nothing.
     Number,
     /// True, false or nothing.
@@ -314,7 +314,7 @@ pub struct Column {
     /// Name.
     pub name: String,
     /// What it holds.
-    pub kind: Kind,
+    pub kind: CellKind,
 }
 
 /// One entry of a row.
@@ -340,11 +340,11 @@ impl Cell {
     }
     /// Nothing, of a kind.
     #[must_use]
-    pub fn empty(kind: Kind) -> Self {
+    pub fn empty(kind: CellKind) -> Self {
         match kind {
-            Kind::Number => Self::Number(None),
-            Kind::Flag => Self::Flag(None),
-            Kind::Word => Self::Word(String::new()),
+            CellKind::Number => Self::Number(None),
+            CellKind::Flag => Self::Flag(None),
+            CellKind::Word => Self::Word(String::new()),
         }
     }
 }
@@ -364,9 +364,9 @@ mod tests {
 
     #[test]
     fn exact_correlation_root() {
-        let l = Study::root_of_correlation(2, &[(0, 1, 0.6)]).expect("positive definite");
+        let l = StudyOrder::root_of_correlation(2, &[(0, 1, 0.6)]).expect("positive definite");
         // L = [[1, 0], [r, sqrt(1 - r²)]]; 0.6 and 0.8 are exact to rounding
         assert!((l[(1, 0)] - 0.6).abs() < 1e-15 && (l[(1, 1)] - 0.8).abs() < 1e-15);
-        assert!(Study::root_of_correlation(3, &[(0, 1, 0.9), (1, 2, 0.9), (0, 2, -0.9)]).is_none());
+        assert!(StudyOrder::root_of_correlation(3, &[(0, 1, 0.9), (1, 2, 0.9), (0, 2, -0.9)]).is_none());
     }
 }

@@ -2,8 +2,8 @@
 
 use windfall_model::frames::Vec3;
 use windfall_model::{
-    Acts, Aero, ApparentMass, CATALOGUE, Environment, FroudeScale, Given, Inertia, LooseMass, MeanFlow, PLANT_NUMBERS, Plant,
-    PlantNumber, PointMass, Sensors, Structure, Tether, Turbulence, Vehicle, WakeShedding, effects,
+    Acts, Aero, ApparentMass, CATALOGUE, Environment, FroudeScale, Given, Inertia, LooseMass, MeanFlow, PLANT_NUMBERS, Pivot,
+    Plant, PlantNumber, PointMass, Sensors, Structure, Tether, Turbulence, Vehicle, WakeShedding, effects,
 };
 
 /// A plant that has every part.
@@ -25,7 +25,7 @@ fn plant() -> Plant {
         contacts: Vec::new(),
         environment: Environment { gravity_m_s2: 9.8, gas_constant_j_kg_k: 287.0 },
         sensors: Sensors::default(),
-        point: PointMass::default(),
+        point: PointMass { pivot: Some(Pivot::default()), ..PointMass::default() },
     }
 }
 
@@ -43,11 +43,11 @@ fn law_every_number_has_its_own_place_and_name() {
     names.dedup();
     assert_eq!(names.len(), PLANT_NUMBERS.len());
     let mut free = plant.clone();
-    (free.tether, free.vehicle.loose) = (None, None);
+    (free.tether, free.vehicle.loose, free.point.pivot) = (None, None, None);
     assert!(
         PLANT_NUMBERS
             .iter()
-            .all(|n| (n.lens)(&mut free).is_none() == (n.name().contains("tether") || n.name().contains("loose")))
+            .all(|n| (n.lens)(&mut free).is_none() == ["tether", "loose", "pivot"].iter().any(|part| n.name().contains(part)))
     );
 }
 
@@ -69,6 +69,7 @@ fn law_units_and_dimensions_agree() {
         "kg/m3" => [1, -3, 0],
         "N" => [1, 1, -2],
         "N m" => [1, 2, -2],
+        "N m s" => [1, 2, -1],
         "N s/m" => [1, 0, -1],
         other => panic!("{other}: a new unit; add its dimension"),
     };

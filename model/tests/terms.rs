@@ -395,6 +395,7 @@ fn exact_point_mass_forces() {
         air_density_kg_m3: 1.2,
         side_per_input: vec![0.05, 0.02],
         side_constant: -0.3,
+        ..PointMass::default()
     };
     let (v, d): ([f64; 3], f64) = ([-2.0, 6.0, 3.0], 0.2125);
     let speed = 7.0;

@@ -6,10 +6,10 @@ mod common;
 
 use std::time::Instant;
 use windfall_model::{Campaign, Data, Use};
-use windfall_pid::output_error::Options;
+use windfall_pid::output_error::EstimateOptions;
 use windfall_pid::{Identification, PidError, filter_error, output_error};
 
-type Identify = fn(&Campaign, &Options) -> Result<Identification, PidError>;
+type Identify = fn(&Campaign, &EstimateOptions) -> Result<Identification, PidError>;
 
 fn repeated(campaign: &Campaign, times: usize) -> Campaign {
     let mut out = campaign.clone();
@@ -35,7 +35,7 @@ fn cut(campaign: &Campaign, part: f64) -> Campaign {
 
 fn seconds(identify: Identify, campaign: &Campaign) -> f64 {
     let began = Instant::now();
-    let options = Options { combined_only: true, ..Options::default() };
+    let options = EstimateOptions { combined_only: true, ..EstimateOptions::default() };
     if let Err(e) = identify(campaign, &options) {
         eprintln!("  {e}");
     }

@@ -1,8 +1,8 @@
 //! pid: the two measures of the lander's swinging (thesis §5.3.3). In: a run record. Out: Θ and ω_q,r at its samples.
 
 use crate::PidError;
+use crate::euler::rates;
 use crate::smooth::{Smoother, smooth};
-use crate::states::rates;
 use windfall_model::Record;
 
 /// Series at the samples of a run.

@@ -5,31 +5,14 @@
 //! linearised. Bands are pointwise: at any one angle they hold the truth in 95 % of campaigns, over the whole curve in fewer.
 
 use crate::PidError;
-use crate::identification::{DataSet, Identification, NORMAL_95};
+use crate::identification::{Curve, DataSet, Identification};
+use crate::interval::NORMAL_95;
 use crate::smooth::{Smoother, smooth};
 use crate::states::states;
-use serde::{Deserialize, Serialize};
 use windfall_model::{Campaign, Coefficient, Data, FlowState, Structure, VARIABLES, Variable};
 
 /// Points of a curve.
 const POINTS: usize = 61;
-
-/// One coefficient, or its damping, over an angle.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Curve {
-    /// `C_A`, `C_N,T`, `C_m`, and the damping of C_m and C_n by (q + α̇)/2·d/2V and (r − β̇)/2·d/2V.
-    pub quantity: String,
-    /// The angle: `alpha_T` or, for the damping, `alpha` or `beta`; the other is zero.
-    pub over: String,
-    /// Angle, degrees, from 0 to the largest that the runs reached.
-    pub angle_deg: Vec<f64>,
-    /// Value, dimensionless.
-    pub value: Vec<f64>,
-    /// Ends of the 95 % interval.
-    pub low: Vec<f64>,
-    /// Upper ends.
-    pub high: Vec<f64>,
-}
 
 /// A curve's recipe.
 struct Sort {

@@ -3,7 +3,7 @@
 use crate::error::PidError;
 use crate::identification::Identification;
 use crate::identify::{Method, identify_by};
-use crate::output_error::{CHANNELS, NOT_NOISE, Options, StopReason};
+use crate::output_error::{CHANNELS, EstimateOptions, NOT_NOISE, StopReason};
 use crate::plant::{PROCESS_NOISE, TURBULENCE};
 use crate::{filter_error, output_error};
 use windfall_model::Campaign;
@@ -17,7 +17,7 @@ const POSE: usize = CHANNELS - 1;
 ///
 /// # Errors
 /// As [`output_error::identify`]; where the declared model cannot even fly through the record, that reason.
-pub fn identify_chosen(campaign: &Campaign, options: &Options) -> Result<Identification, PidError> {
+pub fn identify_chosen(campaign: &Campaign, options: &EstimateOptions) -> Result<Identification, PidError> {
     let first = match output_error::identify(campaign, options) {
         Ok(found) if left(&found).is_empty() => return Ok(because(found, "its residual is noise in every channel".to_owned())),
         Err(PidError::NotIntegrable { what }) => {
@@ -57,7 +57,7 @@ pub fn identify_chosen(campaign: &Campaign, options: &Options) -> Result<Identif
     }
 }
 
-fn equation_error(campaign: &Campaign, options: &Options, reason: String) -> Result<Identification, PidError> {
+fn equation_error(campaign: &Campaign, options: &EstimateOptions, reason: String) -> Result<Identification, PidError> {
     Ok(because(identify_by(campaign, Method::EquationError, options)?, reason))
 }
 
@@ -82,7 +82,7 @@ fn because(mut found: Identification, reason: String) -> Identification {
 
 /// Channels of all runs together whose residual is not noise, in words; nothing where all are.
 fn left(found: &Identification) -> String {
-    let fits = found.data_set("combined").map_or(&[][..], |d| &d.fits);
+    let fits = found.of_all_runs().map_or(&[][..], |d| &d.fits);
     let bad = fits.iter().take(POSE).filter(|f| f.residual_whiteness_p < NOT_NOISE / CHANNELS as f64);
     bad.map(|f| format!("{}: p = {:.1e}", f.coefficient, f.residual_whiteness_p)).collect::<Vec<_>>().join(", ")
 }
@@ -90,5 +90,5 @@ fn left(found: &Identification) -> String {
 /// True where gusts or random moments were found.
 fn driven(found: &Identification) -> bool {
     let drive = |c: &str| c == TURBULENCE || c == PROCESS_NOISE;
-    found.data_set("combined").is_some_and(|d| d.parameters.iter().any(|p| drive(&p.coefficient) && p.estimate > 0.0))
+    found.of_all_runs().is_some_and(|d| d.parameters.iter().any(|p| drive(&p.coefficient) && p.estimate > 0.0))
 }

@@ -1,11 +1,12 @@
 //! pid: experimental coefficients (thesis B.1-B.36, B.60-B.66). In: states and a plant. Out: six coefficients at c.m. and origin.
 
-use crate::states::{State, add, cross, dot, sub, t_bef, transposed};
+use crate::euler::t_bef;
+use crate::states::{State, add, cross, dot, sub, transposed};
 use windfall_model::{FlowState, Inertia, LooseMass, Plant, Tether, VARIABLES};
 
 /// One sample of the regression.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
+pub struct CoefficientRow {
     /// Time, s, as in the states.
     pub t_s: f64,
     /// Flow variables, from the states of this room.
@@ -28,7 +29,7 @@ struct Load {
 
 /// Coefficients of every sample, so that `exp_origin − plant.aero.coefficients(&flow)` is the residual of that plant.
 #[must_use]
-pub fn coefficients(states: &[State], plant: &Plant) -> Vec<Row> {
+pub fn coefficients(states: &[State], plant: &Plant) -> Vec<CoefficientRow> {
     let loose = plant.vehicle.loose.map(|l| loose_loads(states, &l, plant.environment.gravity_m_s2));
     let start_s = states.first().map_or(0.0, |s| s.t_s);
     let row = |(i, s): (usize, &State)| {
@@ -170,14 +171,14 @@ fn oscillate([x, rate]: [f64; 2], loose: &LooseMass, h: f64, f0: f64, f1: f64) -
 }
 
 /// Coefficients from what is left for the air (eqs B.21-B.26), shifted to the origin (eqs B.64-B.66 the other way).
-fn finish(s: &State, needed: &Load, known: &Load, plant: &Plant) -> Row {
+fn finish(s: &State, needed: &Load, known: &Load, plant: &Plant) -> CoefficientRow {
     let d = plant.vehicle.diameter_m;
     let qs = s.q_pa * plant.vehicle.area_m2();
     let [fx, fy, fz] = sub(needed.f, known.f).map(|f| f / qs);
     let [cl, cm, cn] = sub(needed.m, known.m).map(|m| m / (qs * d));
     let (ca, cy, c_n) = (-fx, fy, -fz);
     let [x, y, z] = plant.vehicle.p_origin_cm.to_array().map(|c| c / d);
-    Row {
+    CoefficientRow {
         t_s: s.t_s,
         flow: flow(s, d),
         exp_cm: [ca, cy, c_n, cl, cm, cn],

@@ -79,7 +79,7 @@ pub enum PidError {
         /// Campaign name.
         campaign: String,
         /// Where, what and under which change it makes sense.
-        fault: Box<crate::plausible::Fault>,
+        fault: Box<crate::plausible::GrossFault>,
     },
     /// No run can be used.
     #[error("campaign {campaign}: no tunnel run with use = \"identify\": mark at least one")]

@@ -7,12 +7,12 @@
 
 use crate::equations::Transition;
 use crate::error::PidError;
+use crate::identification::ALL_RUNS;
 use crate::identify::{Method, identify_with};
-use crate::output_error::{Options, Run, Unknowns, ready, run_plants, sensitivities};
+use crate::information::{Correlation, Identifiability};
+use crate::output_error::{EstimateOptions, PreparedRun, Unknowns, ready, run_plants, sensitivities};
 use crate::smooth::Smoother;
 use nalgebra::DMatrix;
-use serde::{Deserialize, Serialize};
-
 use windfall_model::Campaign;
 
 /// Share of the largest singular value below which a combination of parameters counts as not told at all.
@@ -22,40 +22,11 @@ const BELONGS: f64 = 0.1;
 /// Correlation from which two parameters are reported.
 const REPORTED: f64 = 0.9;
 
-/// What a campaign's runs can tell of its declared parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Identifiability {
-    /// Number of free parameters.
-    pub free: usize,
-    /// Number of independent combinations that the runs tell.
-    pub rank: usize,
-    /// Condition number of the sensitivities, columns of unit length.
-    pub condition: f64,
-    /// Pairs correlated by 0.9 or more, strongest first.
-    pub correlations: Vec<Correlation>,
-    /// Sets of parameters that these runs cannot separate: not at all, or with correlated errors
-    /// of which both are larger than the parameters themselves.
-    pub inseparable: Vec<Vec<String>>,
-    /// Standard error to expect of each parameter where sensors' noise is all there is; none where the rank is deficient.
-    pub expected: Vec<(String, f64)>,
-}
-
-/// Two parameters whose errors go together.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Correlation {
-    /// One.
-    pub first: String,
-    /// The other.
-    pub second: String,
-    /// Correlation of their errors, in [−1, 1].
-    pub correlation: f64,
-}
-
 /// Examines a campaign.
 ///
 /// # Errors
 /// As [`crate::output_error::identify`], but nothing is searched.
-pub fn identifiability(campaign: &Campaign, options: &Options) -> Result<Identifiability, PidError> {
+pub fn identifiability(campaign: &Campaign, options: &EstimateOptions) -> Result<Identifiability, PidError> {
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;
     let mut unknowns = Unknowns::new(campaign, options)?;
@@ -63,22 +34,22 @@ pub fn identifiability(campaign: &Campaign, options: &Options) -> Result<Identif
         return Err(PidError::NothingToEstimate { campaign: campaign.name.clone() });
     }
     if let Ok(first) = identify_with(campaign, Method::EquationError, &Smoother::Auto)
-        && let Some(set) = first.data_set("combined")
+        && let Some(set) = first.of_all_runs()
     {
         unknowns.start(&set.values(&campaign.plant.aero.structure, &unknowns.parameters));
     }
     of_runs(&runs, &unknowns).ok_or_else(|| PidError::NoAnswer {
         campaign: campaign.name.clone(),
-        set: "combined".to_owned(),
+        set: ALL_RUNS.to_owned(),
         method: "identifiability",
         reason: crate::output_error::StopReason::FlightFails.words(),
     })
 }
 
 /// Examines runs made ready, at these unknowns; `None` where the flight cannot go on.
-pub(crate) fn of_runs(runs: &[Run<'_>], unknowns: &Unknowns) -> Option<Identifiability> {
+pub(crate) fn of_runs(runs: &[PreparedRun<'_>], unknowns: &Unknowns) -> Option<Identifiability> {
     let (c, mut work) = (unknowns.columns(), Transition::default());
-    let one = |run: &Run<'_>| run.linearise(&run.smoothed, &c, &run.noise_std.map(|s| s.max(1e-9)), &mut work);
+    let one = |run: &PreparedRun<'_>| run.linearise(&run.smoothed, &c, &run.noise_std.map(|s| s.max(1e-9)), &mut work);
     let linear: Vec<_> = runs.iter().map(one).collect::<Option<_>>()?;
     Some(examine(sensitivities(&linear, c.free), &unknowns.names, &unknowns.values()))
 }

@@ -1,14 +1,13 @@
 //! pid: the result of an identification. In: fits. Out: the contract's `identification.json` as data.
 
-use crate::bands::Curve;
 use crate::compatibility::Compatibility;
-use crate::identifiability::Identifiability;
+use crate::information::Identifiability;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use windfall_model::Structure;
 
-/// Standard errors on either side of a 95 % interval of a normal estimate.
-pub const NORMAL_95: f64 = 1.959_963_985;
+/// Name of the data set of all runs together.
+pub(crate) const ALL_RUNS: &str = "combined";
 
 /// Result of one method on one campaign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,12 +48,29 @@ pub struct DataSet {
     /// Covariance of the estimates, rows and columns in the order of `parameters`. Regression knows none between coefficients: zeros.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub covariance: Vec<Vec<f64>>,
-    /// Coefficients over the angle, with bands; empty until [`crate::bands::add_curves`].
+    /// Coefficients over the angle, with bands; empty until they are asked for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<Curve>,
     /// Parameters that were not estimated but held, and where.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub held: Vec<Held>,
+}
+
+/// One coefficient, or its damping, over an angle.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Curve {
+    /// `C_A`, `C_N,T`, `C_m`, and the damping of C_m and C_n by (q + α̇)/2·d/2V and (r − β̇)/2·d/2V.
+    pub quantity: String,
+    /// The angle: `alpha_T` or, for the damping, `alpha` or `beta`; the other is zero.
+    pub over: String,
+    /// Angle, degrees, from 0 to the largest that the runs reached.
+    pub angle_deg: Vec<f64>,
+    /// Value, dimensionless.
+    pub value: Vec<f64>,
+    /// Ends of the 95 % interval.
+    pub low: Vec<f64>,
+    /// Upper ends.
+    pub high: Vec<f64>,
 }
 
 /// A parameter held at a value.
@@ -103,17 +119,6 @@ pub struct CoefficientFit {
     pub residual_whiteness_p: f64,
 }
 
-/// Standard error over estimate, percent (thesis eq. 4.21); none where that is no number: of zero, or of what is not finite.
-///
-/// ```
-/// assert_eq!(windfall_pid::relative_percent(0.5, -2.0), Some(25.0));
-/// assert_eq!(windfall_pid::relative_percent(0.5, 0.0), None);
-/// ```
-#[must_use]
-pub fn relative_percent(std_error: f64, estimate: f64) -> Option<f64> {
-    Some(100.0 * std_error / estimate.abs()).filter(|r| r.is_finite())
-}
-
 impl AsRef<Self> for Identification {
     fn as_ref(&self) -> &Self {
         self
@@ -124,7 +129,12 @@ impl Identification {
     /// The data set of all runs together, or the last there is.
     #[must_use]
     pub fn combined(&self) -> Option<&DataSet> {
-        self.data_set("combined").or(self.data_sets.last())
+        self.of_all_runs().or(self.data_sets.last())
+    }
+    /// The data set of all runs together; none where that was not made.
+    #[must_use]
+    pub fn of_all_runs(&self) -> Option<&DataSet> {
+        self.data_sets.iter().find(|d| d.is_of_all_runs())
     }
     /// The data set of that name.
     #[must_use]
@@ -134,6 +144,11 @@ impl Identification {
 }
 
 impl DataSet {
+    /// Whether it is of all runs together, not of one kind.
+    #[must_use]
+    pub fn is_of_all_runs(&self) -> bool {
+        self.name == ALL_RUNS
+    }
     /// The estimate of a parameter from a coefficient's data.
     #[must_use]
     pub fn get(&self, coefficient: &str, name: &str) -> Option<&Estimate> {

@@ -1,10 +1,11 @@
 //! pid: from a campaign to its parameters. In: records and a declared plant. Out: estimates per data set, with warnings.
 
 use crate::PidError;
-use crate::coefficients::{Row, coefficients};
-use crate::identification::{CoefficientFit, DataSet, Estimate, Identification, relative_percent};
-use crate::output_error::Options;
-use crate::regress::{Colour, Fit, Outcome, Prepared, Series, fit};
+use crate::coefficients::{CoefficientRow, coefficients};
+use crate::identification::{ALL_RUNS, CoefficientFit, DataSet, Estimate, Identification};
+use crate::interval::relative_percent;
+use crate::output_error::EstimateOptions;
+use crate::regress::{Colour, PreparedColumns, RegressionFit, RegressionOutcome, RegressionSeries, fit};
 use crate::smooth::{Smoother, TABLE_3_1_HZ, smooth};
 use crate::states::states;
 use crate::{filter_error, output_error};
@@ -63,7 +64,7 @@ pub struct RunRows {
     /// Kind of run.
     pub kind: String,
     /// Coefficients and flow variables.
-    pub rows: Vec<Row>,
+    pub rows: Vec<CoefficientRow>,
     /// Factor of each row.
     pub weight: Vec<f64>,
     /// Sample interval, s.
@@ -89,14 +90,14 @@ pub fn process(name: &str, kind: &str, record: &Record, plant: &Plant, smoother:
 /// No usable run, a faulty record, fewer samples than parameters, or nothing that can be estimated. A parameter that the runs do
 /// not excite is left out and named in the warnings.
 pub fn identify(campaign: &Campaign, method: Method) -> Result<Identification, PidError> {
-    identify_by(campaign, method, &Options::default())
+    identify_by(campaign, method, &EstimateOptions::default())
 }
 
 /// [`identify`], with options of the methods that integrate.
 ///
 /// # Errors
 /// As [`identify`]; [`PidError::NoPlace`] for ties and priors where a method regresses each coefficient by itself.
-pub fn identify_by(campaign: &Campaign, method: Method, options: &Options) -> Result<Identification, PidError> {
+pub fn identify_by(campaign: &Campaign, method: Method, options: &EstimateOptions) -> Result<Identification, PidError> {
     match method {
         Method::OutputError => output_error::identify(campaign, options),
         Method::FilterError => filter_error::identify(campaign, options),
@@ -160,7 +161,7 @@ fn sets(runs: &[RunRows]) -> Vec<(String, Vec<usize>)> {
             None => sets.push((run.kind.clone(), vec![i])),
         }
     }
-    sets.push(("combined".to_owned(), (0..runs.len()).collect()));
+    sets.push((ALL_RUNS.to_owned(), (0..runs.len()).collect()));
     sets
 }
 
@@ -170,7 +171,7 @@ struct Group {
     coefficients: Vec<Coefficient>,
     parameters: Vec<usize>,
     /// For each run, the series that it contributes.
-    series: Vec<Vec<Prepared>>,
+    series: Vec<Vec<PreparedColumns>>,
 }
 
 impl Group {
@@ -178,7 +179,8 @@ impl Group {
         self.coefficients.last().map_or("", |c| c.name())
     }
     fn prepared(mut self, runs: &[RunRows], campaign: &Campaign, method: Method, planner: &mut RealFftPlanner<f64>) -> Self {
-        let mut one = |run| run_series(&self, run, campaign, method).into_iter().map(|s| Prepared::new(s, planner)).collect();
+        let mut one =
+            |run| run_series(&self, run, campaign, method).into_iter().map(|s| PreparedColumns::new(s, planner)).collect();
         self.series = runs.iter().map(&mut one).collect();
         self
     }
@@ -253,8 +255,8 @@ impl<'a> DataSetWork<'a> {
     }
 
     /// Fits a group, leaving out what the data do not determine; which columns are left, and their fit.
-    fn regress(self, group: &Group, warnings: &mut Vec<String>) -> Result<Option<(Vec<usize>, Fit)>, PidError> {
-        let series: Vec<&Prepared> = self.members.iter().flat_map(|&i| &group.series[i]).collect();
+    fn regress(self, group: &Group, warnings: &mut Vec<String>) -> Result<Option<(Vec<usize>, RegressionFit)>, PidError> {
+        let series: Vec<&PreparedColumns> = self.members.iter().flat_map(|&i| &group.series[i]).collect();
         let mut columns: Vec<usize> = (0..group.parameters.len()).collect();
         while !columns.is_empty() {
             let outcome = fit(&series, &columns).map_err(|e| match e {
@@ -266,8 +268,8 @@ impl<'a> DataSetWork<'a> {
                 other => other,
             })?;
             match outcome {
-                Outcome::Fit(fit) => return Ok(Some((columns, *fit))),
-                Outcome::Deficient { column, rank } => {
+                RegressionOutcome::Fit(fit) => return Ok(Some((columns, *fit))),
+                RegressionOutcome::Deficient { column, rank } => {
                     warnings.push(format!(
                         "data set {}, coefficient {}: {} is not excited (rank {rank} of {}); it is left out: add a run with larger \
                          angles or rates, or do not declare it",
@@ -283,9 +285,9 @@ impl<'a> DataSetWork<'a> {
         Ok(None)
     }
 
-    fn report(self, set: &mut DataSet, group: &Group, columns: &[usize], fit: &Fit, warnings: &mut Vec<String>) {
-        let white = Fit::std_errors(&fit.covariance_white);
-        let honest = Fit::std_errors(&fit.covariance);
+    fn report(self, set: &mut DataSet, group: &Group, columns: &[usize], fit: &RegressionFit, warnings: &mut Vec<String>) {
+        let white = RegressionFit::std_errors(&fit.covariance_white);
+        let honest = RegressionFit::std_errors(&fit.covariance);
         let half = fit.t95();
         let before = set.parameters.len();
         for row in &mut set.covariance {
@@ -327,13 +329,13 @@ impl<'a> DataSetWork<'a> {
 }
 
 /// What one run adds to a group's regression.
-fn run_series(group: &Group, run: &RunRows, campaign: &Campaign, method: Method) -> Vec<Series> {
-    let parts: Vec<Series> = group.coefficients.iter().map(|&c| series(group, run, campaign, c)).collect();
+fn run_series(group: &Group, run: &RunRows, campaign: &Campaign, method: Method) -> Vec<RegressionSeries> {
+    let parts: Vec<RegressionSeries> = group.coefficients.iter().map(|&c| series(group, run, campaign, c)).collect();
     match method {
         Method::Thesis => vec![total(&parts)],
         Method::EquationError | Method::OutputError | Method::FilterError => {
             let (weight, residuals) = (faded(run), Colour::Weighted(cosines(run)));
-            parts.into_iter().map(|s| Series { weight: weight.clone(), residuals, ..s }).collect()
+            parts.into_iter().map(|s| RegressionSeries { weight: weight.clone(), residuals, ..s }).collect()
         }
     }
 }
@@ -358,28 +360,30 @@ pub(crate) fn faded(run: &RunRows) -> Vec<f64> {
 }
 
 /// One coefficient of one run; what effects add to the plant and what undeclared parameters hold is taken off the response.
-fn series(group: &Group, run: &RunRows, campaign: &Campaign, coefficient: Coefficient) -> Series {
+fn series(group: &Group, run: &RunRows, campaign: &Campaign, coefficient: Coefficient) -> RegressionSeries {
     let aero = &campaign.plant.aero;
     let mine: Vec<_> = aero.structure.contributions.iter().filter(|k| k.coefficient == coefficient).collect();
     let held: Vec<_> =
         mine.iter().filter(|k| !campaign.declared[k.parameter]).map(|k| (aero.values[k.parameter], &k.term)).collect();
     let extra = aero.extra.iter().filter(|(c, _, _)| *c == coefficient).map(|(_, v, t)| (*v, t));
     let fixed: Vec<_> = held.into_iter().chain(extra).filter(|(v, _)| *v != 0.0).collect();
-    let rest = |row: &Row| row.exp_origin[coefficient as usize] - fixed.iter().map(|(v, t)| v * t.value(&row.flow)).sum::<f64>();
+    let rest = |row: &CoefficientRow| {
+        row.exp_origin[coefficient as usize] - fixed.iter().map(|(v, t)| v * t.value(&row.flow)).sum::<f64>()
+    };
     let regressor = |p: &usize| -> Vec<f64> {
         let terms: Vec<_> = mine.iter().filter(|k| k.parameter == *p).map(|k| &k.term).collect();
         run.rows.iter().map(|row| terms.iter().map(|t| t.value(&row.flow)).sum()).collect()
     };
-    Series {
+    RegressionSeries {
         regressors: group.parameters.iter().map(regressor).collect(),
         response: run.rows.iter().map(rest).collect(),
-        ..Series::default()
+        ..RegressionSeries::default()
     }
 }
 
 /// Root of the sum of squares over a group's coefficients, of response and of each regressor: for C_Y and C_N that is C_N,T on
 /// sin α_T and sin³ α_T (eqs 4.2, 4.5). A single coefficient stays as it is.
-fn total(parts: &[Series]) -> Series {
+fn total(parts: &[RegressionSeries]) -> RegressionSeries {
     if let [only] = parts {
         return only.clone();
     }
@@ -387,9 +391,9 @@ fn total(parts: &[Series]) -> Series {
         (0..columns[0].len()).map(|i| columns.iter().map(|c| c[i] * c[i]).sum::<f64>().sqrt()).collect()
     };
     let parameters = parts[0].regressors.len();
-    Series {
+    RegressionSeries {
         regressors: (0..parameters).map(|p| root(parts.iter().map(|s| s.regressors[p].as_slice()).collect())).collect(),
         response: root(parts.iter().map(|s| s.response.as_slice()).collect()),
-        ..Series::default()
+        ..RegressionSeries::default()
     }
 }

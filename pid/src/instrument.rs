@@ -1,7 +1,7 @@
 //! pid: instrument effects undone. In: smoothed signals and a plant's sensors. Out: signals as the motion truly was.
 
+use crate::euler::{euler_rates, rates, t_bef};
 use crate::smooth::{Signal, Smoothed};
-use crate::states::{euler_rates, rates, t_bef};
 use windfall_model::Sensors;
 
 /// Value, first and second derivative of the seven channels at one sample.

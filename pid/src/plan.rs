@@ -7,10 +7,10 @@
 //! flight gives all shorter ones. Gusts are not flown, only allowed for: what they would excite comes on top.
 
 use crate::choice::identify_chosen;
-use crate::equations::{Air, Craft, Drive, Extra, INPUTS, STATES, Segment, Transition, origin};
+use crate::equations::{Craft, Drive, Extra, INPUTS, STATES, Segment, Transition, TunnelAir, origin};
 use crate::error::PidError;
 use crate::filter_error::{Filter, NONE_M_S, Random};
-use crate::output_error::{CHANNELS, Columns, NODE, Options, Run, SPEED, Unknowns, ready, run_plants};
+use crate::output_error::{CHANNELS, EstimateOptions, FreeColumns, NODE, PreparedRun, SPEED, Unknowns, ready, run_plants};
 use crate::plant::START_SCALE_M;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -45,7 +45,7 @@ pub enum Wanted {
 
 /// What the campaign has and what it takes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Plan {
+pub struct TestPlan {
     /// Method by which the campaign was identified, and why.
     pub method: String,
     /// One for each target.
@@ -60,7 +60,7 @@ pub struct Plan {
     pub warnings: Vec<String>,
 }
 
-impl Plan {
+impl TestPlan {
     /// Whether every wanted error is reached already or can be.
     #[must_use]
     pub fn is_within_reach(&self) -> bool {
@@ -102,11 +102,11 @@ pub struct Choice {
 ///
 /// # Errors
 /// As [`identify_chosen`]; [`PidError::Unknown`] for a target that is no estimated parameter or no positive error.
-pub fn plan(campaign: &Campaign, targets: &[Target], between_s: f64) -> Result<Plan, PidError> {
-    let options = Options { combined_only: true, ..Options::default() };
+pub fn plan(campaign: &Campaign, targets: &[Target], between_s: f64) -> Result<TestPlan, PidError> {
+    let options = EstimateOptions { combined_only: true, ..EstimateOptions::default() };
     let found = identify_chosen(campaign, &options)?;
     let mut unknowns = Unknowns::new(campaign, &options)?;
-    let set = found.data_set("combined").ok_or_else(|| PidError::NothingToEstimate { campaign: campaign.name.clone() })?;
+    let set = found.of_all_runs().ok_or_else(|| PidError::NothingToEstimate { campaign: campaign.name.clone() })?;
     unknowns.start(&set.values(&campaign.plant.aero.structure, &unknowns.parameters));
     let found_gusts = set.plant(&Plant { turbulence: Turbulence::default(), ..campaign.plant.clone() })?.turbulence;
     let scale = |m: f64| if m > 0.0 { m } else { START_SCALE_M };
@@ -133,7 +133,7 @@ pub fn plan(campaign: &Campaign, targets: &[Target], between_s: f64) -> Result<P
         ));
     }
     let method = found.reason.map_or(found.method.clone(), |r| format!("{}: {r}", found.method));
-    Ok(Plan { method, targets, trim_m_s: scene.trim_m_s, flown_deg, between_s, warnings })
+    Ok(TestPlan { method, targets, trim_m_s: scene.trim_m_s, flown_deg, between_s, warnings })
 }
 
 /// What planned flights share.
@@ -153,8 +153,13 @@ struct Scene<'s> {
 type Kind = (f64, f64, DMatrix<f64>);
 
 impl<'s> Scene<'s> {
-    fn new(campaign: &'s Campaign, runs: &[Run<'_>], unknowns: &'s Unknowns, turbulence: Turbulence) -> Result<Self, PidError> {
-        let mean = |f: &dyn Fn(&Run<'_>) -> f64| runs.iter().map(f).sum::<f64>() / runs.len() as f64;
+    fn new(
+        campaign: &'s Campaign,
+        runs: &[PreparedRun<'_>],
+        unknowns: &'s Unknowns,
+        turbulence: Turbulence,
+    ) -> Result<Self, PidError> {
+        let mean = |f: &dyn Fn(&PreparedRun<'_>) -> f64| runs.iter().map(f).sum::<f64>() / runs.len() as f64;
         let middle = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
         let mut scene = Self {
             plant: &campaign.plant,
@@ -179,7 +184,7 @@ impl<'s> Scene<'s> {
     fn trim(&self, craft: &Craft<'_>) -> Result<f64, PidError> {
         let mut terms = vec![0.0; craft.terms.acts.len()];
         let mut sinks = |vw_m_s: f64| {
-            let air = Air { t_s: 0.0, density_kg_m3: self.density(), vw_m_s, vw_rate_m_s2: 0.0 };
+            let air = TunnelAir { t_s: 0.0, density_kg_m3: self.density(), vw_m_s, vw_rate_m_s2: 0.0 };
             let rate = craft.rate(&[0.0; STATES], air, &Extra::default(), &self.unknowns.parameters, &mut terms);
             rate.is_some_and(|r| r[6] > 0.0)
         };
@@ -195,7 +200,7 @@ impl<'s> Scene<'s> {
     }
 
     /// Information of the campaign's own runs.
-    fn campaign(&self, runs: &[Run<'_>]) -> Result<DMatrix<f64>, PidError> {
+    fn campaign(&self, runs: &[PreparedRun<'_>]) -> Result<DMatrix<f64>, PidError> {
         let free = self.unknowns.free();
         let mut sum = DMatrix::zeros(free, free);
         for run in runs {
@@ -215,7 +220,7 @@ impl<'s> Scene<'s> {
         let mut kinds = Vec::new();
         for release_deg in RELEASES_DEG {
             let Some((record, first)) = self.fly(release_deg) else { continue };
-            let Ok(run) = Run::planned(&record, self.plant, first, self.jerk_root, self.noise) else { continue };
+            let Ok(run) = PreparedRun::planned(&record, self.plant, first, self.jerk_root, self.noise) else { continue };
             let Some(informations) = self.information(&run, &LENGTHS_S) else { continue };
             kinds.extend(LENGTHS_S.iter().zip(informations).map(|(length, m)| (release_deg, *length, m)));
         }
@@ -274,8 +279,8 @@ impl<'s> Scene<'s> {
     }
 
     /// Information on the free parameters of a run's first part, for each length, s.
-    fn information(&self, run: &Run<'_>, lengths_s: &[f64]) -> Option<Vec<DMatrix<f64>>> {
-        let c: Columns<'_> = self.unknowns.columns();
+    fn information(&self, run: &PreparedRun<'_>, lengths_s: &[f64]) -> Option<Vec<DMatrix<f64>>> {
+        let c: FreeColumns<'_> = self.unknowns.columns();
         let random = Random { turbulence: self.turbulence, turning: [0.0; 2] };
         let seen = Filter::new(run, self.noise).run(&random, &c, &mut Transition::default())?;
         let mut m = DMatrix::<f64>::zeros(c.free, c.free);

@@ -11,7 +11,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// One coefficient over one run: what the regression stacks. Residuals may be correlated within a series, never between two.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Series {
+pub struct RegressionSeries {
     /// One column per parameter, each as long as `response`.
     pub regressors: Vec<Vec<f64>>,
     /// Measured coefficient.
@@ -38,7 +38,7 @@ pub enum Colour {
 
 /// Result of a regression.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fit {
+pub struct RegressionFit {
     /// Estimates (eq. 4.15, or weighted by spectrum).
     pub estimate: Vec<f64>,
     /// Covariance for white residuals (eq. 4.19), of the ordinary estimate.
@@ -64,9 +64,9 @@ pub struct Fit {
 /// What a regression gives, or which column it cannot have.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Outcome {
+pub enum RegressionOutcome {
     /// Full rank.
-    Fit(Box<Fit>),
+    Fit(Box<RegressionFit>),
     /// The data do not determine all parameters; the column is the one that weighs most in the undetermined combination.
     Deficient {
         /// Column to leave out.
@@ -87,29 +87,29 @@ const RANK_TOLERANCE: f64 = 1.0e-10;
 ///
 /// # Examples
 /// ```
-/// use windfall_pid::regress::{Outcome, Series, ols};
+/// use windfall_pid::regress::{RegressionOutcome, RegressionSeries, ols};
 /// let x = vec![0.0, 1.0, 2.0, 3.0];
-/// let line = Series { regressors: vec![vec![1.0; 4], x], response: vec![1.0, 3.0, 5.0, 7.0], ..Series::default() };
-/// let Outcome::Fit(fit) = ols(&[line])? else { panic!("two columns are independent") };
+/// let line = RegressionSeries { regressors: vec![vec![1.0; 4], x], response: vec![1.0, 3.0, 5.0, 7.0], ..RegressionSeries::default() };
+/// let RegressionOutcome::Fit(fit) = ols(&[line])? else { panic!("two columns are independent") };
 /// assert!((fit.estimate[0] - 1.0).abs() < 1e-12 && (fit.estimate[1] - 2.0).abs() < 1e-12);
 /// # Ok::<(), windfall_pid::PidError>(())
 /// ```
-pub fn ols(series: &[Series]) -> Result<Outcome, PidError> {
+pub fn ols(series: &[RegressionSeries]) -> Result<RegressionOutcome, PidError> {
     let mut planner = RealFftPlanner::new();
-    let prepared: Vec<Prepared> = series.iter().cloned().map(|s| Prepared::new(s, &mut planner)).collect();
+    let prepared: Vec<PreparedColumns> = series.iter().cloned().map(|s| PreparedColumns::new(s, &mut planner)).collect();
     let columns: Vec<usize> = (0..series.first().map_or(0, |s| s.regressors.len())).collect();
     fit(&prepared.iter().collect::<Vec<_>>(), &columns)
 }
 
 /// A series with the transforms that its colour needs, done once for all data sets that use it.
 #[derive(Clone, Debug)]
-pub(crate) struct Prepared {
-    series: Series,
+pub(crate) struct PreparedColumns {
+    series: RegressionSeries,
     cosines: Option<spectral::Cosines>,
 }
 
-impl Prepared {
-    pub(crate) fn new(series: Series, planner: &mut RealFftPlanner<f64>) -> Self {
+impl PreparedColumns {
+    pub(crate) fn new(series: RegressionSeries, planner: &mut RealFftPlanner<f64>) -> Self {
         let cosines = match series.residuals {
             Colour::Weighted(count) => Some(spectral::cosines(&series, count, planner)),
             Colour::White | Colour::Corrected(_) => None,
@@ -123,20 +123,20 @@ impl Prepared {
 }
 
 /// Spectra of the residuals that these columns leave in prepared series with [`Colour::Weighted`] residuals.
-pub(crate) fn spectra(prepared: &[&Prepared], columns: &[usize]) -> Option<Vec<Vec<f64>>> {
+pub(crate) fn spectra(prepared: &[&PreparedColumns], columns: &[usize]) -> Option<Vec<Vec<f64>>> {
     let cosines: Option<Vec<_>> = prepared.iter().map(|p| p.cosines.as_ref()).collect();
     spectral::spectra(&cosines?, columns)
 }
 
 /// A prepared series' columns and response as cosine amplitudes over the root of their spectrum: residuals of unit variance,
 /// nearly independent.
-pub(crate) fn whitened(prepared: &Prepared, spectrum: &[f64]) -> Option<(DMatrix<f64>, DVector<f64>)> {
+pub(crate) fn whitened(prepared: &PreparedColumns, spectrum: &[f64]) -> Option<(DMatrix<f64>, DVector<f64>)> {
     prepared.cosines.as_ref().map(|c| spectral::whitened(c, spectrum))
 }
 
 /// Least squares on some columns of prepared series.
-pub(crate) fn fit(prepared: &[&Prepared], columns: &[usize]) -> Result<Outcome, PidError> {
-    let series: Vec<&Series> = prepared.iter().map(|p| &p.series).collect();
+pub(crate) fn fit(prepared: &[&PreparedColumns], columns: &[usize]) -> Result<RegressionOutcome, PidError> {
+    let series: Vec<&RegressionSeries> = prepared.iter().map(|p| &p.series).collect();
     let rows = series.iter().map(|s| s.response.len()).sum::<usize>();
     let count = columns.len();
     if count == 0 || rows <= count {
@@ -145,7 +145,7 @@ pub(crate) fn fit(prepared: &[&Prepared], columns: &[usize]) -> Result<Outcome, 
     let (x, y) = stack(&series, columns, rows);
     let white = match solve(x, &y) {
         Solution::Found(white) => white,
-        Solution::Deficient { column, rank } => return Ok(Outcome::Deficient { column, rank }),
+        Solution::Deficient { column, rank } => return Ok(RegressionOutcome::Deficient { column, rank }),
     };
     let residuals_white = quality::residuals(&series, columns, &white.estimate);
     let s2_white = residuals_white.iter().flatten().map(|e| e * e).sum::<f64>() / (rows - count) as f64;
@@ -154,7 +154,7 @@ pub(crate) fn fit(prepared: &[&Prepared], columns: &[usize]) -> Result<Outcome, 
     let residuals =
         if own.estimate == white.estimate { residuals_white } else { quality::residuals(&series, columns, &own.estimate) };
     let rss: f64 = residuals.iter().flatten().map(|e| e * e).sum();
-    Ok(Outcome::Fit(Box::new(Fit {
+    Ok(RegressionOutcome::Fit(Box::new(RegressionFit {
         covariance: own.covariance.unwrap_or_else(|| covariance_white.clone()),
         estimate: own.estimate,
         covariance_white,
@@ -175,17 +175,17 @@ struct Coloured {
     freedom: f64,
 }
 
-fn colour(prepared: &[&Prepared], columns: &[usize], white: &White, residuals: &[Vec<f64>]) -> Coloured {
+fn colour(prepared: &[&PreparedColumns], columns: &[usize], white: &White, residuals: &[Vec<f64>]) -> Coloured {
     let cosines: Option<Vec<_>> = prepared.iter().map(|p| p.cosines.as_ref()).collect();
     if let Some(found) = cosines.and_then(|c| spectral::weighted(&c, columns)) {
         return found;
     }
-    let series: Vec<&Series> = prepared.iter().map(|p| &p.series).collect();
+    let series: Vec<&RegressionSeries> = prepared.iter().map(|p| &p.series).collect();
     let (covariance, freedom) = colour::covariance(&series, columns, residuals, &white.bread);
     Coloured { estimate: white.estimate.clone(), covariance, freedom }
 }
 
-impl Fit {
+impl RegressionFit {
     /// Standard errors of a covariance matrix (eq. 4.20).
     #[must_use]
     pub fn std_errors(covariance: &DMatrix<f64>) -> Vec<f64> {
@@ -198,11 +198,11 @@ impl Fit {
     }
 }
 
-fn weight(s: &Series, i: usize) -> f64 {
+fn weight(s: &RegressionSeries, i: usize) -> f64 {
     s.weight.get(i).copied().unwrap_or(1.0)
 }
 
-fn stack(series: &[&Series], columns: &[usize], rows: usize) -> (DMatrix<f64>, DMatrix<f64>) {
+fn stack(series: &[&RegressionSeries], columns: &[usize], rows: usize) -> (DMatrix<f64>, DMatrix<f64>) {
     let (mut x, mut y) = (DMatrix::zeros(rows, columns.len()), DMatrix::zeros(rows, 1));
     let mut start = 0;
     for s in series {

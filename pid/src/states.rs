@@ -3,6 +3,7 @@
 //! Transcribed from the printed equations with Euler angles and components, on purpose not with the vector code of `model`.
 
 use crate::PidError;
+use crate::euler::{rates, t_bef, t_bef_rate};
 use crate::instrument::{Sample, sample};
 use crate::smooth::Smoothed;
 use windfall_model::Plant;
@@ -170,58 +171,6 @@ fn wind_angles([u, v, w]: [f64; 3], [u_dot, v_dot, w_dot]: [f64; 3]) -> WindAngl
         alpha_dot: (u * w_dot - u_dot * w) / uw2,
         beta_dot: (v_dot * speed2 - v * (u * u_dot + v * v_dot + w * w_dot)) / (speed2 * uw2.sqrt()),
     }
-}
-
-/// Body-to-tunnel matrix of the Euler angles (eq. B.14).
-pub(crate) fn t_bef([rx, ry, rz]: [f64; 3]) -> [[f64; 3]; 3] {
-    let ((sx, cx), (sy, cy), (sz, cz)) = (rx.sin_cos(), ry.sin_cos(), rz.sin_cos());
-    [
-        [cz * cy, -sz * cy, sy],
-        [cz * sy * sx + sz * cx, cz * cx - sz * sy * sx, -cy * sx],
-        [sz * sx - cz * sy * cx, sz * sy * cx + cz * sx, cy * cx],
-    ]
-}
-
-/// Its time derivative (eq. B.43).
-fn t_bef_rate([rx, ry, rz]: [f64; 3], [dx, dy, dz]: [f64; 3]) -> [[f64; 3]; 3] {
-    let ((sx, cx), (sy, cy), (sz, cz)) = (rx.sin_cos(), ry.sin_cos(), rz.sin_cos());
-    [
-        [-dz * sz * cy - dy * cz * sy, -dz * cz * cy + dy * sz * sy, dy * cy],
-        [
-            dz * (cz * cx - sz * sy * sx) + dy * (cz * cy * sx) + dx * (cz * sy * cx - sz * sx),
-            -dz * (cz * sy * sx + sz * cx) - dy * (sz * cy * sx) - dx * (sz * sy * cx + cz * sx),
-            dy * sy * sx - dx * cy * cx,
-        ],
-        [
-            dz * (sz * sy * cx + cz * sx) - dy * (cz * cy * cx) + dx * (cz * sy * sx + sz * cx),
-            dz * (cz * sy * cx - sz * sx) + dy * (sz * cy * cx) - dx * (sz * sy * sx - cz * cx),
-            -dy * sy * cx - dx * cy * sx,
-        ],
-    ]
-}
-
-/// Body rates and their derivatives from Euler rates (eqs 3.20-3.23).
-pub(crate) fn rates([_, ry, rz]: [f64; 3], [dx, dy, dz]: [f64; 3], [ddx, ddy, ddz]: [f64; 3]) -> ([f64; 3], [f64; 3]) {
-    let ((sy, cy), (sz, cz)) = (ry.sin_cos(), rz.sin_cos());
-    let pqr = [cy * cz * dx + sz * dy, -cy * sz * dx + cz * dy, sy * dx + dz];
-    let pqr_rate = [
-        (-dy * sy * cz - dz * cy * sz) * dx + dz * cz * dy + cy * cz * ddx + sz * ddy,
-        (dy * sy * sz - dz * cy * cz) * dx - dz * sz * dy - cy * sz * ddx + cz * ddy,
-        dy * cy * dx + sy * ddx + ddz,
-    ];
-    (pqr, pqr_rate)
-}
-
-/// Euler rates and second derivatives from body rates: [`rates`] the other way.
-pub(crate) fn euler_rates([_, ry, rz]: [f64; 3], [p, q, r]: [f64; 3], [p_dot, q_dot, r_dot]: [f64; 3]) -> ([f64; 3], [f64; 3]) {
-    let ((sy, cy), (sz, cz)) = (ry.sin_cos(), rz.sin_cos());
-    let inverse = |p: f64, q: f64, r: f64| {
-        let dx = (p * cz - q * sz) / cy;
-        [dx, p * sz + q * cz, r - sy * dx]
-    };
-    let d = inverse(p, q, r);
-    let (_, moving) = rates([0.0, ry, rz], d, [0.0; 3]);
-    (d, inverse(p_dot - moving[0], q_dot - moving[1], r_dot - moving[2]))
 }
 
 pub(crate) fn times(m: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {

@@ -189,7 +189,11 @@ fn exact_campaigns_that_cannot_be_identified_say_why() {
     nothing.declared.fill(false);
     assert!(matches!(identify(&nothing, Method::EquationError), Err(PidError::NothingToEstimate { .. })));
     let mut ball = c.clone();
-    ball.runs[0].data = Data::Point(PointRecord { t_s: vec![0.0, 1.0], position_m: [Some(vec![0.0, 1.0]), None, None] });
+    ball.runs[0].data = Data::Point(PointRecord {
+        t_s: vec![0.0, 1.0],
+        position_m: [Some(vec![0.0, 1.0]), None, None],
+        ..PointRecord::default()
+    });
     assert!(matches!(identify(&ball, Method::EquationError), Err(PidError::PointMass { .. })));
     let mut level = c.clone();
     if let Data::Tunnel(r) = &mut level.runs[0].data {

@@ -11,7 +11,7 @@ use windfall_model::{
     AirState, ApparentMass, Coefficient, Contact, Factor, Inertia, LooseMass, MeanFlow, Motion, Plant, Tether, Variable, Wrench,
     wrench_at_cm,
 };
-use windfall_pid::coefficients::{Row, coefficients};
+use windfall_pid::coefficients::{CoefficientRow, coefficients};
 use windfall_pid::smooth::{Signal, Smoothed};
 use windfall_pid::states::{State, states};
 
@@ -252,7 +252,7 @@ fn needed(m: &Motion, plant: &Plant) -> Wrench {
 }
 
 /// Checks that the row's coefficients, together with every load of the model that is not aerodynamic, make up the motion.
-fn assert_balance(i: usize, row: &Row, plant: &Plant, extra: Wrench) {
+fn assert_balance(i: usize, row: &CoefficientRow, plant: &Plant, extra: Wrench) {
     let (m, a) = (motion(row.t_s, plant), air(row.t_s, plant));
     let v = &plant.vehicle;
     let (flow, q_pa) = plant.flow_state(&m, &a);
@@ -326,7 +326,7 @@ fn law_loose_mass_follows_its_oscillator_under_over_and_at_critical_damping() {
     }
 }
 
-fn assert_balance_within(i: usize, row: &Row, plant: &Plant, extra: Wrench, bound: f64) {
+fn assert_balance_within(i: usize, row: &CoefficientRow, plant: &Plant, extra: Wrench, bound: f64) {
     let (m, a) = (motion(row.t_s, plant), air(row.t_s, plant));
     let v = &plant.vehicle;
     let (flow, q_pa) = plant.flow_state(&m, &a);

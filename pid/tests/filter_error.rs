@@ -3,7 +3,7 @@
 mod common;
 
 use common::{COMBINED, campaign, truth};
-use windfall_pid::output_error::{Handling, Options, Prior};
+use windfall_pid::output_error::{EstimateOptions, Handling, Prior};
 use windfall_pid::{DataSet, filter_error};
 
 fn combined(test: &str, name: &str) -> Option<(DataSet, Vec<String>)> {
@@ -66,7 +66,7 @@ fn law_ties_and_priors_in_turbulence() {
     let Some((free, _)) = combined("law_ties_and_priors_in_turbulence", "open-03") else { return };
     let Some(c) = campaign("law_ties_and_priors_in_turbulence", "open-03") else { return };
     let (mean, std) = free.get("CN", "CN_sin").map(|p| (p.estimate + p.std_error, 0.01 * p.std_error)).expect("free");
-    let options = Options {
+    let options = EstimateOptions {
         handling: vec![("Cn_1".to_owned(), Handling::Tied { to: "Cm_1".to_owned() })],
         priors: vec![Prior { name: "CN_sin".to_owned(), mean, std }],
         ..COMBINED

@@ -5,10 +5,10 @@ mod common;
 use common::{COMBINED, campaign, truth};
 use windfall_model::{Campaign, Data};
 use windfall_pid::compatibility::Agreement;
-use windfall_pid::output_error::{Handling, Options, Prior, identify};
+use windfall_pid::output_error::{EstimateOptions, Handling, Prior, identify};
 use windfall_pid::{DataSet, Method, PidError};
 
-fn combined(c: &Campaign, options: &Options) -> DataSet {
+fn combined(c: &Campaign, options: &EstimateOptions) -> DataSet {
     identify(c, options).expect("identifies").data_set("combined").expect("there is one").clone()
 }
 
@@ -49,7 +49,7 @@ fn recover_open_00_with_white_residuals() {
 fn law_held_tied_and_prior() {
     let Some(c) = campaign("law_held_tied_and_prior", "open-00") else { return };
     let tie = |name: &str, to: &str| (name.to_owned(), Handling::Tied { to: to.to_owned() });
-    let options = Options {
+    let options = EstimateOptions {
         handling: vec![("Cl_0".to_owned(), Handling::Held), tie("Cn_1", "Cm_1"), tie("Cn_2", "Cm_2")],
         priors: vec![Prior { name: "CN_sin".to_owned(), mean: 3.513, std: 1e-6 }],
         ..COMBINED
@@ -72,14 +72,14 @@ fn law_held_tied_and_prior() {
 #[test]
 fn law_settings_that_name_nothing_are_refused() {
     let Some(c) = campaign("law_settings_that_name_nothing_are_refused", "exact") else { return };
-    let unknown = |options: Options| matches!(identify(&c, &options), Err(PidError::Unknown { .. }));
-    assert!(unknown(Options { handling: vec![("CX".to_owned(), Handling::Held)], ..COMBINED }));
+    let unknown = |options: EstimateOptions| matches!(identify(&c, &options), Err(PidError::Unknown { .. }));
+    assert!(unknown(EstimateOptions { handling: vec![("CX".to_owned(), Handling::Held)], ..COMBINED }));
     let held = |name: &str| (name.to_owned(), Handling::Held);
     let tied = ("Cn_1".to_owned(), Handling::Tied { to: "Cm_1".to_owned() });
-    assert!(unknown(Options { handling: vec![held("Cm_1"), tied], ..COMBINED }));
+    assert!(unknown(EstimateOptions { handling: vec![held("Cm_1"), tied], ..COMBINED }));
     let prior = |std| vec![Prior { name: "CA_T0".to_owned(), mean: 6.0, std }];
-    assert!(unknown(Options { priors: prior(0.0), ..COMBINED }));
-    assert!(unknown(Options { priors: prior(1.0), handling: vec![held("CA_T0")], ..COMBINED }));
+    assert!(unknown(EstimateOptions { priors: prior(0.0), ..COMBINED }));
+    assert!(unknown(EstimateOptions { priors: prior(1.0), handling: vec![held("CA_T0")], ..COMBINED }));
 }
 
 /// A vehicle that does not move as any lander would: the search ends with its reason.
@@ -102,7 +102,7 @@ fn law_hopeless_record_ends_with_a_reason() {
 #[test]
 fn recover_open_00_instruments_agree() {
     let Some(c) = campaign("recover_open_00_instruments_agree", "open-00") else { return };
-    let found = identify(&c, &Options { compatibility: true, ..COMBINED }).expect("identifies");
+    let found = identify(&c, &EstimateOptions { compatibility: true, ..COMBINED }).expect("identifies");
     let told = found.compatibility.expect("asked for");
     assert_eq!(told.verdict, Agreement::Consistent, "{told:?}");
     assert!(told.pressure.is_some_and(|p| p.computed_from_speed));

@@ -5,11 +5,11 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use windfall_pid::PidError;
-use windfall_pid::regress::{Colour, Fit, Outcome, Series, ols};
+use windfall_pid::regress::{Colour, RegressionFit, RegressionOutcome, RegressionSeries, ols};
 
-fn solved(series: &[Series]) -> Fit {
+fn solved(series: &[RegressionSeries]) -> RegressionFit {
     match ols(series).expect("enough rows") {
-        Outcome::Fit(fit) => *fit,
+        RegressionOutcome::Fit(fit) => *fit,
         other => panic!("rank is full, yet {other:?}"),
     }
 }
@@ -19,13 +19,18 @@ fn normal(g: &mut ChaCha8Rng) -> f64 {
 }
 
 /// Two series of 40 rows with three regressors, weights and noise.
-fn example() -> Vec<Series> {
+fn example() -> Vec<RegressionSeries> {
     let mut g = ChaCha8Rng::seed_from_u64(5);
     let mut one = |offset: f64| {
         let x: Vec<Vec<f64>> =
             vec![vec![1.0; 40], (0..40).map(|i| offset + f64::from(i)).collect(), (0..40).map(|_| normal(&mut g)).collect()];
         let response = (0..40).map(|i| 2.0 - 0.5 * x[1][i] + 3.0 * x[2][i] + 0.3 * normal(&mut g)).collect();
-        Series { regressors: x, response, weight: (0..40).map(|i| 0.5 + 0.01 * f64::from(i)).collect(), residuals: Colour::White }
+        RegressionSeries {
+            regressors: x,
+            response,
+            weight: (0..40).map(|i| 0.5 + 0.01 * f64::from(i)).collect(),
+            residuals: Colour::White,
+        }
     };
     vec![one(0.0), one(7.0)]
 }
@@ -81,17 +86,17 @@ fn exact_missing_rank_names_a_column_that_is_part_of_it() {
     for s in &mut series {
         s.regressors.push(s.regressors[0].iter().zip(&s.regressors[2]).map(|(a, b)| 2.0 * a - b).collect());
     }
-    let Ok(Outcome::Deficient { column, rank }) = ols(&series) else { panic!("four columns of rank three") };
+    let Ok(RegressionOutcome::Deficient { column, rank }) = ols(&series) else { panic!("four columns of rank three") };
     assert!([0, 2, 3].contains(&column) && rank == 3);
     let mut zero = example();
     zero.iter_mut().for_each(|s| s.regressors[1].fill(0.0));
-    assert_eq!(ols(&zero), Ok(Outcome::Deficient { column: 1, rank: 2 }));
-    let few = Series { regressors: vec![vec![1.0], vec![2.0]], response: vec![1.0], ..Series::default() };
+    assert_eq!(ols(&zero), Ok(RegressionOutcome::Deficient { column: 1, rank: 2 }));
+    let few = RegressionSeries { regressors: vec![vec![1.0], vec![2.0]], response: vec![1.0], ..RegressionSeries::default() };
     assert!(matches!(ols(&[few]), Err(PidError::TooFewSamples { samples: 1, .. })));
 }
 
 /// Slow regressor, residuals first-order autoregressive with coefficient 0.9: what smoothing does to noise.
-fn coloured(seed: u64, residuals: Colour) -> Series {
+fn coloured(seed: u64, residuals: Colour) -> RegressionSeries {
     let mut g = ChaCha8Rng::seed_from_u64(seed);
     let x: Vec<f64> = (0..1000).map(|i| (0.02 * f64::from(i)).sin()).collect();
     let mut e = normal(&mut g) / (1.0 - 0.81_f64).sqrt();
@@ -103,13 +108,13 @@ fn coloured(seed: u64, residuals: Colour) -> Series {
             y
         })
         .collect();
-    Series { regressors: vec![x, vec![1.0; 1000]], response, weight: Vec::new(), residuals }
+    RegressionSeries { regressors: vec![x, vec![1.0; 1000]], response, weight: Vec::new(), residuals }
 }
 
 fn coverage(residuals: Colour) -> f64 {
     let covers = |seed: u64| {
         let fit = solved(&[coloured(seed, residuals)]);
-        let half = fit.t95() * Fit::std_errors(&fit.covariance)[0];
+        let half = fit.t95() * RegressionFit::std_errors(&fit.covariance)[0];
         f64::from(u8::from((fit.estimate[0] - 2.0).abs() < half))
     };
     (0..300).map(covers).sum::<f64>() / 300.0
@@ -130,13 +135,17 @@ fn law_corrected_errors_of_white_residuals_are_the_white_ones() {
     let mut g = ChaCha8Rng::seed_from_u64(11);
     let x: Vec<f64> = (0..4000).map(|i| (0.02 * f64::from(i)).sin()).collect();
     let response = x.iter().map(|x| 2.0 * x + normal(&mut g)).collect();
-    let series =
-        |residuals| Series { regressors: vec![x.clone()], response: Vec::clone(&response), weight: Vec::new(), residuals };
-    let white = Fit::std_errors(&solved(&[series(Colour::White)]).covariance)[0];
+    let series = |residuals| RegressionSeries {
+        regressors: vec![x.clone()],
+        response: Vec::clone(&response),
+        weight: Vec::new(),
+        residuals,
+    };
+    let white = RegressionFit::std_errors(&solved(&[series(Colour::White)]).covariance)[0];
     for colour in [Colour::Corrected(50), Colour::Weighted(4000)] {
         let fit = solved(&[series(colour)]);
         // Spectrum from 50 lags or 25 cosines of 4000 samples: its root is known to about 10 %.
-        assert!((Fit::std_errors(&fit.covariance)[0] / white - 1.0).abs() < 0.25);
+        assert!((RegressionFit::std_errors(&fit.covariance)[0] / white - 1.0).abs() < 0.25);
         assert!(fit.whiteness_p > 0.001);
     }
     assert!(solved(&[coloured(1, Colour::White)]).whiteness_p < 1e-10);

@@ -1,7 +1,7 @@
 //! python: simulate, identify, re-simulate, close, choose terms, plan. In: scenarios, campaigns, arrays, requests as JSON. Out: arrays
 //! and results as JSON.
 
-use crate::errors::Error;
+use crate::errors::Raised;
 use crate::threads::on_threads;
 use numpy::{IntoPyArray as _, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -15,7 +15,7 @@ use windfall::files::json_text;
 use windfall::model::{Data, Record, Run, Use};
 use windfall::results::{Identification, Truth};
 
-fn read<T: DeserializeOwned>(json: &str) -> Result<T, Error> {
+fn read<T: DeserializeOwned>(json: &str) -> Result<T, Raised> {
     Ok(serde_json::from_str(json)?)
 }
 
@@ -90,13 +90,13 @@ fn matrix<const N: usize>(rows: Vec<[f64; N]>) -> numpy::ndarray::Array2<f64> {
 }
 
 /// A campaign: declared model and runs.
-#[pyclass(frozen, module = "windfall._windfall")]
-pub(crate) struct Campaign {
+#[pyclass(frozen, name = "Campaign", module = "windfall._windfall")]
+pub(crate) struct PyCampaign {
     inner: Arc<windfall::Campaign>,
 }
 
 #[pymethods]
-impl Campaign {
+impl PyCampaign {
     /// Reads a campaign file; or flies a scenario (file or bundled), whose effects its campaign does not declare.
     #[new]
     #[pyo3(signature = (word, request="{}"))]
@@ -108,7 +108,7 @@ impl Campaign {
     /// The same declared model with these runs: (name, kind, use, columns of the run file).
     fn with_runs(&self, runs: Vec<(String, String, String, Bound<'_, PyDict>)>) -> PyResult<Self> {
         let runs = runs.into_iter().map(run_of).collect::<PyResult<_>>()?;
-        Ok(Self { inner: Arc::new(self.inner.with_runs(runs).map_err(Error::from)?) })
+        Ok(Self { inner: Arc::new(self.inner.with_runs(runs).map_err(Raised::from)?) })
     }
     #[getter]
     fn name(&self) -> &str {
@@ -153,7 +153,7 @@ impl Campaign {
     }
 }
 
-impl Campaign {
+impl PyCampaign {
     /// A verb: its request in, its result as JSON out.
     fn ask<R: Send + 'static, T: Serialize>(
         &self,
@@ -168,7 +168,7 @@ impl Campaign {
 }
 
 fn run_of((name, kind, used, columns): (String, String, String, Bound<'_, PyDict>)) -> PyResult<Run> {
-    let wrong = |what: String| PyErr::from(Error::Argument(format!("run {name}: {what}")));
+    let wrong = |what: String| PyErr::from(Raised::Argument(format!("run {name}: {what}")));
     let used = Use::of_name(&used)
         .ok_or_else(|| wrong(format!("use {used:?} must be one of {}", Use::ALL.map(Use::name).join(", "))))?;
     let series = |key: &str| -> PyResult<Option<Vec<f64>>> {

@@ -20,7 +20,7 @@ create_exception!(windfall, LoopError, WindfallError, "The loop cannot be closed
 create_exception!(windfall, StudyError, WindfallError, "A study's folder is in the way: changed, corrupt, busy, incomplete.");
 
 /// An error on its way to Python.
-pub(crate) enum Error {
+pub(crate) enum Raised {
     Windfall(windfall::Error),
     Study(String),
     Argument(String),
@@ -28,7 +28,7 @@ pub(crate) enum Error {
 
 macro_rules! from {
     ($($source:ty),+) => {
-        $(impl From<$source> for Error {
+        $(impl From<$source> for Raised {
             fn from(e: $source) -> Self {
                 Self::Windfall(e.into())
             }
@@ -37,24 +37,24 @@ macro_rules! from {
 }
 from!(windfall::Error, windfall::StoreError, Read);
 
-impl From<rayon::ThreadPoolBuildError> for Error {
+impl From<rayon::ThreadPoolBuildError> for Raised {
     fn from(e: rayon::ThreadPoolBuildError) -> Self {
         Self::Study(format!("threads cannot be started ({e})"))
     }
 }
-impl From<serde_json::Error> for Error {
+impl From<serde_json::Error> for Raised {
     fn from(e: serde_json::Error) -> Self {
         Self::Argument(format!("is not such a request or result: {e}"))
     }
 }
 
-impl From<Error> for PyErr {
-    fn from(e: Error) -> Self {
+impl From<Raised> for PyErr {
+    fn from(e: Raised) -> Self {
         use windfall::Error as Of;
         let e = match e {
-            Error::Windfall(e) => e,
-            Error::Study(text) => return StudyError::new_err(text),
-            Error::Argument(text) => return pyo3::exceptions::PyValueError::new_err(text),
+            Raised::Windfall(e) => e,
+            Raised::Study(text) => return StudyError::new_err(text),
+            Raised::Argument(text) => return pyo3::exceptions::PyValueError::new_err(text),
         };
         let text = e.to_string();
         match e {

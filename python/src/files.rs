@@ -1,6 +1,6 @@
 //! python: verbs on files alone: check, verify, closing against statistics, the page of a folder. In: paths. Out: JSON and HTML.
 
-use crate::errors::Error;
+use crate::errors::Raised;
 use crate::threads::on_threads;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -26,7 +26,7 @@ pub(crate) fn verify(py: Python<'_>, threads: usize) -> PyResult<String> {
 #[pyfunction]
 #[pyo3(signature = (word, request="{}", threads=0))]
 pub(crate) fn close_statistics(py: Python<'_>, word: PathBuf, request: &str, threads: usize) -> PyResult<String> {
-    let request = serde_json::from_str(request).map_err(Error::from)?;
+    let request = serde_json::from_str(request).map_err(Raised::from)?;
     on_threads(py, threads, move || Ok(json_text(&windfall::Published::find(&word)?.close(&request)?)?))
 }
 

@@ -16,8 +16,8 @@ use pyo3::prelude::*;
 fn _windfall(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     errors::register(m)?;
-    m.add_class::<campaign::Campaign>()?;
-    m.add_class::<study::Study>()?;
+    m.add_class::<campaign::PyCampaign>()?;
+    m.add_class::<study::PyStudy>()?;
     m.add_function(wrap_pyfunction!(campaign::simulate, m)?)?;
     m.add_function(wrap_pyfunction!(files::check, m)?)?;
     m.add_function(wrap_pyfunction!(files::verify, m)?)?;

@@ -1,6 +1,6 @@
 //! python: studies in whole and in parts. In: a study file. Out: bytes of parts, the folder's results, the summary as JSON.
 
-use crate::errors::Error;
+use crate::errors::Raised;
 use crate::threads::{on_threads, on_threads_until};
 use numpy::IntoPyArray as _;
 use pyo3::prelude::*;
@@ -9,12 +9,12 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use windfall::files::{Store, read_runs as read};
-use windfall::model::study::{Cell, Kind, Row};
+use windfall::model::study::{Cell, CellKind, Row};
 use windfall::{Drawing, PartRule};
 
 /// A study made ready; with a folder once `open` was called.
-#[pyclass(frozen, module = "windfall._windfall")]
-pub(crate) struct Study {
+#[pyclass(frozen, name = "Study", module = "windfall._windfall")]
+pub(crate) struct PyStudy {
     inner: Arc<Inner>,
 }
 
@@ -24,19 +24,22 @@ struct Inner {
 }
 
 impl Inner {
-    fn with_open<T>(&self, work: impl FnOnce(&Drawing, &Store, &mut PartRule, &PathBuf) -> Result<T, Error>) -> Result<T, Error> {
+    fn with_open<T>(
+        &self,
+        work: impl FnOnce(&Drawing, &Store, &mut PartRule, &PathBuf) -> Result<T, Raised>,
+    ) -> Result<T, Raised> {
         let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
-        let (store, rule, folder) = open.as_mut().ok_or_else(|| Error::Argument("open a folder first".to_owned()))?;
+        let (store, rule, folder) = open.as_mut().ok_or_else(|| Raised::Argument("open a folder first".to_owned()))?;
         work(&self.drawing, store, rule, folder)
     }
 }
 
 #[pymethods]
-impl Study {
+impl PyStudy {
     /// Reads a study file.
     #[new]
     fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let drawing = py.detach(|| Drawing::read(&path)).map_err(Error::from)?;
+        let drawing = py.detach(|| Drawing::read(&path)).map_err(Raised::from)?;
         Ok(Self { inner: Arc::new(Inner { drawing, open: Mutex::new(None) }) })
     }
     #[getter]
@@ -63,8 +66,8 @@ impl Study {
     /// Opens a folder for results.
     #[pyo3(signature = (folder, request="{}"))]
     fn open(&self, py: Python<'_>, folder: PathBuf, request: &str) -> PyResult<()> {
-        let request = serde_json::from_str(request).map_err(Error::from)?;
-        let opened = py.detach(|| -> Result<_, Error> {
+        let request = serde_json::from_str(request).map_err(Raised::from)?;
+        let opened = py.detach(|| -> Result<_, Raised> {
             let store = self.inner.drawing.open(&folder, &request)?;
             let rule = self.inner.drawing.rule(&store)?;
             Ok((store, rule, folder))
@@ -109,11 +112,11 @@ impl Study {
 /// Columns of a `runs.parquet`: float64 arrays (NaN where there is nothing; flags 0 and 1), words as lists.
 #[pyfunction]
 pub(crate) fn read_runs(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
-    let (draws, columns) = py.detach(|| read(&path)).map_err(Error::from)?;
+    let (draws, columns) = py.detach(|| read(&path)).map_err(Raised::from)?;
     let d = PyDict::new(py);
     d.set_item("draw", draws.into_pyarray(py))?;
     for (column, cells) in columns {
-        if column.kind == Kind::Word {
+        if column.kind == CellKind::Word {
             let words = cells.into_iter().map(|c| if let Cell::Word(w) = c { w } else { String::new() });
             d.set_item(column.name, words.collect::<Vec<String>>())?;
         } else {

@@ -1,6 +1,6 @@
 //! python: work on threads of its own. In: work. Out: its result, or the exception of a signal (Ctrl-C) that came meanwhile.
 
-use crate::errors::Error;
+use crate::errors::Raised;
 use pyo3::prelude::*;
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,7 +16,7 @@ const LOOK: Duration = Duration::from_millis(50);
 pub(crate) fn on_threads<T: Send + 'static>(
     py: Python<'_>,
     threads: usize,
-    work: impl FnOnce() -> Result<T, Error> + Send + 'static,
+    work: impl FnOnce() -> Result<T, Raised> + Send + 'static,
 ) -> PyResult<T> {
     on_threads_until(py, threads, None, work)
 }
@@ -26,9 +26,9 @@ pub(crate) fn on_threads_until<T: Send + 'static>(
     py: Python<'_>,
     threads: usize,
     stop: Option<&AtomicBool>,
-    work: impl FnOnce() -> Result<T, Error> + Send + 'static,
+    work: impl FnOnce() -> Result<T, Raised> + Send + 'static,
 ) -> PyResult<T> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(Error::from)?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(Raised::from)?;
     let (done, mut when) = channel();
     let worker = thread::spawn(move || {
         // Nobody listens any more after a signal.
@@ -42,7 +42,7 @@ pub(crate) fn on_threads_until<T: Send + 'static>(
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => match py.detach(|| worker.join()) {
                 Err(panic) => resume_unwind(panic),
-                Ok(()) => return Err(Error::Study("work ended without a result".to_owned()).into()),
+                Ok(()) => return Err(Raised::Study("work ended without a result".to_owned()).into()),
             },
         }
         if signal.is_ok()

@@ -1,46 +1,66 @@
 //! report: the page of a closing. In: a closing and its figures. Out: HTML.
 
+use crate::chart::Bar;
+use crate::data::data;
+use crate::draw::Look;
 use crate::html::{Cell, escape, page, section, table};
-use crate::svg::{Bar, bars, chart, dots};
+use crate::legend::{key, legend, share};
+use crate::plot::{Plot, Plots};
+use crate::shape::{constants, innovations, moves, noise, sets, warnings};
+use crate::signals::signals;
+use crate::story::story;
+use crate::svg::dots;
 use crate::words::{number, p_value, sentence, with_interval};
 use std::fmt::Write as _;
-use windfall_verify::close::{Closing, EffectLine, Figure, HeldOut, ParameterLine, Topic, Verdict};
+use windfall_verify::close::{Closing, EffectLine, Figure, HeldOut, ParameterLine, SignalTracks, Topic, Verdict};
 
-/// The page of a closing: verdict, errors before and after, effects, rivals, residuals, candidates, parameters, bounds, leads.
-/// Figures may be none.
+/// The page of a closing: story, replay, signals, errors before and after, effects, residuals, innovations, noise, constants,
+/// parameters, candidates, bounds, leads. Figures may be none, tracks may be missing.
 #[must_use]
-pub fn closing_page(c: &Closing, figures: &[Figure]) -> String {
-    page(&format!("{}: loop closed", c.campaign), &closing_body(c, figures))
+pub fn closing_page(c: &Closing, figures: &[Figure], tracks: Option<&SignalTracks>) -> String {
+    let mut plots = Plots::default();
+    let body = closing_body(c, figures, tracks, &mut plots);
+    let named: Vec<(&str, &SignalTracks)> = tracks.iter().map(|t| ("tracks", *t)).collect();
+    page(&format!("{}: loop closed", c.campaign), &body, &data(&named, &plots))
 }
 
 /// Everything below `<main>`.
-pub(crate) fn closing_body(c: &Closing, figures: &[Figure]) -> String {
-    let mut out = head(c);
-    let held = "Parameters as identified; only each run's initial state is estimated from it, and the run is flown again with its \
-                recorded tunnel speed. Force and moment residuals include the sensor noise of the smoothed record. Statistics are \
-                those of the thesis' Table 5.6.";
+pub(crate) fn closing_body(c: &Closing, figures: &[Figure], tracks: Option<&SignalTracks>, plots: &mut Plots) -> String {
+    let mut out = head(c) + &story(c, tracks, plots);
+    out += &tracks.map_or_else(String::new, |t| signals("tracks", t));
+    let held = "Runs that nothing was fitted to: the right column says how much of the error is left. Parameters as identified; only each \
+                run's initial state is estimated from it, and the run is flown again with its recorded tunnel speed. Force and moment \
+                residuals include the sensor noise of the smoothed record. Statistics are those of the thesis' Table 5.6.";
     out += &section("Runs held out: before and after", held, &held_out(c));
-    out += &section("What the declared model lacks", "", &effects(c));
-    out += &topic(figures, Topic::Trajectory, "Runs held out, flown again", "");
-    let lead = "rms of what each model leaves in the coefficients (up to 5 Hz for tunnel runs; position in m for point masses), over what \
-                noise would leave; p: chance of as much or more from noise alone.";
+    let lead = "Look for the blue curve on the grey one, and for errors that do not grow with time.";
+    out += &topic(figures, Topic::Trajectory, "Runs held out, flown again", lead, plots);
+    let lead = "Each effect with its size and what it rests on; a rival is an effect that these data cannot tell from it.";
+    out += &section("What the declared model lacks", lead, &(effects(c) + &sets(c)));
+    let lead = "Compare the columns with that of the noise: a channel is explained when its p-value is not small. rms of what each model \
+                leaves in the channel, over what noise would leave; p: chance of as much or more from noise alone.";
     out += &section("Residual against noise", lead, &residuals(c));
-    out += &topic(figures, Topic::Spectrum, "Residual spectra", "All identified runs joined, each point a band of frequencies.");
-    out += &topic(
-        figures,
-        Topic::Variable,
-        "Residual over the variable that it follows best",
-        "Means over intervals of equal count, of the channels that stand highest above noise.",
-    );
+    let lead = "Look for curves that come down to the dashed line. All identified runs joined, each point a band of frequencies.";
+    out += &topic(figures, Topic::Spectrum, "Residual spectra", lead, plots);
+    out += &innovations(c, plots);
+    let lead =
+        "Look for curves that become flat. Means over intervals of equal count, of the channels that stand highest above noise.";
+    out += &topic(figures, Topic::Variable, "Residual over the variable that it follows best", lead, plots);
     out +=
         &section("What remains, as a lead", "A residual beyond noise that no effect of the catalogue accounts for.", &leads(c));
-    let lead = "Twice the gain of log-likelihood by one step from the declared model, every effect of the catalogue alone; p corrected \
-                for the forms tried. The ranking is confirmed by full fits, and on runs held out.";
-    out += &section("Candidates", lead, &candidates(c));
-    out += &section("Parameters: how they moved", "Declared parameters, with 95 % intervals.", &shifts(c));
+    let lead = "Look for ratios far from one: noise that is not as declared. Colour: correlation from one sample to the next.";
+    out += &section("Noise learnt against noise declared", lead, &noise(c));
+    let lead =
+        "Look for dots away from zero by more than the bar: a constant found elsewhere than declared, in its own uncertainty.";
+    out += &section("Constants found against constants declared", lead, &constants(c, plots));
+    let lead = "Look for dots away from zero: declared parameters that the effects moved, in standard errors before.";
+    out += &section("Parameters: how they moved", lead, &(moves(c, plots) + &shifts(c)));
+    let lead = "Look at what stands out. Twice the gain of log-likelihood by one step from the declared model, every effect of the \
+                catalogue alone; p corrected for the forms tried. The ranking is confirmed by full fits, and on runs held out.";
+    out += &section("Candidates", lead, &candidates(c, plots));
     let lead =
         "How large an effect that was not found could still be and escape: its size stays under the bound with 95 % confidence.";
     out += &section("Bounds on what was not found", lead, &bounds(c));
+    out += &warnings(&tracks.map_or_else(Vec::new, notes));
     let _ = writeln!(
         out,
         "<footer>windfall {}. Chance of naming an effect in a campaign that has none: {} % a round.</footer>",
@@ -48,6 +68,11 @@ pub(crate) fn closing_body(c: &Closing, figures: &[Figure]) -> String {
         100.0 * c.false_alarm_rate
     );
     out
+}
+
+/// What reading the runs had to say.
+fn notes(t: &SignalTracks) -> Vec<String> {
+    t.runs.iter().flat_map(|r| r.notes.iter().map(move |n| format!("{}: {n}", r.name))).collect()
 }
 
 fn head(c: &Closing) -> String {
@@ -64,25 +89,11 @@ fn head(c: &Closing) -> String {
     )
 }
 
-/// Marks by colour what they are; `what` by class.
-fn key(marks: &[(&str, &str)]) -> String {
-    let one = |(class, name): &(&str, &str)| format!("<span class=\"key {class}\"></span>{}", escape(name));
-    format!("<p class=\"note\">{}</p>\n", marks.iter().map(one).collect::<String>())
-}
-
-fn topic(figures: &[Figure], topic: Topic, title: &str, lead: &str) -> String {
-    let own: Vec<&Figure> = figures.iter().filter(|f| f.topic == topic).collect();
-    let drawn: String = own.iter().map(|f| chart(f)).collect();
-    if drawn.is_empty() {
-        return String::new();
-    }
-    let names =
-        [("measured", "measured"), ("before", "declared model"), ("after", "with the effects added"), ("noise", "noise alone")];
-    let used: Vec<(&str, &str)> = names
-        .into_iter()
-        .filter(|(class, _)| own.iter().any(|f| f.series.iter().any(|s| crate::svg::class(s.role) == *class)))
-        .collect();
-    section(title, lead, &format!("{}<div class=\"grid\">{drawn}</div>", key(&used)))
+fn topic(figures: &[Figure], topic: Topic, title: &str, lead: &str, plots: &mut Plots) -> String {
+    let own: Vec<Figure> = figures.iter().filter(|f| f.topic == topic).cloned().collect();
+    let used = legend(&own);
+    let drawn = plots.charts(own);
+    if drawn.is_empty() { String::new() } else { section(title, lead, &format!("{used}<div class=\"grid\">{drawn}</div>")) }
 }
 
 /// A line of the table before and after.
@@ -206,6 +217,10 @@ fn effect(e: &EffectLine) -> String {
         "<p>Chance of such a find anywhere in the catalogue from noise alone: {}. {held}</p>",
         escape(&p_value(e.p_value))
     );
+    if let Some(p) = e.probability {
+        let _ = writeln!(out, "<p>Probability that it is part of the set, given the data and the catalogue: {}.</p>", share(p));
+    }
+    out += &form(e);
     let _ = if e.rivals.is_empty() {
         writeln!(out, "<p>No rival: these data tell it from every other effect.</p>")
     } else {
@@ -218,6 +233,18 @@ fn effect(e: &EffectLine) -> String {
         )
     };
     out
+}
+
+/// Whether the form of an effect holds.
+fn form(e: &EffectLine) -> String {
+    let Some(form) = &e.form else { return String::new() };
+    let word = if form.ok {
+        "<span class=\"better\">Its form holds</span>"
+    } else {
+        "<strong class=\"worse\">Its form fails: the place is right, the dependence is not</strong>"
+    };
+    let checks: Vec<String> = form.checks.iter().map(|c| format!("{} (p = {})", c.what, p_value(c.p_value))).collect();
+    format!("<p>{word}. Held against it: {}.</p>\n", escape(&checks.join("; ")))
 }
 
 fn parameter(p: &ParameterLine) -> Vec<Cell> {
@@ -277,7 +304,7 @@ fn leads(c: &Closing) -> String {
     format!("<ul>{}</ul>\n", c.unexplained.iter().map(one).collect::<String>())
 }
 
-fn candidates(c: &Closing) -> String {
+fn candidates(c: &Closing, plots: &mut Plots) -> String {
     let added = |family: &str| c.effects.iter().any(|e| e.family == family);
     let rival = |family: &str| c.effects.iter().any(|e| e.rivals.iter().any(|r| r == family));
     let mut sorted: Vec<_> = c.candidates.iter().collect();
@@ -288,19 +315,20 @@ fn candidates(c: &Closing) -> String {
             name: k.family.clone(),
             value: k.score,
             note: format!("{}, p {}", number(k.score), p_value(k.p_value)),
-            class: if added(&k.family) {
-                "after-mark"
+            look: if added(&k.family) {
+                Look::After
             } else if rival(&k.family) {
-                "before-mark"
+                Look::Before
             } else {
-                "plain-mark"
+                Look::Plain
             },
         })
         .collect();
     if all.is_empty() {
         return String::new();
     }
-    key(&[("after", "added"), ("before", "rival"), ("plain", "neither")]) + &bars(&all, "score (logarithmic, from 1)")
+    let (title, x_label) = ("Every effect of the catalogue alone".to_owned(), "score (logarithmic, from 1)".to_owned());
+    key(&[("after", "added"), ("before", "rival"), ("plain", "neither")]) + &plots.put(Plot::Bars { title, x_label, bars: all })
 }
 
 fn shifts(c: &Closing) -> String {

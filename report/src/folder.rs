@@ -1,12 +1,18 @@
-//! report: the page of any folder of results. In: results as they were read. Out: HTML; what has no page of its own is laid out as
-//! tables, every list of records one table.
+//! report: the page of any folder of results. In: results as they were read. Out: HTML, and figures as files; what has no page of its own
+//! is laid out as tables.
 
 use crate::closing::closing_body;
-use crate::html::{Cell, escape, page, section, table};
+use crate::data::data;
+use crate::html::{escape, page, section};
+use crate::identification::{identification, resimulation};
+use crate::laid_out::laid_out;
+use crate::paper::{PaperFigure, paper};
+use crate::plot::Plots;
+use crate::signals::signals;
+use crate::statistics::statistics;
 use crate::study::study_body;
-use crate::svg::chart;
-use serde_json::{Map, Value};
-use windfall_verify::close::{Closing, Figure, Role, Series, Topic};
+use serde_json::Value;
+use windfall_verify::close::{Closing, Figure, SignalTracks};
 use windfall_verify::study::Summary;
 
 /// What a folder holds.
@@ -16,6 +22,12 @@ pub struct FolderResults<'a> {
     pub closing: Option<&'a Closing>,
     /// Its figures.
     pub figures: &'a [Figure],
+    /// Its signals.
+    pub tracks: Option<&'a SignalTracks>,
+    /// Coefficients over time of an identification.
+    pub coefficients: Option<&'a SignalTracks>,
+    /// Signals of a re-simulation.
+    pub flights: Option<&'a SignalTracks>,
     /// A study.
     pub study: Option<&'a Summary>,
     /// Any other results: title, then the JSON.
@@ -25,197 +37,94 @@ pub struct FolderResults<'a> {
 /// The page of a folder.
 #[must_use]
 pub fn folder_page(title: &str, results: &FolderResults<'_>) -> String {
-    let closing = results.closing.map(|c| closing_body(c, results.figures));
-    let studied = results.study.map(study_body);
-    let mut body: String = closing.into_iter().chain(studied).collect();
+    let mut plots = Plots::default();
+    let body = body(title, results, &mut plots);
+    let named = [("tracks", results.tracks), ("coefficients", results.coefficients), ("flights", results.flights)];
+    let named: Vec<(&str, &SignalTracks)> = named.into_iter().filter_map(|(id, t)| Some((id, t?))).collect();
+    page(&heading(title, results), &body, &data(&named, &plots))
+}
+
+/// The figures of a folder's page as files, `width_mm` wide.
+#[must_use]
+pub fn folder_figures(title: &str, results: &FolderResults<'_>, width_mm: f64) -> Vec<PaperFigure> {
+    let mut plots = Plots::default();
+    body(title, results, &mut plots);
+    paper(&plots, width_mm)
+}
+
+/// The campaign's name where a result tells it, and what the results are.
+fn heading(title: &str, r: &FolderResults<'_>) -> String {
+    let campaign = r.closing.map(|c| c.campaign.as_str()).or_else(|| {
+        let named = [r.tracks, r.coefficients, r.flights].into_iter().flatten().map(|t| t.campaign.as_str());
+        named.into_iter().find(|n| !n.is_empty())
+    });
+    let named = r.others.iter().find_map(|(_, v)| v.get("name")?.as_str());
+    campaign.or(r.study.map(|s| s.study.as_str())).or(named).unwrap_or(title).to_owned()
+}
+
+fn body(title: &str, results: &FolderResults<'_>, plots: &mut Plots) -> String {
+    let mut body = String::new();
+    if let Some(c) = results.closing {
+        body += &closing_body(c, results.figures, results.tracks, plots);
+    }
+    if let Some(s) = results.study {
+        body += &study_body(s, plots);
+    }
     if body.is_empty() {
-        body = format!("<h1>{}</h1>\n", escape(title));
+        body = format!("<h1>{}</h1>\n", escape(&heading(title, results)));
     }
     for (name, value) in results.others {
-        let mut value = value.clone();
-        let drawn = bands(&mut value);
-        body += &section(name, "", &(drawn + &laid_out(&value, 3)));
-    }
-    page(title, &body)
-}
-
-/// Figures of what has bands: identified coefficients over the angle, re-simulated runs over time. Their series, and the covariance,
-/// are taken out of the value: no one reads them as tables.
-fn bands(value: &mut Value) -> String {
-    let mut figures = Vec::new();
-    for set in value.get_mut("data_sets").and_then(Value::as_array_mut).into_iter().flatten() {
-        let Some(map) = set.as_object_mut() else { continue };
-        map.remove("covariance");
-        let curves = map.remove("curves");
-        // Kinds of run alone are in the file; the page shows all runs together.
-        if map.get("name").and_then(Value::as_str) == Some("combined") {
-            figures.extend(curves.iter().flat_map(|c| c.as_array()).flatten().filter_map(curve));
-        }
-    }
-    for run in value.get_mut("runs").and_then(Value::as_array_mut).into_iter().flatten() {
-        let Some(map) = run.as_object_mut() else { continue };
-        let bands = map.remove("bands");
-        let name = map.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
-        figures.extend(bands.iter().flat_map(|b| b.as_array()).flatten().filter_map(|b| over_time(&name, b)));
-    }
-    if figures.is_empty() {
-        return String::new();
-    }
-    let note = "Shaded, and ± in the titles: 95 % at each point, from the covariance of the estimates. Thick grey: measured.";
-    format!("<p class=\"note\">{note}</p>\n<div class=\"grid\">{}</div>\n", figures.iter().map(chart).collect::<String>())
-}
-
-/// Half the band where it is widest: it may be thinner than the curve.
-fn widest([low, high]: &[Vec<f64>; 2]) -> String {
-    format!(", ± {} at most", crate::number(low.iter().zip(high).map(|(a, b)| 0.5 * (b - a)).fold(0.0, f64::max)))
-}
-
-fn numbers(value: &Value, key: &str) -> Option<Vec<f64>> {
-    value.get(key)?.as_array()?.iter().map(Value::as_f64).collect()
-}
-
-fn curve(c: &Value) -> Option<Figure> {
-    let word = |key: &str| c.get(key).and_then(Value::as_str);
-    let angle = match word("over")? {
-        "alpha" => "α",
-        "beta" => "β",
-        _ => "α_T",
-    };
-    let quantity = word("quantity")?;
-    let band = [numbers(c, "low")?, numbers(c, "high")?];
-    Some(Figure {
-        topic: Topic::Variable,
-        title: format!("{quantity} over {angle}{}", widest(&band)),
-        x_label: format!("{angle}, deg"),
-        y_label: quantity.to_owned(),
-        log_y: false,
-        series: vec![Series { role: Role::After, x: numbers(c, "angle_deg")?, y: numbers(c, "value")?, band: Some(band) }],
-    })
-}
-
-fn over_time(run: &str, b: &Value) -> Option<Figure> {
-    let (title, unit) = match b.get("quantity")?.as_str()? {
-        "theta_deg" => ("Θ", "deg"),
-        _ => ("ω_q,r", "deg/s"),
-    };
-    let t = numbers(b, "t_s")?;
-    let band = [numbers(b, "low")?, numbers(b, "high")?];
-    let measured = Series { role: Role::Measured, x: t.clone(), y: numbers(b, "test")?, band: None };
-    Some(Figure {
-        topic: Topic::Trajectory,
-        title: format!("{run}: {title}{}", widest(&band)),
-        x_label: "time, s".to_owned(),
-        y_label: format!("{title}, {unit}"),
-        log_y: false,
-        series: vec![measured, Series { role: Role::After, x: t, y: numbers(b, "median")?, band: Some(band) }],
-    })
-}
-
-/// A value as HTML: scalars of a record in one table, lists of records as tables, the rest below headings.
-fn laid_out(value: &Value, level: usize) -> String {
-    match value {
-        Value::Object(map) => record(map, level),
-        Value::Array(items) => list(items, level),
-        other => format!("<p>{}</p>\n", escape(&scalar(other).unwrap_or_default())),
-    }
-}
-
-fn record(map: &Map<String, Value>, level: usize) -> String {
-    let rows: Vec<Vec<Cell>> =
-        map.iter().filter_map(|(k, v)| Some(vec![Cell::text(words(k)), Cell::Number(scalar(v)?)])).collect();
-    let mut out = if rows.is_empty() { String::new() } else { table(&["", ""], &rows) };
-    for (k, v) in map.iter().filter(|(_, v)| scalar(v).is_none()) {
-        let body = laid_out(v, level + 1);
-        if !body.is_empty() {
-            let h = level.min(6);
-            out += &format!("<h{h}>{}</h{h}>\n{body}", escape(&words(k)));
-        }
-    }
-    out
-}
-
-fn list(items: &[Value], level: usize) -> String {
-    let records: Vec<&Map<String, Value>> = items.iter().filter_map(Value::as_object).collect();
-    if records.len() < items.len() || records.is_empty() {
-        let all: Vec<String> = items
-            .iter()
-            .map(|v| format!("<li>{}</li>", escape(&v.as_str().map_or_else(|| v.to_string(), str::to_owned))))
-            .collect();
-        return if all.is_empty() { String::new() } else { format!("<ul>{}</ul>\n", all.concat()) };
-    }
-    let mut heads: Vec<&str> = Vec::new();
-    for key in records.iter().flat_map(|r| r.iter().filter(|(_, v)| scalar(v).is_some()).map(|(k, _)| k.as_str())) {
-        if !heads.contains(&key) {
-            heads.push(key);
-        }
-    }
-    // Records that hold records come one below the other; flat ones are a table.
-    let nested = |r: &&Map<String, Value>| r.values().any(|v| scalar(v).is_none());
-    if records.iter().any(nested) {
-        let one = |(k, r): (usize, &&Map<String, Value>)| {
-            let named = ["name", "title", "family"].iter().find_map(|n| r.get(*n).and_then(Value::as_str));
-            let h = level.min(6);
-            format!("<h{h}>{}</h{h}>\n{}", escape(named.unwrap_or(&format!("{}", k + 1))), record(r, level + 1))
+        let own = match value {
+            v if v.get("data_sets").is_some() => identification(v, plots),
+            v if v.get("trajectory").is_some() => resimulation(v, plots),
+            v if v.get("explanations").is_some() => statistics(v, plots),
+            _ => None,
         };
-        return records.iter().enumerate().map(one).collect();
+        body += &own.unwrap_or_else(|| section(name, "", &laid_out(value, 3)));
     }
-    let cell = |v: Option<&Value>| match v {
-        Some(Value::Number(_)) => Cell::Number(v.and_then(scalar).unwrap_or_default()),
-        other => Cell::text(other.and_then(scalar).unwrap_or_default()),
-    };
-    let rows: Vec<Vec<Cell>> = records.iter().map(|r| heads.iter().map(|h| cell(r.get(*h))).collect()).collect();
-    let names: Vec<String> = heads.iter().map(|h| words(h)).collect();
-    table(&names.iter().map(String::as_str).collect::<Vec<_>>(), &rows)
-}
-
-/// Text of a scalar or of a short list of scalars; none for what needs room.
-fn scalar(v: &Value) -> Option<String> {
-    match v {
-        Value::Null => Some("–".to_owned()),
-        Value::Bool(b) => Some(if *b { "yes" } else { "no" }.to_owned()),
-        Value::Number(n) if n.is_f64() => n.as_f64().map(crate::number),
-        Value::Number(n) => Some(n.to_string()),
-        Value::String(s) => Some(s.clone()),
-        Value::Array(a) if (1..=6).contains(&a.len()) && a.iter().all(|v| !v.is_array() && !v.is_object()) => {
-            let all: Option<Vec<String>> = a.iter().map(scalar).collect();
-            let inner = all?.join(", ");
-            Some(if a[0].is_number() { format!("[{inner}]") } else { inner })
-        }
-        _ => None,
-    }
-}
-
-/// A key as words.
-fn words(key: &str) -> String {
-    key.replace('_', " ")
+    body += &results.coefficients.map_or_else(String::new, |t| signals("coefficients", t));
+    body + &results.flights.map_or_else(String::new, |t| signals("flights", t))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn identified() -> Value {
+        serde_json::json!({"method": "output-error", "reason": "noise is all there is", "warnings": ["run <a>: bridged"],
+            "data_sets": [{"name": "combined", "runs": ["<r>"], "condition_number": 3.0, "n_samples": 10, "covariance": [[123.456]],
+            "fits": [{"coefficient": "CA", "r2": 0.99, "residual_std": 0.1, "residual_whiteness_p": 0.5}],
+            "parameters": [{"coefficient": "CA", "name": "CA_T0", "estimate": 6.662, "std_error": 0.01, "rse_percent": 0.15,
+                "ci95": [6.642, 6.682], "std_error_white": 0.01}],
+            "curves": [{"quantity": "C_A", "over": "alpha_T", "angle_deg": [0.0, 10.0, 20.0], "value": [6.6, 6.5, 6.2],
+                "low": [6.5, 6.4, 6.0], "high": [6.7, 6.6, 6.4]}]}]})
+    }
+
     #[test]
-    fn law_bands_are_drawn_and_their_series_not_laid_out() {
-        let value = serde_json::json!({"data_sets": [{"name": "combined", "covariance": [[123.456]], "curves": [{
-            "quantity": "C_A", "over": "alpha_T", "angle_deg": [0.0, 10.0, 20.0], "value": [6.6, 6.5, 6.2], "low": [6.5, 6.4, 6.0],
-            "high": [6.7, 6.6, 6.4]}]}]});
-        let page = folder_page("r", &FolderResults { others: &[("Identification".to_owned(), value)], ..Default::default() });
-        assert!(page.contains("C_A over α_T, ± 0.2000 at most") && page.contains("class=\"band after\""), "{page}");
+    fn law_an_identification_has_a_page() {
+        let others = [("Identification".to_owned(), identified())];
+        let results = FolderResults { others: &others, ..Default::default() };
+        let page = folder_page("r", &results);
+        for text in
+            ["C_A over α_T, ± 0.2000 at most", "band after", "6.642", "noise is all there is", "&lt;r&gt;", "run &lt;a&gt;"]
+        {
+            assert!(page.contains(text), "{text}");
+        }
         assert!(!page.contains("123.4"), "a covariance is no table to read");
+        // Estimates, one for the coefficient; the curve.
+        let figures = folder_figures("r", &results, 86.0);
+        assert_eq!(figures.len(), 2);
+        assert!(figures.iter().all(|f| f.svg.contains("width=\"86mm\"") && f.pdf.starts_with(b"%PDF-1.4")));
     }
 
     #[test]
     fn law_any_result_is_laid_out_and_escaped() {
-        let value = serde_json::json!({
-            "method": "equation-error", "n": 3, "ci95": [1.0, 2.0],
-            "data_sets": [{"name": "<combined>", "parameters": [{"name": "CA_T0", "estimate": 6.662}]}],
-            "warnings": [], "series": [[1.0], [2.0]]
-        });
-        let page =
-            folder_page("results", &FolderResults { others: &[("identification".to_owned(), value)], ..Default::default() });
-        for text in ["equation-error", "[1.000, 2.000]", "&lt;combined&gt;", "CA_T0", "6.662"] {
+        let value =
+            serde_json::json!({"verdict": "<pass>", "n": 3, "ci95": [1.0, 2.0], "checks": [{"name": "energy", "bound": 6.662}]});
+        let page = folder_page("results", &FolderResults { others: &[("Checks".to_owned(), value)], ..Default::default() });
+        for text in ["&lt;pass&gt;", "[1.000, 2.000]", "energy", "6.662"] {
             assert!(page.contains(text), "{text}");
         }
-        assert!(!page.contains("<combined>"));
+        assert!(!page.contains("<pass>"));
     }
 }

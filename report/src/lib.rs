@@ -1,14 +1,29 @@
-//! report: figures and the page. In: results of `verify`, series for figures. Out: one self-contained HTML page.
+//! report: figures and the page. In: results of `verify`, series for figures. Out: one self-contained HTML page; figures as files.
 //!
 //! Nothing is computed here but ratios of what a result holds and places on paper: a page shows a result, it never adds to it.
 
+mod chart;
 mod closing;
+mod data;
+mod draw;
 mod folder;
 mod html;
+mod identification;
+mod laid_out;
+mod legend;
+mod paper;
+mod pdf;
+mod plot;
+mod scale;
+mod shape;
+mod signals;
+mod statistics;
+mod story;
 mod study;
 mod svg;
 mod words;
 
 pub use closing::closing_page;
-pub use folder::{FolderResults, folder_page};
+pub use folder::{FolderResults, folder_figures, folder_page};
+pub use paper::{PaperFigure, WIDTH_MM};
 pub use words::{number, p_value, sentence, with_interval};

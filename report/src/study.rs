@@ -1,8 +1,10 @@
 //! report: a study's page. In: its summary. Out: HTML; for every method where its errors lie and whether its intervals hold them.
 
+use crate::chart::Range;
+use crate::draw::Look;
 use crate::html::{Cell, escape, section, table};
 use crate::number;
-use crate::svg::{Range, ranges};
+use crate::plot::{Plot, Plots};
 use windfall_verify::study::{NumberLine, ParameterSummary, Rate, Summary};
 
 /// Share of the draws that a stated interval should cover, and the number of standard errors that it reaches.
@@ -10,7 +12,7 @@ const STATED: f64 = 0.95;
 const REACH: f64 = 1.96;
 
 /// The body of a study's page.
-pub(crate) fn study_body(s: &Summary) -> String {
+pub(crate) fn study_body(s: &Summary, plots: &mut Plots) -> String {
     let mut out = format!("<h1>{}</h1>\n<p class=\"lead\">{}</p>\n", escape(&s.study), escape(&lead(s)));
     let mut methods: Vec<&str> = Vec::new();
     for p in &s.parameters {
@@ -20,11 +22,15 @@ pub(crate) fn study_body(s: &Summary) -> String {
     }
     for method in methods {
         let own: Vec<&ParameterSummary> = s.parameters.iter().filter(|p| p.method == method).collect();
-        out += &section(method, "", &(errors(&own, &s.numbers) + &coverage(&own) + &parameters(&own)));
+        out += &section(
+            method,
+            "Errors should lie inside the outer marks, and coverage bars should reach the mark at 0.95.",
+            &(errors(&own, &s.numbers, plots) + &coverage(&own, plots) + &parameters(&own)),
+        );
     }
     let rates: Vec<Range> = s.rates.iter().filter(|r| !r.name.ends_with(".covered")).filter_map(|r| share(r, &r.name)).collect();
     let lead = "Dot: share of draws. Bar: its 95 % interval (Clopper and Pearson).";
-    out += &section("How often", lead, &ranges("Share of draws", &rates, &[], "share"));
+    out += &section("How often", lead, &ranges(plots, "Share of draws", rates, &[], "share"));
     let words = s.words.iter().flat_map(|w| w.counts.iter().map(move |c| (w.name.as_str(), c)));
     let rows: Vec<Vec<Cell>> = words.map(|(w, c)| vec![Cell::text(w), Cell::text(&c.name), Cell::Number(of(c))]).collect();
     out += &section("Words", "", &some(&["column", "word", "draws"], &rows));
@@ -37,6 +43,10 @@ fn lead(s: &Summary) -> String {
     let early =
         if s.stopped_early { format!(" of {} ordered: the stopping rule was content", s.draws_ordered) } else { String::new() };
     format!("{} draws{early}, seed {}; {} failed.", s.draws, s.seed, s.failures.any.count)
+}
+
+fn ranges(plots: &mut Plots, title: &str, ranges: Vec<Range>, marks: &[f64], x_label: &str) -> String {
+    plots.put(Plot::Ranges { title: title.to_owned(), x_label: x_label.to_owned(), marks: marks.to_vec(), ranges })
 }
 
 fn some(heads: &[&str], rows: &[Vec<Cell>]) -> String {
@@ -52,7 +62,7 @@ fn name(p: &ParameterSummary) -> String {
 }
 
 /// Quantiles of the errors over the mean stated standard error; over their scatter where no error is stated.
-fn errors(own: &[&ParameterSummary], numbers: &[NumberLine]) -> String {
+fn errors(own: &[&ParameterSummary], numbers: &[NumberLine], plots: &mut Plots) -> String {
     let one = |p: &&ParameterSummary| {
         let column = format!("{}.{}.{}.error", p.method, p.coefficient, p.name);
         let line = numbers.iter().find(|n| n.name == column)?;
@@ -64,20 +74,21 @@ fn errors(own: &[&ParameterSummary], numbers: &[NumberLine]) -> String {
             inner: Some([at(0.25)?, at(0.75)?]),
             dot: at(0.5)?,
             note: format!("bias {}", number(p.bias)),
+            look: Look::After,
         })
     };
     let rows: Vec<Range> = own.iter().filter_map(one).collect();
     let label = "error in stated standard errors: median, half and 95 % of the draws";
-    ranges("Errors: inside the outer marks where stated errors are true", &rows, &[-REACH, 0.0, REACH], label)
+    ranges(plots, "Errors: inside the outer marks where stated errors are true", rows, &[-REACH, 0.0, REACH], label)
 }
 
-fn coverage(own: &[&ParameterSummary]) -> String {
+fn coverage(own: &[&ParameterSummary], plots: &mut Plots) -> String {
     let rows: Vec<Range> = own.iter().filter_map(|p| share(&p.coverage, &name(p))).collect();
-    ranges("Coverage of the stated 95 % intervals", &rows, &[STATED], "share of draws, with its 95 % interval")
+    ranges(plots, "Coverage of the stated 95 % intervals", rows, &[STATED], "share of draws, with its 95 % interval")
 }
 
 fn share(r: &Rate, name: &str) -> Option<Range> {
-    Some(Range { name: name.to_owned(), ends: r.ci95?, inner: None, dot: r.rate?, note: of(r) })
+    Some(Range { name: name.to_owned(), ends: r.ci95?, inner: None, dot: r.rate?, note: of(r), look: Look::After })
 }
 
 fn parameters(own: &[&ParameterSummary]) -> String {
@@ -120,13 +131,14 @@ mod tests {
                     {"p": 0.75, "value": 0.7}, {"p": 0.975, "value": 2.0}]}]
         }))
         .expect("a summary");
-        let body = study_body(&summary);
+        let mut plots = Plots::default();
+        let body = study_body(&summary, &mut plots);
         for text in ["noise &lt;1&gt;", "40 draws", "36 of 39", "fell &amp; broke", "0.1250", "Coverage"] {
             assert!(body.contains(text), "{text} in {body}");
         }
-        // Errors from −2 to 2: zero is the middle of the axis, from 200 to 610.
-        assert_eq!(body.matches("M405.0 0V").count(), 1, "the mark at zero");
-        assert!(body.contains("cx=\"405.0\""), "the median on it");
+        // Errors from −2 to 2: the median, zero, lies on the middle mark.
+        let Plot::Ranges { ranges, marks, .. } = &plots.all[0] else { panic!("errors first") };
+        assert_eq!((ranges[0].ends, ranges[0].dot, marks[1]), ([-2.0, 2.0], 0.0, 0.0));
         assert!(!body.contains("How often"), "no rates, no section");
     }
 }

@@ -1,18 +1,20 @@
 //! scenarios: campaign files. In: a path. Out: a checked campaign with its runs read, or every fault.
 
-use crate::error::{ReadError, text_of};
+use crate::error::ReadError;
 use crate::keys;
 use crate::limits;
+use crate::open::text_of;
 use crate::own::{self, Own};
 use crate::plant::{Declared, read_declared};
-use crate::point::{Down, read_own_track};
+use crate::point::{Asked, Down, read_own_track};
+use crate::point_body::{self, InputSource, RunOwn};
 use crate::record::read_own_pieces;
 use crate::scenario::{declared_effects, run_exists, used};
 use crate::table::{Source, Table, number};
 use crate::units;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use windfall_model::{Acts, Campaign, Data, Effect, Knowledge, Role, Run, Use};
+use windfall_model::{Acts, Campaign, Data, Effect, Knowledge, Measured, Role, Run, Use};
 
 /// What `[[run]]` says, before its file is read.
 struct RunEntry {
@@ -21,7 +23,8 @@ struct RunEntry {
     kind: String,
     used: Use,
     window_s: Option<[f64; 2]>,
-    inputs: BTreeMap<String, f64>,
+    inputs: BTreeMap<String, InputSource>,
+    own: RunOwn,
     columns: Own,
     span: std::ops::Range<usize>,
 }
@@ -52,7 +55,7 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
     let down = down_of(&file, declared.as_ref());
     let entries = entries(&file, declared.as_ref().is_some_and(|d| d.point_mass));
     let inputs = inputs_of(&source, &entries);
-    let acts = if declared.as_ref().is_some_and(|d| d.point_mass) { Acts::PointMass } else { Acts::Lander };
+    let acts = declared.as_ref().filter(|d| d.point_mass).map_or(Acts::Lander, |d| d.plant.point.body());
     let effects = declared_effects(&file, acts, &inputs);
     // Run files are read against the sensors and the plant, so the tables must be right first.
     let Some(declared) = declared.filter(|_| !source.has_faults()) else {
@@ -98,6 +101,14 @@ fn down_of(file: &Table<'_>, declared: Option<&Declared>) -> Option<Down> {
         }
         return None;
     }
+    let pivoted = declared.is_some_and(|d| d.plant.point.pivot.is_some());
+    if pivoted {
+        if let Some(t) = file.has("axes").then(|| file.table("axes", &keys::AXES)).flatten() {
+            let what = "an angle about a pivot has no axes";
+            t.source.fault(Some(t.span.clone()), "[axes]", "", what, "remove the table");
+        }
+        return None;
+    }
     if !file.has("axes") {
         let what = "is missing: which axis of the files points down";
         file.source.fault(None, "[axes] down", "", what, "[axes]\ndown = \"-Z\"");
@@ -119,7 +130,8 @@ fn entries(file: &Table<'_>, point: bool) -> Vec<RunEntry> {
                 kind: t.text("kind"),
                 used: used(t),
                 window_s: window_of(t),
-                inputs: input_values(t),
+                inputs: input_values(t, point),
+                own: point_body::run_own(t, point),
                 columns: own::read(t, point).unwrap_or_else(|| all_runs.clone()),
                 span: t.span.clone(),
             }
@@ -154,7 +166,7 @@ fn window_of(t: &Table<'_>) -> Option<[f64; 2]> {
     Some(window)
 }
 
-fn input_values(t: &Table<'_>) -> BTreeMap<String, f64> {
+fn input_values(t: &Table<'_>, point: bool) -> BTreeMap<String, InputSource> {
     let mut all = BTreeMap::new();
     let Some(at) = t.has("inputs").then(|| t.value("inputs")).flatten() else { return all };
     let Some(table) = at.get_ref().as_table() else {
@@ -162,14 +174,8 @@ fn input_values(t: &Table<'_>) -> BTreeMap<String, f64> {
         return all;
     };
     for (key, value) in table {
-        match number(value).filter(|x| x.is_finite()) {
-            Some(x) => {
-                all.insert(key.get_ref().to_string(), x);
-            }
-            None => {
-                let path = format!("{}.{}", t.full("inputs"), key.get_ref());
-                t.source.fault(Some(value.span()), path, t.source.snippet(value.span()), "must be a finite number", "a number");
-            }
+        if let Some(read) = point_body::input(t, key.get_ref(), value, point) {
+            all.insert(key.get_ref().to_string(), read);
         }
     }
     all
@@ -204,11 +210,29 @@ fn check_files_exist(source: &Source<'_>, entries: &[RunEntry]) {
 
 fn read_run(e: &RunEntry, declared: &Declared, down: Option<Down>, inputs: &[String]) -> Result<Vec<Run>, ReadError> {
     let stem = crate::formats::stem(&e.path).unwrap_or_else(|| e.file.clone());
-    let values: Vec<f64> = inputs.iter().filter_map(|n| e.inputs.get(n).copied()).collect();
-    let run = |name: String, data, notes| Run { name, kind: e.kind.clone(), used: e.used, inputs: values.clone(), data, notes };
-    if let Some(down) = down {
-        let (track, notes) = read_own_track(&e.path, &e.columns, down, declared.plant.sensors.position_std_m, e.window_s)?;
-        return Ok(vec![run(stem, Data::Point(track), notes)]);
+    let constant = |n: &String| match e.inputs.get(n)? {
+        InputSource::Constant(x) => Some(*x),
+        InputSource::Column { .. } => Some(0.0),
+    };
+    let mut values: Vec<f64> = inputs.iter().filter_map(constant).collect();
+    let run = |values: &[f64], name: String, data, notes| Run {
+        name,
+        kind: e.kind.clone(),
+        used: e.used,
+        inputs: values.to_vec(),
+        data,
+        notes,
+    };
+    if declared.point_mass {
+        let (mut track, notes) = read_own_track(&e.path, &e.columns, &asked(e, declared, down, inputs))?;
+        track.own_departures = e.own.departures(&declared.plant);
+        track.drag_over_mach.clone_from(&e.own.drag);
+        track.recording.clone_from(&e.own.recording);
+        // What is constant of a recorded input is its mean, for whoever does not follow it row by row.
+        for (place, series) in &track.recorded_inputs {
+            values[*place] = series.iter().sum::<f64>() / series.len().max(1) as f64;
+        }
+        return Ok(vec![run(&values, stem, Data::Point(track), notes)]);
     }
     let pieces = read_own_pieces(&e.path, &e.columns, &declared.plant.sensors, e.window_s)?;
     let faults: Vec<_> = pieces.iter().flat_map(|p| units::physics_faults(&e.path, &p.record, &declared.plant)).collect();
@@ -221,9 +245,29 @@ fn read_run(e: &RunEntry, declared: &Declared, down: Option<Down>, inputs: &[Str
         .enumerate()
         .map(|(i, mut p)| {
             p.notes.extend(units::warnings(&p.record));
-            run(if many { format!("{stem}-{}", letters(i)) } else { stem.clone() }, Data::Tunnel(p.record), p.notes)
+            run(&values, if many { format!("{stem}-{}", letters(i)) } else { stem.clone() }, Data::Tunnel(p.record), p.notes)
         })
         .collect())
+}
+
+/// What a run's file is read for.
+fn asked<'a>(e: &'a RunEntry, declared: &Declared, down: Option<Down>, inputs: &[String]) -> Asked<'a> {
+    let sensors = &declared.plant.sensors;
+    let column = |(i, n): (usize, &String)| match e.inputs.get(n)? {
+        InputSource::Column { name, zero, one } => Some((i, name.as_str(), [*zero, *one])),
+        InputSource::Constant(_) => None,
+    };
+    Asked {
+        measured: declared.measured,
+        down: down.unwrap_or(Down { axis: 0, negative: false }),
+        std: match declared.measured {
+            Measured::Position => sensors.position_std_m,
+            Measured::SpecificForce => sensors.specific_force_std_m_s2,
+            Measured::Angle => sensors.angle_std_rad,
+        },
+        window_s: e.window_s,
+        inputs: inputs.iter().enumerate().filter_map(column).collect(),
+    }
 }
 
 /// a, b, ..., z, aa, ab, ...

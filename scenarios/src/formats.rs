@@ -110,7 +110,7 @@ fn guarded<T>(decode: impl FnOnce() -> Result<T, Reason>) -> Result<T, Reason> {
 }
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
-    crate::error::regular(path)?;
+    crate::open::regular(path)?;
     std::fs::read(path).map_err(|reason| {
         let (path, folder) = (path.to_owned(), path.is_dir());
         if folder { ReadError::Folder { path } } else { ReadError::Open { path, reason } }

@@ -1,15 +1,14 @@
 //! scenarios: draws of a part under way. In: rows as they come. Out: one checked line each, so that a killed process loses only the
 //! draws it was at.
 
-use crate::scenario::fnv1a;
+use crate::hash::fnv1a;
+use crate::store_error::StoreError;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
-use windfall_model::study::{Cell, Column, Kind, Row};
-
-use crate::store::StoreError;
+use windfall_model::study::{Cell, CellKind, Column, Row};
 
 /// A row with its numbers as bits, which text gives back exactly.
 #[derive(Serialize, Deserialize)]
@@ -43,9 +42,9 @@ fn row_of(line: &str, columns: &[Column]) -> Option<Row> {
     }
     let stored: Stored = serde_json::from_str(text).ok()?;
     let cell = |(c, column): (StoredCell, &Column)| match (c, column.kind) {
-        (StoredCell::N(x), Kind::Number) => Some(Cell::Number(x.map(f64::from_bits))),
-        (StoredCell::F(x), Kind::Flag) => Some(Cell::Flag(x)),
-        (StoredCell::W(w), Kind::Word) => Some(Cell::Word(w)),
+        (StoredCell::N(x), CellKind::Number) => Some(Cell::Number(x.map(f64::from_bits))),
+        (StoredCell::F(x), CellKind::Flag) => Some(Cell::Flag(x)),
+        (StoredCell::W(w), CellKind::Word) => Some(Cell::Word(w)),
         _ => None,
     };
     let cells: Vec<Cell> = stored.c.into_iter().zip(columns).map(cell).collect::<Option<_>>()?;

@@ -2,65 +2,15 @@
 
 mod columns;
 mod planet;
+pub(crate) mod spec;
 
 use crate::limits;
 pub(crate) use columns::{COLUMN, COLUMNS, COLUMNS_ATTITUDE, COLUMNS_AXES};
 pub(crate) use planet::{
     ATMOSPHERE_PLANET, ENVIRONMENT_PLANET, FLIGHT_PLANET, INITIAL, PLANET_FILE, VEHICLE_PLANET, WIND_PLANET,
 };
+pub(crate) use spec::{Key, Kind, TableSpec};
 use windfall_model::PLANT_NUMBERS;
-
-/// What a key holds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Kind {
-    /// A number.
-    Number,
-    /// A whole number.
-    Integer,
-    /// So many numbers.
-    Numbers(usize),
-    /// Any number of numbers, two at least.
-    Series,
-    /// Text.
-    Text,
-    /// One of these words.
-    Choice(&'static [&'static str]),
-    /// true or false.
-    Bool,
-    /// A list of words.
-    Words,
-    /// One of these words, or a table.
-    WordOrTable(&'static [&'static str]),
-    /// A column of a run file: a name, a number or a table.
-    Column,
-    /// A table with keys of its own, read by its own rules.
-    Table,
-    /// A list of tables.
-    Tables,
-}
-
-/// One key.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Key {
-    pub(crate) name: &'static str,
-    pub(crate) kind: Kind,
-    /// `-` for none.
-    pub(crate) unit: &'static str,
-    /// Smallest and largest allowed value, inclusive.
-    pub(crate) range: [f64; 2],
-    pub(crate) needed: bool,
-    pub(crate) meaning: &'static str,
-}
-
-/// One table of a file.
-#[derive(Debug)]
-pub(crate) struct TableSpec {
-    /// Its path in the file.
-    pub(crate) path: &'static str,
-    pub(crate) meaning: &'static str,
-    /// Empty: keys are not fixed (parameters by name).
-    pub(crate) keys: &'static [Key],
-}
 
 const fn num(name: &'static str, unit: &'static str, low: f64, high: f64, meaning: &'static str) -> Key {
     Key { name, kind: Kind::Number, unit, range: [low, high], needed: true, meaning }
@@ -135,6 +85,7 @@ pub(crate) static CAMPAIGN_FILE: TableSpec = TableSpec {
         other("vehicle", Kind::Table, "mass side"),
         optional(other("tether", Kind::Table, "safety tether; absent: free flight")),
         optional(other("axes", Kind::Table, "axes of a point mass' files")),
+        optional(other("pivot", Kind::Table, "pivot that holds a point mass; absent: it flies")),
         other("environment", Kind::Table, "gravity and gas"),
         other("sensors", Kind::Table, "noise of the instruments"),
         optional(other("uncertainty", Kind::Table, "standard uncertainties of declared numbers, [uncertainty.<table>]")),
@@ -208,8 +159,69 @@ pub(crate) static ENVIRONMENT_SCENARIO: TableSpec = TableSpec {
 };
 pub(crate) static ENVIRONMENT_POINT: TableSpec = TableSpec {
     path: "environment",
-    meaning: "Gravity and still air (point mass).",
-    keys: &[plant("environment.gravity_m_s2"), plant("environment.air_density_kg_m3")],
+    meaning: "Gravity and still air (point mass): one density, or an atmosphere over height.",
+    keys: &[
+        plant("environment.gravity_m_s2"),
+        optional(Key {
+            meaning: "density of the air; with an atmosphere that at the launch, and the atmosphere's own where it is absent",
+            ..plant("environment.air_density_kg_m3")
+        }),
+        optional(other(
+            "atmosphere",
+            Kind::WordOrTable(&["us-1976", "venus"]),
+            "how the air thins and cools over height: U.S. Standard Atmosphere 1976, Venus (Seiff and others 1985), or a file as in planet \
+             scenarios; absent: the same density everywhere",
+        )),
+        optional(plant("environment.launch_height_m")),
+    ],
+};
+pub(crate) static PIVOT: TableSpec = TableSpec {
+    path: "pivot",
+    meaning: "A pivot with a level axis that holds a point mass (a pendulum), as declared. The runs have `angle_deg` from hanging down.",
+    keys: &[plant("pivot.arm_m"), plant("pivot.inertia_kg_m2"), plant("pivot.viscous_n_m_s")],
+};
+pub(crate) static UNCERTAINTY_PIVOT: TableSpec = TableSpec {
+    path: "uncertainty.pivot",
+    meaning: "Standard uncertainties of the pivot.",
+    keys: &[uncertain("pivot.arm_m"), uncertain("pivot.inertia_kg_m2"), uncertain("pivot.viscous_n_m_s")],
+};
+pub(crate) static AERO_TABLE: TableSpec = TableSpec {
+    path: "aero.point_mass.CD",
+    meaning: "C_D of a point mass as a table, linear between its points and held beyond their ends. The parameter is then `CD_scale`, a \
+              factor on the table that starts at 1: fitted where `declared` names it or is absent, 1 otherwise. Either `at` and `values`, \
+              or a file with the columns `mach` and `CD`. It needs an [environment] atmosphere, for the speed of sound.",
+    keys: &[
+        other("over", Kind::Choice(&["mach"]), "variable of the table"),
+        optional(Key { range: [0.0, 100.0], ..other("at", Kind::Series, "values of the variable, ascending") }),
+        optional(Key { range: [-1e3, 1e3], ..other("values", Kind::Series, "C_D there") }),
+        optional(other("file", Kind::Text, "columns mach (ascending) and CD; .csv or .parquet, beside this file")),
+    ],
+};
+pub(crate) static RUN_VEHICLE: TableSpec = TableSpec {
+    path: "run.vehicle",
+    meaning: "What this run's body (point mass) has otherwise than [vehicle].",
+    keys: &[optional(plant("vehicle.mass_kg")), optional(plant("vehicle.reference_diameter_m"))],
+};
+pub(crate) static RUN_ENVIRONMENT: TableSpec = TableSpec {
+    path: "run.environment",
+    meaning: "What this run's air (point mass) has otherwise than [environment]. With a launch height of its own and no density, the density \
+              is the campaign's in the proportion of the atmosphere at both.",
+    keys: &[optional(plant("environment.air_density_kg_m3")), optional(plant("environment.launch_height_m"))],
+};
+pub(crate) static RUN_AERO: TableSpec = TableSpec {
+    path: "run.aero",
+    meaning: "This run's table of C_D (point mass), in place of the campaign's; the factor is common.",
+    keys: &[other("CD", Kind::Table, "a table as in [aero.point_mass]")],
+};
+pub(crate) static INPUT: TableSpec = TableSpec {
+    path: "run.inputs.<input>",
+    meaning: "An input that the run file has row by row (point mass): (value - zero)/(one - zero) of a column; between two rows their mean \
+              acts. A column's name alone is read as it stands.",
+    keys: &[
+        other("column", Kind::Text, "column of the run file"),
+        optional(num("zero", "-", -1e12, 1e12, "what the column has where the input is 0; 0 when absent")),
+        optional(num("one", "-", -1e12, 1e12, "what the column has where the input is 1; 1 when absent")),
+    ],
 };
 pub(crate) static SENSORS: TableSpec = TableSpec {
     path: "sensors",
@@ -224,8 +236,20 @@ pub(crate) static SENSORS: TableSpec = TableSpec {
 };
 pub(crate) static SENSORS_POINT: TableSpec = TableSpec {
     path: "sensors",
-    meaning: "Standard deviation of the tracking (point mass).",
-    keys: &[plant("sensors.position_std_m"), NOISE],
+    meaning: "What measured a point mass, and its standard deviation: exactly one of position, specific force and angle. Position: any of \
+              X_m, Y_m, Z_m, the vertical one among them. Specific force: any of fX_m_s2, fY_m_s2, fZ_m_s2 (an accelerometer on a body that \
+              keeps its attitude; zero in free fall in a vacuum), with an offset of its own in every run. Angle: angle_deg, with [pivot].",
+    keys: &[
+        optional(plant("sensors.position_std_m")),
+        optional(plant("sensors.specific_force_std_m_s2")),
+        optional(plant("sensors.angle_std_deg")),
+        optional(other(
+            "height",
+            Kind::Choice(&["tracked", "pressure"]),
+            "pressure: heights are a pressure altimeter's, whose vents may see the dynamic pressure; tracked when absent",
+        )),
+        NOISE,
+    ],
 };
 pub(crate) static UNCERTAINTY: TableSpec = TableSpec {
     path: "uncertainty",
@@ -234,6 +258,7 @@ pub(crate) static UNCERTAINTY: TableSpec = TableSpec {
     keys: &[
         optional(other("vehicle", Kind::Table, "of [vehicle]")),
         optional(other("tether", Kind::Table, "of [tether]")),
+        optional(other("pivot", Kind::Table, "of [pivot]")),
         optional(other("environment", Kind::Table, "of [environment]")),
         optional(other("sensors", Kind::Table, "of [sensors], and of what the instruments do to the truth")),
         optional(other("aero", Kind::Table, "of the starting values in [aero.<name>], before the runs")),
@@ -284,7 +309,11 @@ pub(crate) static UNCERTAINTY_ENVIRONMENT: TableSpec = TableSpec {
 pub(crate) static UNCERTAINTY_ENVIRONMENT_POINT: TableSpec = TableSpec {
     path: "uncertainty.environment",
     meaning: "Standard uncertainties of gravity and still air (point mass).",
-    keys: &[uncertain("environment.gravity_m_s2"), uncertain("environment.air_density_kg_m3")],
+    keys: &[
+        uncertain("environment.gravity_m_s2"),
+        uncertain("environment.air_density_kg_m3"),
+        uncertain("environment.launch_height_m"),
+    ],
 };
 pub(crate) static UNCERTAINTY_SENSORS: TableSpec = TableSpec {
     path: "uncertainty.sensors",
@@ -302,8 +331,8 @@ pub(crate) static UNCERTAINTY_SENSORS: TableSpec = TableSpec {
 };
 pub(crate) static UNCERTAINTY_SENSORS_POINT: TableSpec = TableSpec {
     path: "uncertainty.sensors",
-    meaning: "Standard uncertainty of the tracking's noise (point mass).",
-    keys: &[uncertain("sensors.position_std_m")],
+    meaning: "Standard uncertainties of the noise, and of systematic errors of the instruments, which are declared to be zero (point mass).",
+    keys: &[uncertain("sensors.position_std_m"), uncertain("sensors.length_scale"), uncertain("sensors.time_base")],
 };
 pub(crate) static UNCERTAINTY_AERO: TableSpec = TableSpec {
     path: "uncertainty.aero.<name>",
@@ -338,7 +367,19 @@ pub(crate) static RUN: TableSpec = TableSpec {
             needed: false,
             meaning: "part of the file that is used, [from, to] in the file's time",
         }),
-        optional(other("inputs", Kind::Table, "known settings of this run, name = number")),
+        optional(other(
+            "inputs",
+            Kind::Table,
+            "known settings of this run, name = number; of a point mass also name = \"column\" or { column, zero, one }",
+        )),
+        optional(other("vehicle", Kind::Table, "this run's body where it is not the campaign's (point mass)")),
+        optional(other("environment", Kind::Table, "this run's air where it is not the campaign's (point mass)")),
+        optional(other("aero", Kind::Table, "this run's drag where it is not the campaign's (point mass)")),
+        optional(other(
+            "recording",
+            Kind::Text,
+            "recording that this run is a window of (point mass); windows of one recording are not independent",
+        )),
         optional(other("columns", Kind::Table, "[columns] of this run's file, in place of the campaign's")),
     ],
 };
@@ -663,6 +704,8 @@ pub(crate) static ALL: [(&str, &[&TableSpec]); 5] = [
             &AXES,
             &ENVIRONMENT,
             &ENVIRONMENT_POINT,
+            &ATMOSPHERE_PLANET,
+            &PIVOT,
             &SENSORS,
             &SENSORS_POINT,
             &UNCERTAINTY,
@@ -670,14 +713,20 @@ pub(crate) static ALL: [(&str, &[&TableSpec]); 5] = [
             &UNCERTAINTY_INERTIA,
             &UNCERTAINTY_VEHICLE_POINT,
             &UNCERTAINTY_TETHER,
+            &UNCERTAINTY_PIVOT,
             &UNCERTAINTY_ENVIRONMENT,
             &UNCERTAINTY_ENVIRONMENT_POINT,
             &UNCERTAINTY_SENSORS,
             &UNCERTAINTY_SENSORS_POINT,
             &UNCERTAINTY_AERO,
             &AERO,
+            &AERO_TABLE,
             &CAMPAIGN_EFFECTS,
             &RUN,
+            &INPUT,
+            &RUN_VEHICLE,
+            &RUN_ENVIRONMENT,
+            &RUN_AERO,
             &COLUMNS,
             &COLUMN,
             &COLUMNS_AXES,

@@ -6,27 +6,31 @@ mod read;
 mod unit;
 
 pub(crate) use attitude::SEQUENCES;
-use attitude::{Attitude, Axes};
+use attitude::{Attitude, OwnAxes};
 pub(crate) use read::read;
-use unit::{Quantity, Unit};
+use unit::{ColumnUnit, UnitQuantity};
 
 use crate::columns::{Columns, fault, some_of};
 use crate::error::{Fault, ReadError};
 use std::path::Path;
 
 /// The columns of a run file and what each is.
-pub(crate) const OURS: [(&str, Quantity); 11] = [
-    ("t_s", Quantity::Time),
-    ("X_m", Quantity::Length),
-    ("Y_m", Quantity::Length),
-    ("Z_m", Quantity::Length),
-    ("Rx_deg", Quantity::Angle),
-    ("Ry_deg", Quantity::Angle),
-    ("Rz_deg", Quantity::Angle),
-    ("qW_Pa", Quantity::Pressure),
-    ("ps_Pa", Quantity::Pressure),
-    ("VW_m_s", Quantity::Speed),
-    ("Ts_K", Quantity::Temperature),
+pub(crate) const OURS: [(&str, UnitQuantity); 15] = [
+    ("t_s", UnitQuantity::Time),
+    ("X_m", UnitQuantity::Length),
+    ("Y_m", UnitQuantity::Length),
+    ("Z_m", UnitQuantity::Length),
+    ("Rx_deg", UnitQuantity::Angle),
+    ("Ry_deg", UnitQuantity::Angle),
+    ("Rz_deg", UnitQuantity::Angle),
+    ("qW_Pa", UnitQuantity::Pressure),
+    ("ps_Pa", UnitQuantity::Pressure),
+    ("VW_m_s", UnitQuantity::Speed),
+    ("Ts_K", UnitQuantity::Temperature),
+    ("fX_m_s2", UnitQuantity::Acceleration),
+    ("fY_m_s2", UnitQuantity::Acceleration),
+    ("fZ_m_s2", UnitQuantity::Acceleration),
+    ("angle_deg", UnitQuantity::Angle),
 ];
 const POSITION: [&str; 3] = ["X_m", "Y_m", "Z_m"];
 const ANGLES: [&str; 3] = ["Rx_deg", "Ry_deg", "Rz_deg"];
@@ -36,7 +40,7 @@ const MAY_BE_CONSTANT: [&str; 3] = ["ps_Pa", "VW_m_s", "Ts_K"];
 /// Where one of our columns comes from.
 #[derive(Clone, Debug, PartialEq)]
 enum Origin {
-    Column { name: String, unit: Unit },
+    Column { name: String, unit: ColumnUnit },
     Constant(f64),
 }
 
@@ -44,7 +48,7 @@ enum Origin {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Own {
     origins: Vec<(&'static str, Origin)>,
-    axes: Axes,
+    axes: OwnAxes,
     attitude: Option<Attitude>,
 }
 
@@ -125,7 +129,7 @@ impl Own {
             };
             let word = file.names().iter().position(|n| n == name).and_then(|i| file.units.get(i)).map_or("", String::as_str);
             let word = word.trim_matches(['[', ']', '(', ')']);
-            if Unit::of(quantity, word).is_some_and(|u| u.factor() != unit.factor()) {
+            if ColumnUnit::of(quantity, word).is_some_and(|u| u.factor() != unit.factor()) {
                 let what = format!("is the unit that the file gives for {name}, which is read in {}", unit.word);
                 let remedy = format!("[columns] {ours} = {{ name = \"{name}\", unit = \"{word}\" }}, or a right row of units");
                 all.push(fault(path, None, ours, word, &what, &remedy));
@@ -135,14 +139,14 @@ impl Own {
     }
     /// Positions and attitude in tunnel and body axes.
     fn turn(&self, path: &Path, file: &Columns, ours: &mut Columns) -> Result<(), ReadError> {
-        if self.axes != Axes::default()
+        if self.axes != OwnAxes::default()
             && let [Some(x), Some(y), Some(z)] = POSITION.map(|n| ours.get(n).map(<[f64]>::to_vec))
         {
             POSITION.iter().zip(self.axes.tunnel([x, y, z])).for_each(|(n, c)| ours.put(n, c));
         }
         let angles = match &self.attitude {
             Some(attitude) => Some(attitude.angles_deg(file, self.axes)),
-            None if self.axes != Axes::default() => match ANGLES.map(|n| ours.get(n).map(<[f64]>::to_vec)) {
+            None if self.axes != OwnAxes::default() => match ANGLES.map(|n| ours.get(n).map(<[f64]>::to_vec)) {
                 [Some(a), Some(b), Some(c)] => Some(Ok((attitude::turned_deg([a, b, c], self.axes), None))),
                 _ => None,
             },

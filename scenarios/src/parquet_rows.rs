@@ -12,7 +12,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{ColumnPath, PrimitiveTypeBuilder, Type};
 use std::io::Write;
 use std::sync::Arc;
-use windfall_model::study::{Cell, Column, Kind, Row};
+use windfall_model::study::{Cell, CellKind, Column, Row};
 
 /// Name of the first column, the draw's number.
 pub(crate) const DRAW: &str = "draw";
@@ -25,9 +25,9 @@ fn schema(columns: &[Column]) -> Result<Type> {
     let mut fields = vec![Arc::new(field(DRAW, Physical::INT64, Repetition::REQUIRED).build()?)];
     for c in columns {
         let built = match c.kind {
-            Kind::Number => field(&c.name, Physical::DOUBLE, Repetition::OPTIONAL).build()?,
-            Kind::Flag => field(&c.name, Physical::BOOLEAN, Repetition::OPTIONAL).build()?,
-            Kind::Word => {
+            CellKind::Number => field(&c.name, Physical::DOUBLE, Repetition::OPTIONAL).build()?,
+            CellKind::Flag => field(&c.name, Physical::BOOLEAN, Repetition::OPTIONAL).build()?,
+            CellKind::Word => {
                 field(&c.name, Physical::BYTE_ARRAY, Repetition::REQUIRED).with_logical_type(Some(LogicalType::String)).build()?
             }
         };
@@ -49,7 +49,7 @@ impl<W: Write + Send> RowWriter<W> {
             .set_dictionary_enabled(false)
             .set_offset_index_disabled(true)
             .set_statistics_enabled(EnabledStatistics::Chunk);
-        for c in columns.iter().filter(|c| c.kind == Kind::Word) {
+        for c in columns.iter().filter(|c| c.kind == CellKind::Word) {
             properties = properties.set_column_dictionary_enabled(ColumnPath::new(vec![c.name.clone()]), true);
         }
         let file = SerializedFileWriter::new(sink, Arc::new(schema(columns)?), Arc::new(properties.build()))?;
@@ -129,9 +129,9 @@ pub(crate) fn decode(columns: &[Column], bytes: Vec<u8>) -> Result<Vec<Row>> {
 pub(crate) fn columns_of<R: ChunkReader + 'static>(file: &SerializedFileReader<R>) -> Result<Vec<Column>> {
     let schema = file.metadata().file_metadata().schema_descr();
     let kind = |physical| match physical {
-        Physical::DOUBLE => Ok(Kind::Number),
-        Physical::BOOLEAN => Ok(Kind::Flag),
-        Physical::BYTE_ARRAY => Ok(Kind::Word),
+        Physical::DOUBLE => Ok(CellKind::Number),
+        Physical::BOOLEAN => Ok(CellKind::Flag),
+        Physical::BYTE_ARRAY => Ok(CellKind::Word),
         _ => Err(ParquetError::General("has a column that no study has".to_owned())),
     };
     let one = |i| Ok(Column { name: schema.column(i).name().to_owned(), kind: kind(schema.column(i).physical_type())? });
@@ -175,7 +175,11 @@ fn count(group: &dyn RowGroupReader) -> usize {
 }
 
 /// Cells of the column at this place of the file.
-pub(crate) fn column<R: ChunkReader + 'static>(file: &SerializedFileReader<R>, place: usize, kind: Kind) -> Result<Vec<Cell>> {
+pub(crate) fn column<R: ChunkReader + 'static>(
+    file: &SerializedFileReader<R>,
+    place: usize,
+    kind: CellKind,
+) -> Result<Vec<Cell>> {
     let mut all = Vec::new();
     each_cell(file, place, kind, &mut |cell| all.push(cell))?;
     Ok(all)
@@ -185,7 +189,7 @@ pub(crate) fn column<R: ChunkReader + 'static>(file: &SerializedFileReader<R>, p
 pub(crate) fn each_cell<R: ChunkReader + 'static>(
     file: &SerializedFileReader<R>,
     place: usize,
-    kind: Kind,
+    kind: CellKind,
     see: &mut dyn FnMut(Cell),
 ) -> Result<()> {
     for group in 0..file.num_row_groups() {
@@ -193,17 +197,17 @@ pub(crate) fn each_cell<R: ChunkReader + 'static>(
         let rows = count(group.as_ref());
         let mut levels = Vec::new();
         match (group.get_column_reader(place)?, kind) {
-            (ColumnReader::DoubleColumnReader(mut r), Kind::Number) => {
+            (ColumnReader::DoubleColumnReader(mut r), CellKind::Number) => {
                 let mut values: Vec<f64> = Vec::new();
                 r.read_records(rows, Some(&mut levels), None, &mut values)?;
                 join(values, &levels).for_each(|x| see(Cell::Number(x)));
             }
-            (ColumnReader::BoolColumnReader(mut r), Kind::Flag) => {
+            (ColumnReader::BoolColumnReader(mut r), CellKind::Flag) => {
                 let mut values: Vec<bool> = Vec::new();
                 r.read_records(rows, Some(&mut levels), None, &mut values)?;
                 join(values, &levels).for_each(|x| see(Cell::Flag(x)));
             }
-            (ColumnReader::ByteArrayColumnReader(mut r), Kind::Word) => {
+            (ColumnReader::ByteArrayColumnReader(mut r), CellKind::Word) => {
                 let mut values: Vec<ByteArray> = Vec::new();
                 r.read_records(rows, None, None, &mut values)?;
                 for v in values {
@@ -227,7 +231,7 @@ mod tests {
 
     pub(crate) fn table() -> (Vec<Column>, Vec<Row>) {
         let column = |name: &str, kind| Column { name: name.to_owned(), kind };
-        let columns = vec![column("failure", Kind::Word), column("a.b.c", Kind::Number), column("seen", Kind::Flag)];
+        let columns = vec![column("failure", CellKind::Word), column("a.b.c", CellKind::Number), column("seen", CellKind::Flag)];
         let odd = [0.1 + 0.2, -0.0, f64::MIN_POSITIVE / 4.0, f64::MAX];
         let cells = |i: usize| {
             vec![

@@ -1,9 +1,12 @@
 //! scenarios: planet scenarios. In: a path. Out: planet, body and flights, or every fault.
 
-use crate::error::{ReadError, text_of};
-use crate::formats::read_columns;
+use crate::error::ReadError;
+use crate::hash::fnv1a;
+use crate::names::name_of_file;
+use crate::numerics::numerics;
+use crate::open::text_of;
 use crate::plant::inertia;
-use crate::scenario::{fnv1a, name_of_file, numerics};
+use crate::profile::{atmosphere, rows};
 use crate::structure::read_aero;
 use crate::table::{Source, Table};
 use crate::{keys, limits};
@@ -11,13 +14,10 @@ use std::path::Path;
 use toml::de::DeTable;
 use windfall_model::frames::Vec3;
 use windfall_model::planet::{
-    Air, Atmosphere, AtmosphereTable, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario, Reference, Spheroid,
-    Start, WindTable, Winds,
+    FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario, Reference, Spheroid, WindTable, Winds,
 };
 use windfall_model::{ApparentMass, Inertia, Numerics, Structure, Vehicle};
 
-/// Columns of an atmosphere file.
-pub(crate) const ATMOSPHERE_COLUMNS: [&str; 4] = ["height_m", "pressure_Pa", "temperature_K", "gas_constant_J_kg_K"];
 /// Columns of a wind file.
 pub(crate) const WIND_COLUMNS: [&str; 3] = ["height_m", "north_m_s", "east_m_s"];
 
@@ -41,6 +41,10 @@ pub struct PlanetFile {
 pub(crate) fn is_planet(text: &str) -> bool {
     let (root, _) = DeTable::parse_recoverable(text);
     let root = root.get_ref();
+    // A campaign of bodies without attitude may have an atmosphere, and has runs.
+    if root.contains_key("run") {
+        return false;
+    }
     let environment = root.get("environment").and_then(|v| v.get_ref().as_table());
     let flights = root.get("flight").map(toml::Spanned::get_ref);
     let starts = |v: &toml::de::DeValue<'_>| v.as_table().is_some_and(|t| t.contains_key("initial"));
@@ -193,24 +197,6 @@ fn gravity(t: &Table<'_>) -> Option<Gravity> {
     })
 }
 
-fn atmosphere(t: &Table<'_>) -> Option<Atmosphere> {
-    match t.word_or_table("atmosphere", &keys::ATMOSPHERE_PLANET)? {
-        Ok(0) => Some(Atmosphere::Us1976),
-        Ok(_) => Some(Atmosphere::Venus),
-        Err(table) => {
-            let rows = rows(&table, ATMOSPHERE_COLUMNS, |[_, p, temperature, r]| {
-                (p > 0.0 && temperature > 0.0 && r > 0.0)
-                    .then_some(())
-                    .ok_or("pressure, temperature and gas constant must be above zero")
-            })?;
-            let air = |[h, pressure_pa, temperature_k, gas_constant_j_kg_k]: [f64; 4]| {
-                (h, Air { pressure_pa, temperature_k, gas_constant_j_kg_k })
-            };
-            AtmosphereTable::new(rows.into_iter().map(air).collect()).map(Atmosphere::Table)
-        }
-    }
-}
-
 fn wind(t: &Table<'_>) -> Option<Winds> {
     let w = t.table("wind", &keys::WIND_PLANET)?;
     let (north, east) = (w.number_if("north_m_s"), w.number_if("east_m_s"));
@@ -229,77 +215,6 @@ fn wind(t: &Table<'_>) -> Option<Winds> {
     };
     let (north, east) = (part("north_m_s", north), part("east_m_s", east));
     Some(Winds::Steady { north_m_s: north?, east_m_s: east? })
-}
-
-/// Rows of the table's `file`, beside the scenario file: every cell finite, the first column ascending, two rows or more, each sound.
-fn rows<const N: usize>(
-    t: &Table<'_>,
-    names: [&str; N],
-    sound: impl Fn([f64; N]) -> Result<(), &'static str>,
-) -> Option<Vec<[f64; N]>> {
-    let word = t.text("file");
-    if word.is_empty() {
-        return None;
-    }
-    let path = limits::beside(t.source, t.value("file"), &t.full("file"), &word);
-    if t.source.has_faults() {
-        return None;
-    }
-    let columns = match read_columns(&path) {
-        Ok(columns) => columns,
-        Err(ReadError::Faults(faults)) => {
-            t.source.add(&faults);
-            return None;
-        }
-        Err(e) => {
-            t.source.fault(t.at("file"), t.full("file"), word, e.to_string(), "a path beside this file");
-            return None;
-        }
-    };
-    let mut faults = Vec::new();
-    let mut say = |line: Option<usize>, key: &str, value: &str, what: &str| {
-        faults.push(crate::columns::fault(&path, line, key, value, what, &format!("columns {}", names.join(", "))));
-    };
-    for name in columns.names().iter().filter(|n| !names.contains(&n.as_str())) {
-        say(Some(1), "column", name, "is not known here");
-    }
-    for name in names.iter().filter(|n| columns.get(n).is_none()) {
-        say(Some(1), name, "", "column is missing");
-    }
-    let all: Vec<[f64; N]> = (0..columns.rows()).map(|i| names.map(|n| columns.get(n).map_or(f64::NAN, |c| c[i]))).collect();
-    if faults.is_empty() {
-        for (i, row) in all.iter().enumerate() {
-            let mut say = |key: &str, value: f64, what: &str| {
-                faults.push(crate::columns::fault(
-                    &path,
-                    Some(columns.lines[i]),
-                    key,
-                    &value.to_string(),
-                    what,
-                    "correct the row",
-                ));
-            };
-            if let Some(k) = row.iter().position(|x| !x.is_finite()) {
-                say(names[k], row[k], "must be a finite number");
-            } else if i > 0 && row[0] <= all[i - 1][0] {
-                say(names[0], row[0], &format!("must be above {}, the height of the row before: heights ascend", all[i - 1][0]));
-            } else if let Err(what) = sound(*row) {
-                say(names[0], row[0], what);
-            }
-        }
-        if all.len() < 2 {
-            faults.push(crate::columns::fault(
-                &path,
-                None,
-                "rows",
-                &all.len().to_string(),
-                "must be two or more",
-                "more heights",
-            ));
-        }
-    }
-    t.source.add(&faults);
-    faults.is_empty().then_some(all)
 }
 
 fn flight(t: &Table<'_>, point: bool, numerics: Numerics) -> Option<PlanetFlight> {
@@ -327,7 +242,7 @@ fn flight(t: &Table<'_>, point: bool, numerics: Numerics) -> Option<PlanetFlight
     Some(PlanetFlight { name, duration_s, rate_hz, start, numerics })
 }
 
-fn start(t: &Table<'_>, point: bool) -> Start {
+fn start(t: &Table<'_>, point: bool) -> FlightStart {
     let height_m = t.number("height_m");
     if height_m < 0.0 {
         let what = "is below the surface: heights are over the ellipsoid, upward";
@@ -343,7 +258,7 @@ fn start(t: &Table<'_>, point: bool) -> Start {
             [0.0; 3]
         }
     };
-    Start {
+    FlightStart {
         place: Geodetic {
             latitude_rad: t.number("latitude_deg").to_radians(),
             longitude_rad: t.number("longitude_deg").to_radians(),

@@ -2,7 +2,8 @@
 
 use crate::columns::write_columns_csv;
 use crate::error::WriteError;
-use crate::planet::{ATMOSPHERE_COLUMNS, GRAVITIES, PlanetFile, WIND_COLUMNS};
+use crate::planet::{GRAVITIES, PlanetFile, WIND_COLUMNS};
+use crate::profile::ATMOSPHERE_COLUMNS;
 use crate::toml_out::{Toml, aero_table, degrees_of, digits, inertia_line, numerics_table, write_structure_beside};
 use crate::write::text_atomically;
 use std::fmt::Write as _;

@@ -1,13 +1,14 @@
 //! scenarios: the tables that campaign and scenario files share. In: open tables. Out: parts of a plant, in SI and rad.
 
 use crate::keys;
+use crate::point_body;
 use crate::structure::{DeclaredAero, read_aero};
 use crate::table::Table;
 use crate::uncertainty::read_uncertainty;
 use windfall_model::frames::Vec3;
 use windfall_model::{
-    ApparentMass, Environment, Inertia, Knowledge, MeanFlow, Plant, PointMass, Sensors, Structure, Tether, Turbulence, Vehicle,
-    WakeShedding,
+    ApparentMass, Environment, Inertia, Knowledge, MeanFlow, Measured, Plant, PointMass, Sensors, Structure, Tether, Turbulence,
+    Vehicle, WakeShedding,
 };
 
 /// A plant as declared, with what the file says besides.
@@ -18,6 +19,8 @@ pub(crate) struct Declared {
     pub(crate) knowledge: Knowledge,
     pub(crate) structure_file: Option<String>,
     pub(crate) point_mass: bool,
+    /// What the runs of a point mass measured.
+    pub(crate) measured: Measured,
     /// Static pressure (Pa) and temperature (K), in scenario files.
     pub(crate) air: [f64; 2],
 }
@@ -33,9 +36,18 @@ pub(crate) fn read_declared(file: &Table<'_>, scenario: bool) -> Option<Declared
     }
     let vehicle = if point_mass { vehicle_point(file) } else { vehicle(file, scenario) };
     let tether = tether(file, point_mass);
-    let (environment, air, density) = environment(file, scenario, point_mass);
-    let (sensors, exact_noise) = sensors(file, point_mass).unzip();
-    let DeclaredAero { aero, declared, structure_file } = aero?;
+    let mut point = PointMass::default();
+    let (environment, air) = environment(file, scenario, point_mass.then_some(&mut point));
+    let read = if point_mass { point_body::sensors(file, &mut point) } else { sensors(file) };
+    if point_mass {
+        point.pivot = point_body::pivot(file);
+    } else if file.has("pivot") {
+        file.source.fault(file.at("pivot"), "[pivot]", "", "holds a body without attitude", "[aero.point_mass]");
+    }
+    let DeclaredAero { aero, mut declared, structure_file, drag_over_mach } = aero?;
+    point.drag_over_mach = drag_over_mach;
+    point_body::fits(file, &point);
+    let (sensors, measured, exact_noise) = read?;
     let plant = Plant {
         vehicle: vehicle?,
         aero,
@@ -45,12 +57,15 @@ pub(crate) fn read_declared(file: &Table<'_>, scenario: bool) -> Option<Declared
         shedding: WakeShedding::default(),
         contacts: Vec::new(),
         environment: environment?,
-        sensors: sensors?,
-        point: PointMass { air_density_kg_m3: density, ..PointMass::default() },
+        sensors,
+        point,
     };
-    let mut knowledge = Knowledge { exact_noise: exact_noise?, ..Knowledge::default() };
+    let mut knowledge = Knowledge { exact_noise, ..Knowledge::default() };
     read_uncertainty(file, &plant, point_mass, &mut knowledge);
-    Some(Declared { plant, declared, knowledge, structure_file, point_mass, air })
+    if point_mass {
+        point_body::prior_of_drag(&mut declared, &plant, &mut knowledge);
+    }
+    Some(Declared { plant, declared, knowledge, structure_file, point_mass, measured, air })
 }
 
 fn vehicle(file: &Table<'_>, scenario: bool) -> Option<Vehicle> {
@@ -146,38 +161,33 @@ fn tether(file: &Table<'_>, point_mass: bool) -> Option<Tether> {
     ))
 }
 
-/// Environment, state of the air of a scenario (NaN otherwise) and density of a point mass' air (zero otherwise).
-fn environment(file: &Table<'_>, scenario: bool, point_mass: bool) -> (Option<Environment>, [f64; 2], f64) {
-    let spec = match (scenario, point_mass) {
+/// Environment, and the state of the air of a scenario (NaN otherwise); of a point mass its air goes into `point`.
+fn environment(file: &Table<'_>, scenario: bool, point: Option<&mut PointMass>) -> (Option<Environment>, [f64; 2]) {
+    let spec = match (scenario, point.is_some()) {
         (true, _) => &keys::ENVIRONMENT_SCENARIO,
         (false, true) => &keys::ENVIRONMENT_POINT,
         (false, false) => &keys::ENVIRONMENT,
     };
-    let Some(t) = file.table("environment", spec) else { return (None, [f64::NAN; 2], 0.0) };
-    let gravity_m_s2 = t.number("gravity_m_s2");
-    if point_mass {
-        // A point mass' density is given, so the gas constant plays no part.
-        let environment = Environment { gravity_m_s2, gas_constant_j_kg_k: f64::NAN };
-        return (Some(environment), [f64::NAN; 2], t.number("air_density_kg_m3"));
+    let Some(t) = file.table("environment", spec) else { return (None, [f64::NAN; 2]) };
+    if let Some(point) = point {
+        return (Some(point_body::environment(&t, point)), [f64::NAN; 2]);
     }
-    let environment = Environment { gravity_m_s2, gas_constant_j_kg_k: t.number("gas_constant_j_kg_k") };
+    let environment =
+        Environment { gravity_m_s2: t.number("gravity_m_s2"), gas_constant_j_kg_k: t.number("gas_constant_j_kg_k") };
     let air = if scenario { [t.number("static_pressure_pa"), t.number("static_temperature_k")] } else { [f64::NAN; 2] };
-    (Some(environment), air, 0.0)
+    (Some(environment), air)
 }
 
-/// Instruments, and whether their noise is exact.
-fn sensors(file: &Table<'_>, point_mass: bool) -> Option<(Sensors, bool)> {
-    let t = file.table("sensors", if point_mass { &keys::SENSORS_POINT } else { &keys::SENSORS })?;
+/// Instruments of a body with attitude, and whether their noise is exact.
+fn sensors(file: &Table<'_>) -> Option<(Sensors, Measured, bool)> {
+    let t = file.table("sensors", &keys::SENSORS)?;
     let exact = t.has("noise") && t.choice("noise") == Some(1);
-    let position = Sensors { position_std_m: t.number("position_std_m"), ..Sensors::default() };
-    if point_mass {
-        return Some((position, exact));
-    }
     let all = Sensors {
+        position_std_m: t.number("position_std_m"),
         roll_std_rad: t.number("roll_std_deg").to_radians(),
         pitch_yaw_std_rad: t.number("pitch_yaw_std_deg").to_radians(),
         wind_std_m_s: t.number("wind_std_m_s"),
-        ..position
+        ..Sensors::default()
     };
-    Some((all, exact))
+    Some((all, Measured::Position, exact))
 }

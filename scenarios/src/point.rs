@@ -8,7 +8,7 @@ use crate::own::Own;
 use crate::record::{spike_note, times};
 use crate::units::median;
 use std::path::Path;
-use windfall_model::PointRecord;
+use windfall_model::{Measured, PointRecord};
 
 /// Fewest samples of a track.
 const FEWEST: usize = 8;
@@ -38,6 +38,37 @@ impl Down {
     }
 }
 
+/// What a track's file is read for.
+pub(crate) struct Asked<'a> {
+    pub(crate) measured: Measured,
+    pub(crate) down: Down,
+    /// Stated standard deviation, in the unit of what was measured.
+    pub(crate) std: f64,
+    pub(crate) window_s: Option<[f64; 2]>,
+    /// Inputs that the file has row by row: their place, column, and what it has at 0 and 1.
+    pub(crate) inputs: Vec<(usize, &'a str, [f64; 2])>,
+}
+
+impl Asked<'_> {
+    /// Names of its columns, and the one that it cannot be without.
+    fn columns(&self) -> ([&'static str; 3], &'static str) {
+        let all = match self.measured {
+            Measured::Position => COLUMNS,
+            Measured::SpecificForce => ["fX_m_s2", "fY_m_s2", "fZ_m_s2"],
+            Measured::Angle => return (["angle_deg", "", ""], "angle_deg"),
+        };
+        (all, all[self.down.axis])
+    }
+    /// Largest median of a column, and its unit.
+    fn limit(&self) -> (f64, &'static str) {
+        match self.measured {
+            Measured::Position => (1e5, "metres"),
+            Measured::SpecificForce => (1e4, "m/s2"),
+            Measured::Angle => (1e5, "degrees"),
+        }
+    }
+}
+
 /// Reads a track: `t_s` and any of `X_m, Y_m, Z_m`, the vertical one among them; times may be uneven. Rows that lack a value
 /// are dropped and counted; spikes beyond six robust standard deviations of the local fit, and of the declared
 /// `position_std_m`, are removed. Notes say so.
@@ -50,56 +81,69 @@ pub fn read_track(
     position_std_m: f64,
     window_s: Option<[f64; 2]>,
 ) -> Result<(PointRecord, Vec<String>), ReadError> {
-    read_own_track(path, &Own::default(), down, position_std_m, window_s)
+    let asked = Asked { measured: Measured::Position, down, std: position_std_m, window_s, inputs: Vec::new() };
+    read_own_track(path, &Own::default(), &asked)
 }
 
-/// The same for a file whose columns are its owner's.
-pub(crate) fn read_own_track(
-    path: &Path,
-    own: &Own,
-    down: Down,
-    position_std_m: f64,
-    window_s: Option<[f64; 2]>,
-) -> Result<(PointRecord, Vec<String>), ReadError> {
+/// The same for any measurement, and for a file whose columns are its owner's.
+pub(crate) fn read_own_track(path: &Path, own: &Own, asked: &Asked<'_>) -> Result<(PointRecord, Vec<String>), ReadError> {
     let mut columns = own.apply(path, read_columns(path)?)?;
     let mut notes = std::mem::take(&mut columns.notes);
     let one =
         |key: &str, value: &str, what: &str, remedy: &str| ReadError::Faults(vec![fault(path, None, key, value, what, remedy)]);
-    for needed in ["t_s", COLUMNS[down.axis]] {
+    let (names, vertical) = asked.columns();
+    let needed = ["t_s", vertical].into_iter().chain(asked.inputs.iter().map(|(_, c, _)| *c));
+    for needed in needed {
         if columns.get(needed).is_none() {
             let what = format!("column is missing; the file has {}", some_of(columns.names()));
-            return Err(one(needed, "", &what, "t_s and the column of the vertical axis that [axes] down names"));
+            let remedy = "t_s, the column of the vertical axis that [axes] down names (or angle_deg), and the columns of inputs";
+            return Err(one(needed, "", &what, remedy));
         }
     }
-    let present: Vec<&str> = COLUMNS.into_iter().filter(|c| columns.get(c).is_some()).collect();
+    let inputs = asked.inputs.iter().map(|(_, c, _)| *c);
+    let present: Vec<&str> = names.into_iter().filter(|c| columns.get(c).is_some()).chain(inputs).collect();
     let complete: Vec<bool> =
         (0..columns.rows()).map(|i| present.iter().all(|c| columns.get(c).is_some_and(|x| x[i].is_finite()))).collect();
     let lost = complete.iter().filter(|c| !**c).count();
     if lost > 0 {
-        notes.push(format!("{lost} rows with a missing position dropped"));
+        let what = if asked.measured == Measured::Position { "position" } else { "value" };
+        notes.push(format!("{lost} rows with a missing {what} dropped"));
         columns.retain(&complete);
     }
-    let mut t_s = times(path, &mut columns, window_s, &mut notes)?;
+    let mut t_s = times(path, &mut columns, asked.window_s, &mut notes)?;
     if t_s.len() < FEWEST {
         let what = format!("a track needs {FEWEST} samples or more");
         return Err(one("samples", &t_s.len().to_string(), &what, "a longer track, or a wider window_s"));
     }
     let interval_s = median(&t_s.windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>());
-    let mut file_axes: [Option<Vec<f64>>; 3] = COLUMNS.map(|c| columns.get(c).map(<[f64]>::to_vec));
-    for (name, axis) in COLUMNS.iter().zip(&mut file_axes) {
+    let mut file_axes: [Option<Vec<f64>>; 3] = names.map(|c| columns.get(c).map(<[f64]>::to_vec));
+    let (limit, unit) = asked.limit();
+    let per_unit = if asked.measured == Measured::Angle { asked.std.to_degrees() } else { asked.std };
+    for (name, axis) in names.iter().zip(&mut file_axes) {
         let Some(x) = axis else { continue };
-        if median(x).abs() > 1e5 {
-            return Err(one(name, &format!("{:.3} (median)", median(x)), "must be within 1e5 m", "metres"));
+        if median(x).abs() > limit {
+            return Err(one(name, &format!("{:.3} (median)", median(x)), &format!("must be within {limit:e} {unit}"), unit));
         }
-        notes.extend(remove_spikes(&t_s, x, interval_s, position_std_m).iter().map(|s| spike_note(name, t_s[s.index], s)));
+        notes.extend(remove_spikes(&t_s, x, interval_s, per_unit).iter().map(|s| spike_note(name, t_s[s.index], s)));
     }
     let good: Vec<bool> = (0..t_s.len()).map(|i| file_axes.iter().flatten().all(|x| x[i].is_finite())).collect();
     let keep = |x: &mut Vec<f64>| *x = x.iter().zip(&good).filter(|(_, g)| **g).map(|(v, _)| *v).collect();
     keep(&mut t_s);
     file_axes.iter_mut().flatten().for_each(keep);
-    let position_m =
-        down.tunnel_from_file().map(|(axis, sign)| file_axes[axis].as_ref().map(|x| x.iter().map(|v| sign * v).collect()));
-    Ok((PointRecord { t_s, position_m }, notes))
+    let recorded = |(place, column, [zero, one]): &(usize, &str, [f64; 2])| {
+        let mut u: Vec<f64> = columns.get(column).unwrap_or(&[]).iter().map(|x| (x - zero) / (one - zero)).collect();
+        keep(&mut u);
+        (*place, u)
+    };
+    let recorded_inputs = asked.inputs.iter().map(recorded).collect();
+    let position_m = if asked.measured == Measured::Angle {
+        file_axes.map(|axis| axis.map(|x| x.into_iter().map(f64::to_radians).collect()))
+    } else {
+        let turned = |(axis, sign): (usize, f64)| file_axes[axis].as_ref().map(|x| x.iter().map(|v| sign * v).collect());
+        asked.down.tunnel_from_file().map(turned)
+    };
+    let record = PointRecord { t_s, position_m, measured: asked.measured, recorded_inputs, ..PointRecord::default() };
+    Ok((record, notes))
 }
 
 #[cfg(test)]

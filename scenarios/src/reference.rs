@@ -17,6 +17,46 @@ pub fn key_reference() -> String {
     text
 }
 
+/// What one key of the files means.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KeyMeaning {
+    /// Kind of file.
+    pub file: &'static str,
+    /// Its table, empty at the top.
+    pub table: &'static str,
+    /// Name.
+    pub name: &'static str,
+    /// Unit, `-` for none.
+    pub unit: &'static str,
+    /// What is allowed, in words.
+    pub allowed: String,
+    /// Whether it has to be there.
+    pub needed: bool,
+    /// Meaning.
+    pub meaning: &'static str,
+}
+
+/// Every key of that name, in whichever file and table; `vehicle.mass_kg` is the one of a table.
+#[must_use]
+pub fn meanings(word: &str) -> Vec<KeyMeaning> {
+    let (table, name) = word.rsplit_once('.').map_or((None, word), |(t, n)| (Some(t), n));
+    let mut all = Vec::new();
+    for (file, tables) in ALL {
+        for t in tables.iter().filter(|t| table.is_none_or(|wanted| t.path == wanted)) {
+            all.extend(t.keys.iter().filter(|k| k.name == name).map(|k| KeyMeaning {
+                file,
+                table: t.path,
+                name: k.name,
+                unit: k.unit,
+                allowed: allowed(k),
+                needed: k.needed,
+                meaning: k.meaning,
+            }));
+        }
+    }
+    all
+}
+
 fn table_text(text: &mut String, t: &TableSpec) {
     let place = if t.path.is_empty() { "top level".to_owned() } else { format!("`[{}]`", t.path) };
     let _ = write!(text, "\n### {place}\n\n{}\n", t.meaning);

@@ -52,7 +52,8 @@ const AXES: [(&str, &str); 4] = [
 /// Everything that is no table of keys.
 pub(crate) fn lists(text: &mut String) {
     text.push_str(
-        "\n## Run file\n\nCSV or Parquet, one row per sample. A point mass (`[aero.point_mass]`) has `t_s` and positions only.\n",
+        "\n## Run file\n\nCSV or Parquet, one row per sample. A point mass (`[aero.point_mass]`) has `t_s` and any of X_m, Y_m, Z_m, or of fX_m_s2, fY_m_s2, \
+         fZ_m_s2 (specific force), or angle_deg (on a pivot).\n",
     );
     text.push_str("\n| column | unit | needed | meaning |\n|---|---|---|---|\n");
     RUN_COLUMNS.iter().for_each(|(n, u, y, m)| text.push_str(&format!("| `{n}` | {u} | {y} | {m} |\n")));
@@ -74,7 +75,13 @@ fn columns(text: &mut String, title: &str, all: &[(&str, &str, &str)]) {
 }
 
 fn effect(text: &mut String, e: &Effect) {
-    let acts = if e.acts == Acts::PointMass { " (point mass)" } else { "" };
+    let acts = match e.acts {
+        Acts::PointMass => " (point mass)",
+        Acts::Altimeter => " (point mass with a pressure altimeter)",
+        Acts::Pivot => " (point mass on a pivot)",
+        Acts::PointOrPivot => " (point mass, free or on a pivot)",
+        Acts::Lander | Acts::Any => "",
+    };
     let _ = write!(text, "\n### `{}`{acts}\n\n{} Source: {}.\n", e.family, e.physics, e.source);
     text.push_str("\n| parameter | unit | allowed | kind |\n|---|---|---|---|\n");
     // A campaign with inputs of runs has one parameter for each: `<input>` stands for its name.

@@ -1,15 +1,19 @@
 //! scenarios: scenario files. In: a path or bundled text. Out: a checked scenario with what its resolved file needs, or every fault.
 
-use crate::error::{ReadError, text_of};
+use crate::error::ReadError;
+use crate::hash::fnv1a;
 use crate::keys;
 use crate::limits;
+use crate::names::name_of_file;
+use crate::numerics::numerics;
+use crate::open::text_of;
 use crate::plant::{Declared, read_declared};
 use crate::table::{Source, Table, allowed_range, nearest, number};
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 use windfall_model::effects::{self, Acts, Role};
 use windfall_model::{
-    CATALOGUE, Effect, Flight, Knowledge, Method, Numerics, Operator, Plant, Release, Scenario, TestSection, TunnelSpeed, Use,
+    CATALOGUE, Effect, Flight, Knowledge, Numerics, Operator, Plant, Release, Scenario, TestSection, TunnelSpeed, Use,
 };
 
 /// Seed of a scenario that gives none.
@@ -122,19 +126,6 @@ fn parse(path: &Path, text: &str, input: &str) -> Result<ScenarioFile, ReadError
         }
     });
     source.finish(built)
-}
-
-/// Offset basis of FNV-1a, 64 bits (Fowler, Noll and Vo 1991).
-pub(crate) const FNV_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
-
-/// FNV-1a, 64 bits.
-pub(crate) fn fnv1a(bytes: &[u8]) -> u64 {
-    fnv1a_from(FNV_BASIS, bytes)
-}
-
-/// FNV-1a going on from the hash of what came before; the factor is the prime of Fowler, Noll and Vo.
-pub(crate) fn fnv1a_from(hash: u64, bytes: &[u8]) -> u64 {
-    bytes.iter().fold(hash, |hash, b| (hash ^ u64::from(*b)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
 /// Effects of a scenario's or study's truth.
@@ -254,19 +245,6 @@ fn section(file: &Table<'_>) -> Option<TestSection> {
     Some(s)
 }
 
-pub(crate) fn numerics(file: &Table<'_>, default: Numerics) -> Numerics {
-    let Some(t) = file.has("numerics").then(|| file.table("numerics", &keys::NUMERICS)).flatten() else { return default };
-    Numerics {
-        method: match t.has("method").then(|| t.choice("method")).flatten() {
-            Some(0) => Method::Dopri5,
-            Some(_) => Method::Dop853,
-            None => default.method,
-        },
-        relative_tolerance: t.number_if("relative_tolerance").unwrap_or(default.relative_tolerance),
-        absolute_tolerance: t.number_if("absolute_tolerance").unwrap_or(default.absolute_tolerance),
-    }
-}
-
 fn flight(t: &Table<'_>, common: &Common) -> Option<Flight> {
     let name = t.text("name");
     name_of_file(t, &name);
@@ -293,19 +271,6 @@ fn flight(t: &Table<'_>, common: &Common) -> Option<Flight> {
         section: common.section,
         numerics: common.numerics,
     })
-}
-
-/// Names that are safe in a file's name on every system.
-pub(crate) fn is_file_name(name: &str) -> bool {
-    name.len() <= 100 && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c))
-}
-
-/// The name of a flight becomes a file's.
-pub(crate) fn name_of_file(t: &Table<'_>, name: &str) {
-    if !name.is_empty() && !is_file_name(name) {
-        let what = "must be of letters, digits, - _ . and at most a hundred of them (it becomes a file name)";
-        t.source.fault(t.at("name"), t.full("name"), name, what, "perturbed-1");
-    }
 }
 
 fn speed(t: &Table<'_>, duration_s: f64) -> Option<TunnelSpeed> {

@@ -1,7 +1,8 @@
 //! scenarios: published statistics of a run. In: a TOML file. Out: the figures, the plant and the flight that they are held against.
 
-use crate::error::{ReadError, text_of};
+use crate::error::ReadError;
 use crate::keys::{self, Key, Kind, TableSpec};
+use crate::open::text_of;
 use crate::plant::read_declared;
 use crate::table::{Source, Table};
 use std::path::Path;

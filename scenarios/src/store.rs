@@ -4,11 +4,11 @@
 //! `study.json` says what the folder's draws are of. `parts/NNNNNN.rows` is the journal of a part under way, one checked line per
 //! draw; a full part becomes `parts/NNNNNN-<hash of its bytes>.parquet` by one rename; all parts become `runs.parquet`.
 
-use crate::error::WriteError;
 use crate::file_set::lock;
+use crate::hash::fnv1a;
 use crate::journal::Journal;
 use crate::parquet_rows::{self, RowWriter};
-use crate::scenario::fnv1a;
+use crate::store_error::StoreError;
 use crate::write::write_json_atomically;
 use parquet::errors::ParquetError;
 use parquet::file::reader::SerializedFileReader;
@@ -28,84 +28,6 @@ const GROUP_ROWS: usize = 4096;
 const IDENTITY: &str = "study.json";
 const RUNS: &str = "runs.parquet";
 const PARTS: &str = "parts";
-
-/// What can go wrong with a study's folder. Nothing that was there is touched by any of them.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum StoreError {
-    /// The folder has results.
-    #[error("{}: holds results of a study; try: --resume to go on with it, --out for another folder, --force to begin anew", folder.display())]
-    Exists {
-        /// The folder.
-        folder: PathBuf,
-    },
-    /// Nothing to go on with.
-    #[error("{}: holds no study to resume; try: without --resume", folder.display())]
-    Nothing {
-        /// The folder.
-        folder: PathBuf,
-    },
-    /// The folder's draws are of something else.
-    #[error("{}: these results were drawn with another {what}; try: the original, or another --out", folder.display())]
-    Changed {
-        /// The folder.
-        folder: PathBuf,
-        /// What differs.
-        what: String,
-    },
-    /// A file is not what was written.
-    #[error("{}: is corrupt ({what}); try: remove this file and --resume, which draws its part again", path.display())]
-    Corrupt {
-        /// The file.
-        path: PathBuf,
-        /// How it shows.
-        what: String,
-    },
-    /// Another process works on the same part.
-    #[error("{}: another process works on this part; try: wait for it, or give each process its own --shard", path.display())]
-    Busy {
-        /// Its journal.
-        path: PathBuf,
-    },
-    /// Parts are missing.
-    #[error("{}: {missing} of {parts} parts are not there yet, the first is {first}; try: run the other shards, then --resume", folder.display())]
-    Incomplete {
-        /// The folder.
-        folder: PathBuf,
-        /// Parts missing.
-        missing: usize,
-        /// Parts needed.
-        parts: u64,
-        /// First of them.
-        first: u64,
-    },
-    /// A link where a study keeps its files.
-    #[error("{}: is a link; a study writes into its own folder only; try: another --out, or remove the link", path.display())]
-    Link {
-        /// The link.
-        path: PathBuf,
-    },
-    /// The system refused to write.
-    #[error(transparent)]
-    Write(#[from] WriteError),
-    /// The system refused to read.
-    #[error("{}: cannot be read ({reason}); try: check its permissions", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's words.
-        reason: std::io::Error,
-    },
-}
-
-impl StoreError {
-    pub(crate) fn write(path: &Path, reason: std::io::Error) -> Self {
-        Self::Write(WriteError::Write { path: path.to_owned(), reason })
-    }
-    fn corrupt(path: &Path, what: impl ToString) -> Self {
-        Self::Corrupt { path: path.to_owned(), what: what.to_string() }
-    }
-}
 
 /// What a folder's draws are of: all that decides on their bits.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -590,12 +512,12 @@ impl Store {
         let path = self.runs();
         let fail = |reason| StoreError::Read { path: path.clone(), reason };
         let mut file = BufReader::with_capacity(1 << 16, File::open(&path).map_err(fail)?);
-        let mut hash = crate::scenario::FNV_BASIS;
+        let mut hash = crate::hash::FNV_BASIS;
         let mut block = vec![0; 1 << 16];
         loop {
             match file.read(&mut block).map_err(fail)? {
                 0 => return Ok(format!("{hash:016x}")),
-                n => hash = crate::scenario::fnv1a_from(hash, &block[..n]),
+                n => hash = crate::hash::fnv1a_from(hash, &block[..n]),
             }
         }
     }

@@ -3,11 +3,11 @@
 use crate::error::ReadError;
 use crate::keys;
 use crate::limits;
-use crate::scenario::is_file_name;
+use crate::names::is_file_name;
 use crate::table::{Source, Table, Value, nearest, number};
 use std::path::Path;
 use toml::de::DeValue;
-use windfall_model::{Aero, Coefficient, Contribution, Factor, Structure, Term, Variable};
+use windfall_model::{Aero, Coefficient, CoefficientTable, Contribution, Factor, Structure, Term, Variable};
 
 /// Largest size of a parameter's value.
 const LARGEST: f64 = 1e9;
@@ -18,6 +18,8 @@ pub(crate) struct DeclaredAero {
     pub(crate) declared: Vec<bool>,
     /// As written in the file.
     pub(crate) structure_file: Option<String>,
+    /// C_D of a point mass over Mach number, which its parameter is a factor of.
+    pub(crate) drag_over_mach: Option<CoefficientTable>,
 }
 
 /// Reads the one table under `[aero]`. In a campaign (`zero_undeclared`) parameters that are not declared are zero.
@@ -47,10 +49,14 @@ pub(crate) fn read_aero(file: &Table<'_>, zero_undeclared: bool) -> Option<Decla
         return None;
     };
     let t = Table::new(source, &format!("aero.{name}"), table, body.span(), &keys::AERO);
-    let (structure, structure_file) = structure_of(&t, name)?;
+    let (mut structure, structure_file) = structure_of(&t, name)?;
+    let drag = if structure == Structure::point_mass() { crate::point_body::drag_table(&t, zero_undeclared)? } else { None };
+    if drag.is_some() {
+        structure.parameters = vec!["CD_scale".to_owned()];
+    }
     let declared = declared_of(&t, &structure);
-    let values = values_of(&t, &structure, &declared, zero_undeclared);
-    Some(DeclaredAero { aero: Aero::new(structure, values), declared, structure_file })
+    let values = if drag.is_some() { vec![1.0] } else { values_of(&t, &structure, &declared, zero_undeclared) };
+    Some(DeclaredAero { aero: Aero::new(structure, values), declared, structure_file, drag_over_mach: drag })
 }
 
 fn structure_of(t: &Table<'_>, name: &str) -> Option<(Structure, Option<String>)> {
@@ -172,7 +178,7 @@ pub fn read_structure(path: &Path) -> Result<Structure, ReadError> {
 }
 
 fn read_structure_as(path: &Path, name: &str) -> Result<Structure, ReadError> {
-    let text = crate::error::text_of(path)?;
+    let text = crate::open::text_of(path)?;
     let source = Source::new(path, &text);
     let root = source.parse()?;
     let file = Table::new(&source, "", &root, 0..0, &keys::STRUCTURE_FILE);

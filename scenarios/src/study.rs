@@ -1,14 +1,16 @@
 //! scenarios: study files. In: a path. Out: a checked study with what it draws from, or every fault.
 
-use crate::error::{ReadError, text_of};
+use crate::error::ReadError;
+use crate::hash::fnv1a;
 use crate::keys;
 use crate::limits;
+use crate::open::text_of;
 use crate::record::read_record_pieces;
-use crate::scenario::{EffectValues, ScenarioFile, fnv1a, read_effects, runs_exist};
+use crate::scenario::{EffectValues, ScenarioFile, read_effects, runs_exist};
 use crate::table::{Source, Table, allowed_range, nearest};
 use std::path::{Path, PathBuf};
 use windfall_model::study::{
-    Distribution, FLIGHT_QUANTITIES, Histories, Keep, Quantity, Root, Setting, Steps, Stop, Study, StudyEffect, Vary,
+    Distribution, FLIGHT_QUANTITIES, Histories, Keep, Quantity, Root, Setting, Steps, StopRule, StudyEffect, StudyOrder, Vary,
 };
 use windfall_model::{Acts, Campaign, Data, Flight, Given, Numerics, PLANT_NUMBERS, Release, Role, TunnelSpeed, effects};
 
@@ -23,7 +25,7 @@ const MOST_VARIED: usize = 120;
 #[derive(Clone, Debug)]
 pub struct StudyFile {
     /// The order. Drawn from a campaign, its flights are stand-ins until the loop estimates them from the runs.
-    pub study: Study,
+    pub study: StudyOrder,
     /// The measured campaign that is drawn from.
     pub campaign: Option<Campaign>,
     /// Identification whose parameters are flown.
@@ -216,7 +218,7 @@ fn merged(scenario: &[EffectValues], study: Vec<EffectValues>) -> Vec<EffectValu
 }
 
 /// The study before its own tables are read.
-fn bare(base: &Base, all_effects: &[EffectValues], flights: Vec<Flight>) -> Option<Study> {
+fn bare(base: &Base, all_effects: &[EffectValues], flights: Vec<Flight>) -> Option<StudyOrder> {
     let (plant, declared, knowledge) = match (&base.scenario, &base.campaign) {
         (Some(s), _) => (s.declared_plant.clone(), s.declared.clone(), s.knowledge.clone()),
         (_, Some(c)) => (c.plant.clone(), c.declared.clone(), c.knowledge.clone()),
@@ -224,7 +226,7 @@ fn bare(base: &Base, all_effects: &[EffectValues], flights: Vec<Flight>) -> Opti
     };
     let find =
         |(index, e): (usize, &EffectValues)| effects::find(&e.family, Acts::Lander).map(|effect| StudyEffect { effect, index });
-    Some(Study {
+    Some(StudyOrder {
         name: String::new(),
         seed: 0,
         draws: 1,
@@ -237,7 +239,7 @@ fn bare(base: &Base, all_effects: &[EffectValues], flights: Vec<Flight>) -> Opti
         effect_values: all_effects.iter().map(|e| e.values.iter().map(|v| v.1).collect()).collect(),
         flights,
         vary: Vec::new(),
-        correlation_root: Study::root_of_correlation(0, &[]).unwrap_or_default(),
+        correlation_root: StudyOrder::root_of_correlation(0, &[]).unwrap_or_default(),
         histories: None,
         steps: Steps::default(),
         keep: Keep { flights: true, estimates: true, intervals: true, resimulation: true, closing: true },
@@ -272,7 +274,7 @@ fn keep(file: &Table<'_>) -> Keep {
     }
 }
 
-fn vary(file: &Table<'_>, study: &Study, all_effects: &[EffectValues]) -> Vec<Vary> {
+fn vary(file: &Table<'_>, study: &StudyOrder, all_effects: &[EffectValues]) -> Vec<Vary> {
     if !file.has("vary") {
         return Vec::new();
     }
@@ -290,7 +292,7 @@ fn vary(file: &Table<'_>, study: &Study, all_effects: &[EffectValues]) -> Vec<Va
     all
 }
 
-fn varied(t: &Table<'_>, study: &Study, all_effects: &[EffectValues]) -> Option<Vary> {
+fn varied(t: &Table<'_>, study: &StudyOrder, all_effects: &[EffectValues]) -> Option<Vary> {
     let name = t.text("quantity");
     let flights = flights_of(t, study);
     let known = t.has("known") && t.bool("known");
@@ -333,7 +335,7 @@ fn check_range(t: &Table<'_>, d: &Distribution, range: [f64; 2]) {
     }
 }
 
-fn flights_of(t: &Table<'_>, study: &Study) -> Vec<usize> {
+fn flights_of(t: &Table<'_>, study: &StudyOrder) -> Vec<usize> {
     if !t.has("flights") {
         return Vec::new();
     }
@@ -351,7 +353,7 @@ fn flights_of(t: &Table<'_>, study: &Study) -> Vec<usize> {
     all
 }
 
-fn quantity(t: &Table<'_>, name: &str, study: &Study, all_effects: &[EffectValues]) -> Option<(Quantity, [f64; 2])> {
+fn quantity(t: &Table<'_>, name: &str, study: &StudyOrder, all_effects: &[EffectValues]) -> Option<(Quantity, [f64; 2])> {
     let structure = &study.plant.aero.structure;
     if let Some(i) = name.strip_prefix("aero.").and_then(|p| structure.index(p)) {
         return Some((Quantity::Aero(i), [-1e9, 1e9]));
@@ -469,14 +471,14 @@ fn correlation(file: &Table<'_>, vary: &[Vary]) -> Root {
     if file.source.has_faults() {
         return Root::default();
     }
-    Study::root_of_correlation(vary.len(), &entries).unwrap_or_else(|| {
+    StudyOrder::root_of_correlation(vary.len(), &entries).unwrap_or_else(|| {
         let what = "these correlations contradict each other: their matrix is not positive definite";
         file.source.fault(None, "[[correlation]]", "", what, "smaller coefficients");
         Root::default()
     })
 }
 
-fn histories(file: &Table<'_>, study: &Study, inputs: &mut Vec<(String, String)>) -> Option<Histories> {
+fn histories(file: &Table<'_>, study: &StudyOrder, inputs: &mut Vec<(String, String)>) -> Option<Histories> {
     let t = file.has("histories").then(|| file.table("histories", &keys::HISTORIES)).flatten()?;
     let flights = flights_of(&t, study);
     let mut speeds = Vec::new();
@@ -499,9 +501,9 @@ fn histories(file: &Table<'_>, study: &Study, inputs: &mut Vec<(String, String)>
     Some(Histories { flights, speeds })
 }
 
-fn stop(file: &Table<'_>) -> Option<Stop> {
+fn stop(file: &Table<'_>) -> Option<StopRule> {
     let t = file.has("stop").then(|| file.table("stop", &keys::STOP)).flatten()?;
-    Some(Stop {
+    Some(StopRule {
         column: t.text("column"),
         half_width: t.number("half_width"),
         least_draws: t.integer_if("least_draws").unwrap_or(LEAST_DRAWS),

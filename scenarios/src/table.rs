@@ -4,7 +4,7 @@
 //! faults of a file are reported at once, and gives up at the end when there are any.
 
 use crate::error::{Fault, ReadError};
-use crate::keys::{Key, Kind, TableSpec};
+use crate::keys::spec::{Key, Kind, TableSpec};
 use std::cell::RefCell;
 use std::ops::Range;
 use std::path::Path;

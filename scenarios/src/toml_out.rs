@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use windfall_model::frames::{Axes, Vec3};
 use windfall_model::{
-    Aero, Factor, Flight, Inertia, Knowledge, Method, Numerics, PLANT_NUMBERS, Plant, PlantNumber, Sensors, Structure,
+    Aero, Factor, Flight, Inertia, Integrator, Knowledge, Numerics, PLANT_NUMBERS, Plant, PlantNumber, Sensors, Structure,
     TunnelSpeed, Use,
 };
 
@@ -195,7 +195,7 @@ pub(crate) fn aero_table(t: &mut Toml, aero: &Aero, declared: &[bool], own: bool
 
 pub(crate) fn numerics_table(t: &mut Toml, n: &Numerics) {
     t.table("numerics");
-    t.text("method", if n.method == Method::Dopri5 { "dopri5" } else { "dop853" });
+    t.text("method", if n.method == Integrator::Dopri5 { "dopri5" } else { "dop853" });
     t.number("relative_tolerance", n.relative_tolerance);
     t.number("absolute_tolerance", n.absolute_tolerance);
 }

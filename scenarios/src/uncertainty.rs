@@ -8,26 +8,32 @@ use windfall_model::{Constant, Knowledge, PLANT_NUMBERS, Plant, PlantNumber};
 /// Reads the uncertainties of a campaign or scenario file. Zero is exact: no constant is made of it.
 pub(crate) fn read_uncertainty(file: &Table<'_>, plant: &Plant, point_mass: bool, into: &mut Knowledge) {
     let Some(outer) = file.has("uncertainty").then(|| file.table("uncertainty", &keys::UNCERTAINTY)).flatten() else { return };
-    let specs: [(&str, &'static TableSpec); 4] = if point_mass {
-        [
+    let specs: &[(&str, &'static TableSpec)] = if point_mass {
+        &[
             ("vehicle", &keys::UNCERTAINTY_VEHICLE_POINT),
+            ("pivot", &keys::UNCERTAINTY_PIVOT),
             ("tether", &keys::UNCERTAINTY_TETHER),
             ("environment", &keys::UNCERTAINTY_ENVIRONMENT_POINT),
             ("sensors", &keys::UNCERTAINTY_SENSORS_POINT),
         ]
     } else {
-        [
+        &[
             ("vehicle", &keys::UNCERTAINTY_VEHICLE),
             ("tether", &keys::UNCERTAINTY_TETHER),
             ("environment", &keys::UNCERTAINTY_ENVIRONMENT),
             ("sensors", &keys::UNCERTAINTY_SENSORS),
         ]
     };
-    for (name, spec) in specs {
+    for &(name, spec) in specs {
         let Some(t) = outer.has(name).then(|| outer.table(name, spec)).flatten() else { continue };
         if name == "tether" && plant.tether.is_none() {
             let what = "is about a tether, and the file declares none";
             t.source.fault(Some(t.span.clone()), "[uncertainty.tether]", "", what, "add [tether], or remove this table");
+            continue;
+        }
+        if name == "pivot" && plant.point.pivot.is_none() {
+            let what = "is about a pivot, and the file declares none";
+            t.source.fault(Some(t.span.clone()), "[uncertainty.pivot]", "", what, "add [pivot], or remove this table");
             continue;
         }
         table(&t, name, spec, &mut into.constants);

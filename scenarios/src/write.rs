@@ -48,3 +48,11 @@ pub fn json_text<T: serde::Serialize + ?Sized>(value: &T) -> Result<String, serd
     text.push('\n');
     Ok(text)
 }
+
+/// Long series as JSON on one line.
+///
+/// # Errors
+/// A value that is no JSON.
+pub fn series_text<T: serde::Serialize + ?Sized>(value: &T) -> Result<String, serde_json::Error> {
+    serde_json::to_string(value).map(|text| text + "\n")
+}

@@ -15,7 +15,7 @@ use lander::{Peer, distance, flight, plant, processor_s, states};
 use std::hint::black_box;
 use std::sync::Barrier;
 use std::time::Instant;
-use windfall_model::{Flight, Method, Plant};
+use windfall_model::{Flight, Integrator, Plant};
 use windfall_sim::{Order, Seed, Stepping, fly_truth, for_each_states, for_each_truth};
 
 const DURATION_S: f64 = 30.0;
@@ -31,7 +31,7 @@ const PEER_FLIGHTS: usize = 150;
 
 /// Flights that differ in aerodynamics, mass and release.
 fn drawn(k: usize) -> (Plant, Flight) {
-    let (mut plant, mut order) = (plant(), flight(DURATION_S, RATE_HZ, Method::Dop853, 1e-12));
+    let (mut plant, mut order) = (plant(), flight(DURATION_S, RATE_HZ, Integrator::Dop853, 1e-12));
     let change = 1.0 + 0.0005 * k as f64;
     if k > 0 {
         plant.aero.values.iter_mut().for_each(|v| *v *= change);

@@ -12,7 +12,7 @@ mod lander;
 use criterion::{Criterion, criterion_group, criterion_main};
 use lander::{Peer, distance, plant, processor_s, states};
 use std::hint::black_box;
-use windfall_model::{Flight, Method, Plant};
+use windfall_model::{Flight, Integrator, Plant};
 use windfall_sim::{Order, Seed, Stepping, fly, fly_batch, fly_truth, fly_truth_batch};
 
 /// Flights per timing; the best of them counts, which other work on the machine disturbs least.
@@ -28,14 +28,14 @@ fn best_us(plant: &Plant, flight: &Flight, repetitions: usize) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-fn flight(method: Method, relative_tolerance: f64) -> Flight {
+fn flight(method: Integrator, relative_tolerance: f64) -> Flight {
     lander::flight(15.0, 150.0, method, relative_tolerance)
 }
 
 fn compare() {
     let plant = plant();
-    let reference = states(&fly_truth(&plant, &flight(Method::Dop853, 1e-13), Seed::default()).expect("flies").0);
-    let orders = [Method::Dop853, Method::Dopri5].map(|m| flight(m, 1e-9));
+    let reference = states(&fly_truth(&plant, &flight(Integrator::Dop853, 1e-13), Seed::default()).expect("flies").0);
+    let orders = [Integrator::Dop853, Integrator::Dopri5].map(|m| flight(m, 1e-9));
     println!("15 s lander flight, 150 Hz, rtol 1e-9, atol 1e-11, recorded V_W; best of {REPETITIONS} flights");
     for order in &orders {
         let flown = fly(&plant, order, Seed::default()).expect("flies");
@@ -88,7 +88,7 @@ fn turns(plant: &Plant, orders: &[Flight; 2], sides: &[Order<'_>], peer: &Peer, 
 fn flights(c: &mut Criterion) {
     compare();
     let plant = plant();
-    for method in [Method::Dop853, Method::Dopri5] {
+    for method in [Integrator::Dop853, Integrator::Dopri5] {
         let order = flight(method, 1e-9);
         c.bench_function(&format!("fly_truth 15 s, 150 Hz, rtol 1e-9, {method:?}"), |b| {
             b.iter(|| fly_truth(black_box(&plant), black_box(&order), Seed::default()).expect("flies"));

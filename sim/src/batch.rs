@@ -28,10 +28,10 @@ use kernel::{Constants, HELD, Kernel, PLAIN, Parts};
 use lane::Lanes;
 use nalgebra::SVector;
 use pulp::{Arch, Simd, WithSimd};
-use rk4::Grid;
+use rk4::StepGrid;
 use std::collections::HashMap;
-use terms::{Layout, Terms};
-use track::{Keep, Series, Track, Tracks};
+use terms::{LaneTerms, Layout};
+use track::{KeepSamples, LaneTrack, SampleSeries, Tracks};
 use windfall_model::{Flight, Plant};
 
 /// One flight of a batch. The plant must already be the one of this run (`Plant::for_run`).
@@ -65,7 +65,7 @@ pub enum Stepping {
 /// β̇, which need the coupled solver; a step that could jump over an input.
 #[must_use]
 pub fn fly_batch(orders: &[Order<'_>], stepping: Stepping) -> Vec<Result<Flown, SimError>> {
-    collected(orders, stepping, Keep::Truth, |order, series, steps, end| {
+    collected(orders, stepping, KeepSamples::Truth, |order, series, steps, end| {
         let truth = std::mem::take(&mut series.truth);
         let record = record(order.plant, order.flight, &truth, order.seed);
         Flown { truth, record, end, steps }
@@ -78,13 +78,13 @@ pub fn fly_batch(orders: &[Order<'_>], stepping: Stepping) -> Vec<Result<Flown, 
 /// As [`fly_batch`].
 #[must_use]
 pub fn fly_truth_batch(orders: &[Order<'_>], stepping: Stepping) -> Vec<Result<(Truth, End), SimError>> {
-    collected(orders, stepping, Keep::Truth, |_, series, _, end| (std::mem::take(&mut series.truth), end))
+    collected(orders, stepping, KeepSamples::Truth, |_, series, _, end| (std::mem::take(&mut series.truth), end))
 }
 
 /// As [`fly_truth_batch`], but each flight is shown to `see` with its index and then forgotten, its memory used again: nothing
 /// grows with the number of orders. `see` is called once for each order, those of equal structure after one another.
 pub fn for_each_truth(orders: &[Order<'_>], stepping: Stepping, mut see: impl FnMut(usize, Result<(&Truth, End), SimError>)) {
-    flown(orders, stepping, Keep::Truth, |k, flown| see(k, flown.map(|(series, _, end)| (&series.truth, end))));
+    flown(orders, stepping, KeepSamples::Truth, |k, flown| see(k, flown.map(|(series, _, end)| (&series.truth, end))));
 }
 
 /// States at the sample times of a flight: c.m. position (m) and velocity (m/s) in tunnel axes, quaternion body to tunnel
@@ -93,7 +93,7 @@ pub type States = [[f64; 13]];
 
 /// As [`for_each_truth`], states alone.
 pub fn for_each_states(orders: &[Order<'_>], stepping: Stepping, mut see: impl FnMut(usize, Result<(&States, End), SimError>)) {
-    flown(orders, stepping, Keep::States, |k, flown| see(k, flown.map(|(series, _, end)| (&series.states[..], end))));
+    flown(orders, stepping, KeepSamples::States, |k, flown| see(k, flown.map(|(series, _, end)| (&series.states[..], end))));
 }
 
 /// What flights side by side have in common.
@@ -109,7 +109,7 @@ struct Kin {
 /// A flight made ready.
 struct Ready<'a> {
     setup: Setup<'a>,
-    terms: Terms,
+    terms: LaneTerms,
     index: usize,
 }
 
@@ -117,8 +117,8 @@ struct Ready<'a> {
 fn collected<T>(
     orders: &[Order<'_>],
     stepping: Stepping,
-    keep: Keep,
-    make: impl Fn(&Order<'_>, &mut Series, u64, End) -> T,
+    keep: KeepSamples,
+    make: impl Fn(&Order<'_>, &mut SampleSeries, u64, End) -> T,
 ) -> Vec<Result<T, SimError>> {
     let mut results: Vec<Option<Result<T, SimError>>> = orders.iter().map(|_| None).collect();
     flown(orders, stepping, keep, |k, flown| {
@@ -133,8 +133,8 @@ const WINDOW: usize = 128;
 fn flown(
     orders: &[Order<'_>],
     stepping: Stepping,
-    keep: Keep,
-    mut see: impl FnMut(usize, Result<(&mut Series, u64, End), SimError>),
+    keep: KeepSamples,
+    mut see: impl FnMut(usize, Result<(&mut SampleSeries, u64, End), SimError>),
 ) {
     let mut spare = Vec::new();
     for (k, window) in orders.chunks(WINDOW).enumerate() {
@@ -145,15 +145,15 @@ fn flown(
 fn flown_window(
     orders: &[Order<'_>],
     stepping: Stepping,
-    keep: Keep,
-    spare: &mut Vec<Series>,
-    mut see: impl FnMut(usize, Result<(&mut Series, u64, End), SimError>),
+    keep: KeepSamples,
+    spare: &mut Vec<SampleSeries>,
+    mut see: impl FnMut(usize, Result<(&mut SampleSeries, u64, End), SimError>),
 ) {
     for (kin, group) in groups(orders, stepping, |index, error| see(index, Err(error))) {
         let rate_hz = f64::from_bits(kin.rate_bits);
         let pace = match stepping {
             Stepping::Rk4 { steps_per_sample } => {
-                Pace::Rk4(Grid { samples: kin.samples, rate_hz, steps_per_sample: steps_per_sample as usize })
+                Pace::Rk4(StepGrid { samples: kin.samples, rate_hz, steps_per_sample: steps_per_sample as usize })
             }
             Stepping::Dopri5 => Pace::Dopri5 { samples: kin.samples, rate_hz },
         };
@@ -200,7 +200,7 @@ fn ready<'a>(order: &Order<'a>, index: usize, stepping: Stepping) -> Result<(Kin
     if let Stepping::Rk4 { steps_per_sample } = stepping {
         check_step(order.flight, steps_per_sample, setup.step_max_s)?;
     }
-    let terms = Terms::new(&order.plant.aero)
+    let terms = LaneTerms::new(&order.plant.aero)
         .ok_or(SimError::NotInBatch { what: "an aerodynamic structure of this many different terms" })?;
     if terms.layout.force_needs_rates() {
         return Err(SimError::NotInBatch { what: "a force that depends on the rate of a wind angle" });
@@ -261,7 +261,7 @@ fn parts(setup: &Setup<'_>) -> Parts {
 /// Stepping and sampling of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Pace {
-    Rk4(Grid),
+    Rk4(StepGrid),
     Dopri5 { samples: usize, rate_hz: f64 },
 }
 
@@ -276,17 +276,17 @@ struct Side<'a, 'g> {
     ready: &'g [Ready<'a>],
     orders: &'a [Order<'a>],
     pace: Pace,
-    keep: Keep,
-    spare: &'g mut Vec<Series>,
+    keep: KeepSamples,
+    spare: &'g mut Vec<SampleSeries>,
 }
 
 impl<'a> WithSimd for Side<'a, '_> {
-    type Output = Vec<Track<'a>>;
+    type Output = Vec<LaneTrack<'a>>;
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let used = self.ready.len().min(S::F64_LANES);
-        let fresh = |r: &Ready<'a>| Track::new(&self.orders[r.index], self.keep, self.spare.pop().unwrap_or_default());
-        let mut tracks: Vec<Track<'a>> = self.ready[..used].iter().map(fresh).collect();
+        let fresh = |r: &Ready<'a>| LaneTrack::new(&self.orders[r.index], self.keep, self.spare.pop().unwrap_or_default());
+        let mut tracks: Vec<LaneTrack<'a>> = self.ready[..used].iter().map(fresh).collect();
         // Lanes to spare fly the last flight again; nobody looks.
         let ready: Vec<&Ready<'a>> = (0..S::F64_LANES).map(|k| &self.ready[k.min(used - 1)]).collect();
         let (kin, orders, pace) = (self.kin, self.orders, self.pace);

@@ -2,20 +2,16 @@
 //!
 //! Newton and Euler in vectors: `v̇ = g + R f/m` in tunnel axes, `I ω̇ = m − ω × I ω` in body axes, `q̇ = ½ q ∘ ω`. Forces
 //! come first; with them the acceleration, with it the wind-angle rates, with them the moments. Where forces themselves depend
-//! on accelerations (apparent mass, a loose part, α̇ in a force) see [`crate::coupled`]. The parts are always inlined: a call
+//! on accelerations (apparent mass, a loose part, α̇ in a force) see [`coupled`]. The parts are always inlined: a call
 //! would pass some hundred numbers through memory, which costs a fifth of a flight (measured in benches/dopri5.rs).
 
-use crate::coupled;
 use crate::setup::Setup;
+use crate::state::{BASE, TIME};
 use nalgebra::{SVector, Vector3};
 use windfall_model::frames::{Body, Rotation, Tunnel, Vec3};
 use windfall_model::{FlowState, Wind, Wrench, dynamic_pressure_pa, wrench_at_cm};
 
-/// Number of states that every flight has: position 0-2, velocity 3-5, quaternion 6-9, body rates 10-12, time 13. A loose part
-/// (ξ_y, ξ_z and their rates) comes next when there is one, then the operator's V_W and integral.
-pub(crate) const BASE: usize = 14;
-/// Index of the time that is carried as a state.
-pub(crate) const TIME: usize = 13;
+mod coupled;
 
 /// Airspeed squared, m²/s², below which aerodynamic forces are taken as zero: they are below 1e-19 N there, while angles and
 /// nondimensional rates are undefined at zero.
@@ -248,7 +244,7 @@ pub(crate) fn specific_force(i: &Instant, a: Vec3<Body>, w_rate: Vec3<Body>, r: 
     a - i.g + w_rate.cross(r) + i.w.cross(i.w.cross(r))
 }
 
-/// Angular momentum equation's residual-free form for [`crate::coupled`]: `I ω̇ + ω × I ω`.
+/// Angular momentum equation's residual-free form for [`coupled`]: `I ω̇ + ω × I ω`.
 #[inline]
 pub(crate) fn momentum_rate(setup: &Setup<'_>, w: Vec3<Body>, w_rate: Vec3<Body>) -> Vector3<f64> {
     setup.inertia * w_rate.xyz + w.xyz.cross(&(setup.inertia * w.xyz))

@@ -5,9 +5,10 @@ use crate::integrate::{integrate, outside, samples};
 use crate::record::record;
 use crate::seed::Seed;
 use crate::setup::Setup;
-use crate::truth::{End, Flown, Truth};
+use crate::smooth::hermite;
+use crate::truth::{End, Flown, Truth, angles};
 use nalgebra::SVector;
-use windfall_model::frames::{Body, EulerXyz, Rotation, Tunnel, Vec3};
+use windfall_model::frames::{EulerXyz, Vec3};
 use windfall_model::{Flight, Plant, TestSection};
 
 /// Flies and records. The plant must already be the one of this run (`Plant::for_run`).
@@ -97,13 +98,6 @@ fn observe<const N: usize>(setup: &Setup<'_>, t_s: f64, y: &SVector<f64, N>, tru
     truth.tether_n.push(setup.tether_n(&s, rates));
 }
 
-/// Euler angles with the roll nearest to the one before.
-pub(crate) fn angles(r_tunnel_body: Rotation<Tunnel, Body>, roll_before_rad: f64) -> [f64; 3] {
-    let e = EulerXyz::from_rotation(r_tunnel_body);
-    let turns = ((roll_before_rad - e.rx_rad) / std::f64::consts::TAU).round();
-    [e.rx_rad + turns * std::f64::consts::TAU, e.ry_rad, e.rz_rad]
-}
-
 /// How many samples are inside, and how the flight ended.
 fn ended<const N: usize>(states: &[SVector<f64, N>], flight: &Flight) -> (usize, End) {
     let count = samples(flight);
@@ -132,10 +126,4 @@ pub(crate) fn crossing<const N: usize>(s: &TestSection, t_s: f64, dt: f64, a: &S
     } else {
         End::Wall { t_s }
     }
-}
-
-/// Cubic on [0, 1] over an interval `dt` with these values and rates at its ends.
-pub(crate) fn hermite(x: f64, dt: f64, y: [f64; 2], rate: [f64; 2]) -> f64 {
-    let (d, m0, m1) = (y[1] - y[0], rate[0] * dt, rate[1] * dt);
-    y[0] + x * (m0 + x * ((3.0 * d - 2.0 * m0 - m1) + x * (m0 + m1 - 2.0 * d)))
 }

@@ -10,7 +10,7 @@ use nalgebra::SVector;
 use ode_solvers::dop_shared::{IntegrationError, OutputType, Stats};
 use ode_solvers::{Dop853, Dopri5, System};
 use std::cell::Cell;
-use windfall_model::{Flight, Method, Numerics, TestSection};
+use windfall_model::{Flight, Integrator, Numerics, TestSection};
 
 /// The end lies this part of a sample interval beyond the last sample.
 const BEYOND: f64 = 1e-3;
@@ -47,7 +47,7 @@ impl<const N: usize> System<f64, SVector<f64, N>> for Rhs<'_, N> {
         self.setup.rate(y, dy);
         // A sum is finite only when every part is (overflow of finite parts aside, which is as bad).
         if !dy.sum().is_finite() && self.fault.first.get().is_none() {
-            self.fault.first.set(Some((self.setup.not_finite(y, dy), y[crate::dynamics::TIME])));
+            self.fault.first.set(Some((self.setup.not_finite(y, dy), y[crate::state::TIME])));
         }
     }
     /// Called with the last sample so far: stop once it is outside the test section or spins beyond reason.
@@ -117,7 +117,7 @@ pub(crate) fn solve<const N: usize, S: System<f64, SVector<f64, N>>, T>(
     let (rtol, atol) = (n.relative_tolerance, n.absolute_tolerance);
     // The remaining numbers are the defaults of the library (Hairer's); stiffness is not tested.
     match n.method {
-        Method::Dopri5 => {
+        Integrator::Dopri5 => {
             let mut solver = Dopri5::from_param(
                 rhs,
                 0.0,
@@ -139,7 +139,7 @@ pub(crate) fn solve<const N: usize, S: System<f64, SVector<f64, N>>, T>(
             let outcome = solver.integrate();
             take(outcome, solver.y_out())
         }
-        Method::Dop853 => {
+        Integrator::Dop853 => {
             let mut solver = Dop853::from_param(
                 rhs,
                 0.0,
@@ -215,7 +215,7 @@ impl Setup<'_> {
             moved[k] += step;
             ((rate(&moved)[k] - here[k]) / step).abs()
         };
-        let others = ("state of operator or loose part", crate::dynamics::BASE..N);
+        let others = ("state of operator or loose part", crate::state::BASE..N);
         let parts = PARTS.into_iter().chain([others]);
         let all = parts.map(|(name, range)| (name, range.map(slope).fold(0.0, f64::max)));
         all.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or(("state", 0.0))

@@ -5,7 +5,6 @@
 //! time carried as one more state, since its eighth-order method is wrong for right-hand sides that depend on time.
 
 mod batch;
-mod coupled;
 mod dynamics;
 mod error;
 mod fly;
@@ -18,6 +17,7 @@ mod record;
 mod seed;
 mod setup;
 mod smooth;
+mod state;
 mod truth;
 
 pub use batch::{Order, States, Stepping, fly_batch, fly_truth_batch, for_each_states, for_each_truth};
@@ -25,7 +25,7 @@ pub use error::SimError;
 pub use fly::{fly, fly_truth};
 pub use noise::realise;
 pub use planet::{PlanetEnd, PlanetFlown, PlanetTruth, fly_planet};
-pub use point::fly_point;
+pub use point::{PointState, fly_point, fly_point_states};
 pub use record::record;
 pub use seed::{Channel, Seed};
 pub use setup::trim_speed;

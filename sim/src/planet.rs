@@ -12,7 +12,7 @@ use ode_solvers::System;
 use ode_solvers::dop_shared::{IntegrationError, OutputType};
 use std::f64::consts::{PI, TAU};
 use windfall_model::frames::{Body, Inertial, Ned, Rotation, Vec3};
-use windfall_model::planet::{Geodetic, PlanetBody, PlanetFlight, PlanetScenario, Start, Surroundings};
+use windfall_model::planet::{FlightStart, Geodetic, PlanetBody, PlanetFlight, PlanetScenario, Surroundings};
 use windfall_model::{Aero, AeroProgram, FlowState, Numerics, Variable, Wrench, dynamic_pressure_pa};
 
 /// States of a body without attitude: position 0-2, velocity 3-5, inertial axes.
@@ -94,7 +94,7 @@ pub fn fly_planet(scenario: &PlanetScenario, flight: &PlanetFlight) -> Result<Pl
 
 fn check(scenario: &PlanetScenario, flight: &PlanetFlight) -> Result<(), SimError> {
     let setup = |what, value, allowed| Err(SimError::Setup { what, value, allowed });
-    let Start { place, v_ground, attitude_rad, w_inertial_body } = &flight.start;
+    let FlightStart { place, v_ground, attitude_rad, w_inertial_body } = &flight.start;
     let all = [place.latitude_rad, place.longitude_rad, v_ground.norm(), attitude_rad.iter().sum(), w_inertial_body.norm()];
     if let Some(bad) = all.into_iter().find(|x| !x.is_finite()) {
         return setup("state at the first sample", bad, "finite");
@@ -241,7 +241,7 @@ impl<const N: usize> System<f64, SVector<f64, N>> for &Forces<'_> {
 }
 
 /// State at the first sample.
-fn start<const N: usize>(forces: &Forces<'_>, start: &Start) -> SVector<f64, N> {
+fn start<const N: usize>(forces: &Forces<'_>, start: &FlightStart) -> SVector<f64, N> {
     let planet = &forces.scenario.planet;
     let p = planet.figure.position(&start.place);
     let r_inertial_ned = start.place.r_inertial_ned();

@@ -10,10 +10,9 @@
 //! 6. noise on the seven channels, each from its own stream, when the flight asks for it;
 //! 7. dynamic pressure ½ρV_W² of the recorded tunnel speed; static pressure and temperature as they are.
 
-use crate::fly::{angles, hermite};
 use crate::seed::{Channel, Seed};
-use crate::smooth::Smooth;
-use crate::truth::Truth;
+use crate::smooth::{Smooth, hermite};
+use crate::truth::{Truth, angles};
 use windfall_model::frames::{Body, EulerXyz, Rotation, Tunnel, Vec3};
 use windfall_model::{Flight, Plant, Record, dynamic_pressure_pa};
 

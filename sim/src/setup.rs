@@ -1,11 +1,11 @@
 //! sim: a flight made ready. In: plant, flight, seed. Out: checked constants, tunnel speed and gusts drawn beforehand.
 
-use crate::dynamics::BASE;
 use crate::error::SimError;
 use crate::noise;
 use crate::operator::Hand;
 use crate::seed::{Channel, Seed};
 use crate::smooth::Smooth;
+use crate::state::BASE;
 use nalgebra::Matrix3;
 use windfall_model::frames::Vec3;
 use windfall_model::{AeroProgram, Entry, Flight, FlowState, Operator, Plant, TunnelSpeed};

@@ -193,6 +193,12 @@ fn quintic(y: [f64; 2], d: [[f64; 2]; 2]) -> [f64; 6] {
     [y0, v0, 0.5 * a0, 10.0 * p - 4.0 * q + 0.5 * r, -15.0 * p + 7.0 * q - r, 6.0 * p - 3.0 * q + 0.5 * r]
 }
 
+/// Cubic on [0, 1] over an interval `dt` with these values and rates at its ends.
+pub(crate) fn hermite(x: f64, dt: f64, y: [f64; 2], rate: [f64; 2]) -> f64 {
+    let (d, m0, m1) = (y[1] - y[0], rate[0] * dt, rate[1] * dt);
+    y[0] + x * (m0 + x * ((3.0 * d - 2.0 * m0 - m1) + x * (m0 + m1 - 2.0 * d)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

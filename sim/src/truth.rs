@@ -1,6 +1,7 @@
 //! sim: what really happened. In: integrated states. Out: series at the sample times, and how the flight ended.
 
 use windfall_model::Record;
+use windfall_model::frames::{Body, EulerXyz, Rotation, Tunnel};
 
 /// True states at the sample times. Only verification may see it beside an estimate.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -101,4 +102,11 @@ pub struct Flown {
     pub end: End,
     /// Accepted steps of the integrator.
     pub steps: u64,
+}
+
+/// Euler angles with the roll nearest to the one before.
+pub(crate) fn angles(r_tunnel_body: Rotation<Tunnel, Body>, roll_before_rad: f64) -> [f64; 3] {
+    let e = EulerXyz::from_rotation(r_tunnel_body);
+    let turns = ((roll_before_rad - e.rx_rad) / std::f64::consts::TAU).round();
+    [e.rx_rad + turns * std::f64::consts::TAU, e.ry_rad, e.rz_rad]
 }

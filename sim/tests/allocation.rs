@@ -5,7 +5,7 @@
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use std::alloc::System;
 use windfall_model::frames::Vec3;
-use windfall_model::{ApparentMass, Contact, Flight, LooseMass, Method, Numerics, Plant, Release, TunnelSpeed};
+use windfall_model::{ApparentMass, Contact, Flight, Integrator, LooseMass, Numerics, Plant, Release, TunnelSpeed};
 use windfall_sim::{Seed, fly};
 
 /// The tests' lander.
@@ -22,7 +22,7 @@ fn plant() -> Plant {
 }
 
 /// Allocations and accepted steps of one flight at a tolerance.
-fn counted(plant: &Plant, method: Method, relative_tolerance: f64) -> (usize, u64) {
+fn counted(plant: &Plant, method: Integrator, relative_tolerance: f64) -> (usize, u64) {
     let order = Flight {
         name: "test".into(),
         kind: "perturbed".into(),
@@ -54,7 +54,7 @@ fn law_no_allocation_per_step() {
         ApparentMass { axial_kg: 0.1, radial_kg: 0.1, transverse_kg_m2: 0.001, unturned: 0.0, in_gusts: 0.0 };
     crowded.vehicle.loose = Some(LooseMass { mass_kg: 0.05, frequency_hz: 2.0, damping_ratio: 0.1, x_cm_m: 0.1, in_full: 1.0 });
     for plant in [plant(), crowded] {
-        for method in [Method::Dop853, Method::Dopri5] {
+        for method in [Integrator::Dop853, Integrator::Dopri5] {
             let (few, short) = counted(&plant, method, 1e-5);
             let (many, long) = counted(&plant, method, 1e-12);
             assert!(long > 2 * short, "{short} and {long} steps");

@@ -3,6 +3,7 @@
 mod arrows;
 mod bad_input;
 mod capsule;
+mod circles;
 mod commands;
 mod gusts;
 mod knowledge;

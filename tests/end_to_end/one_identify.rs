@@ -4,7 +4,7 @@ use crate::program::{done, folder, text};
 use std::fs;
 use windfall_pid::{Held, Method};
 use windfall_scenarios::{json_text, read_campaign_with_warnings};
-use windfall_verify::{Identify, identify};
+use windfall_verify::{IdentifyOrder, identify};
 
 /// Issue 13: held values, compatibility, pressure, curves and the reader's notes are in the one result that both print.
 #[test]
@@ -23,8 +23,8 @@ fn law_program_and_rooms_give_the_same_bytes() {
     let (campaign, notes) = read_campaign_with_warnings(&path).expect("read");
     assert!(!notes.is_empty(), "a gap is said");
     let hold = vec![Held { name: "Cl_0".to_owned(), value: 0.0125 }];
-    let equation = Identify { method: Some(Method::EquationError), hold: hold.clone(), ..Identify::default() };
-    let chosen = Identify { combined_only: true, ..Identify::default() };
+    let equation = IdentifyOrder { method: Some(Method::EquationError), hold: hold.clone(), ..IdentifyOrder::default() };
+    let chosen = IdentifyOrder { combined_only: true, ..IdentifyOrder::default() };
     for (request, words) in
         [(equation, &["--method", "equation-error", "--hold", "Cl_0=0.0125"][..]), (chosen, &["--combined"][..])]
     {

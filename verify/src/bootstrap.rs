@@ -11,7 +11,7 @@ use crate::resimulate::{Replay, estimate};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use windfall_model::{Campaign, Data, Plant, Release, Use};
-use windfall_pid::output_error::{Options, Prior};
+use windfall_pid::output_error::{EstimateOptions, Prior};
 use windfall_pid::{DataSet, Estimate, Identification, Method, identify_by};
 use windfall_sim::{Channel, Seed};
 
@@ -64,10 +64,10 @@ pub fn bootstrap(
     campaign: &Campaign,
     found: &Identification,
     method: Method,
-    options: &Options,
+    options: &EstimateOptions,
     draws: usize,
 ) -> Result<Bootstrap, VerifyError> {
-    let set = found.data_set("combined").ok_or(VerifyError::NoDataSet)?;
+    let set = found.of_all_runs().ok_or(VerifyError::NoDataSet)?;
     let plant = set.plant(&campaign.plant)?;
     let flown: Vec<(usize, Replay, Release)> = campaign
         .runs
@@ -91,9 +91,9 @@ pub fn bootstrap(
             let seed = Seed { campaign: chance, run: *i as u64 };
             run.data = Data::Tunnel(replay.draw(*release, seed)?.record);
         }
-        let mut options = Options { combined_only: true, compatibility: false, ..options.clone() };
+        let mut options = EstimateOptions { combined_only: true, compatibility: false, ..options.clone() };
         draw_priors(&mut options.priors, &plant, chance);
-        identify_by(&copy, method, &options)?.data_set("combined").cloned().ok_or(VerifyError::NoDataSet)
+        identify_by(&copy, method, &options)?.of_all_runs().cloned().ok_or(VerifyError::NoDataSet)
     };
     let all: Vec<Result<DataSet, VerifyError>> = (0..draws).into_par_iter().map(one).collect();
     let mut failed = Vec::new();

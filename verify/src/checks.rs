@@ -4,6 +4,7 @@
 //! method's own errors on the same run stand beside ours, without a bound: they are a result, not a failure.
 
 mod exact;
+mod flown;
 mod loops;
 mod planet;
 mod published;
@@ -27,7 +28,7 @@ pub struct Setups<'a> {
 /// What a check rests on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Kind {
+pub enum CheckKind {
     /// A closed form or a conservation law.
     Exact,
     /// A printed number.
@@ -39,7 +40,7 @@ pub enum Kind {
 /// What came of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Verdict {
+pub enum CheckVerdict {
     /// The figure is inside its bound.
     Pass,
     /// It is not.
@@ -89,7 +90,7 @@ pub struct Check {
     /// Short name, unique.
     pub id: String,
     /// What it rests on.
-    pub kind: Kind,
+    pub kind: CheckKind,
     /// What is compared, in words.
     pub what: String,
     /// What was found.
@@ -103,12 +104,12 @@ pub struct Check {
     /// The thesis' own figure, where it has one.
     pub thesis: Option<f64>,
     /// What came of it.
-    pub verdict: Verdict,
+    pub verdict: CheckVerdict,
 }
 
 impl Check {
     fn new(
-        kind: Kind,
+        kind: CheckKind,
         id: impl Into<String>,
         what: impl Into<String>,
         (figure, unit): (f64, &str),
@@ -116,11 +117,11 @@ impl Check {
         source: &str,
     ) -> Self {
         let verdict = if bound == Bound::default() {
-            Verdict::Shown
+            CheckVerdict::Shown
         } else if bound.contains(figure) {
-            Verdict::Pass
+            CheckVerdict::Pass
         } else {
-            Verdict::Fail
+            CheckVerdict::Fail
         };
         Self {
             id: id.into(),
@@ -140,7 +141,7 @@ impl Check {
     }
 }
 
-/// Runs every check, in a fixed order. The verdict of the program is no when any of them is [`Verdict::Fail`].
+/// Runs every check, in a fixed order. The verdict of the program is no when any of them is [`CheckVerdict::Fail`].
 ///
 /// # Errors
 /// A flight or an identification that fails, or a scenario without flights.
@@ -157,7 +158,7 @@ pub fn checks(setups: &Setups<'_>) -> Result<Vec<Check>, VerifyError> {
 /// True when no check failed.
 #[must_use]
 pub fn all_pass(checks: &[Check]) -> bool {
-    checks.iter().all(|c| c.verdict != Verdict::Fail)
+    checks.iter().all(|c| c.verdict != CheckVerdict::Fail)
 }
 
 /// The first flight of a scenario.

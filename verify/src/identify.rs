@@ -9,7 +9,7 @@ use windfall_likelihood::{Engine, Id, Model};
 use windfall_model::Campaign;
 use windfall_pid::bands::add_curves;
 use windfall_pid::compatibility::{Compatibility, pressure};
-use windfall_pid::output_error::{Handling, Options, Prior};
+use windfall_pid::output_error::{EstimateOptions, Handling, Prior};
 use windfall_pid::plausible::plausible;
 use windfall_pid::{
     DataSet, Estimate, Held, Identification, Method, NORMAL_95, identifiability, identify_by, identify_chosen, relative_percent,
@@ -17,7 +17,7 @@ use windfall_pid::{
 
 /// What is asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Identify {
+pub struct IdentifyOrder {
     /// How; none: as is right for the data.
     pub method: Option<Method>,
     /// Only all runs together, without each kind of run alone.
@@ -64,7 +64,7 @@ impl AsRef<Identification> for Identified {
 ///
 /// # Errors
 /// A record that is not what its campaign says it is, knowledge of parameters that the structure does not have, and what the method refuses ([`windfall_pid::PidError`]).
-pub fn identify(campaign: &Campaign, notes: &[String], request: &Identify) -> Result<Identified, VerifyError> {
+pub fn identify(campaign: &Campaign, notes: &[String], request: &IdentifyOrder) -> Result<Identified, VerifyError> {
     plausible(campaign)?;
     let campaign = held(campaign, request)?;
     let options = options(&campaign, request)?;
@@ -105,25 +105,28 @@ fn says_more(campaign: &Campaign) -> bool {
 
 /// Parameters by the likelihood that carries what a campaign says; the other methods take constants as exact. How well each coefficient is
 /// explained is regression's.
-fn by_likelihood(campaign: &Campaign, options: &Options) -> Result<Identification, VerifyError> {
+fn by_likelihood(campaign: &Campaign, options: &EstimateOptions) -> Result<Identification, VerifyError> {
     let mut found = identify_by(campaign, Method::EquationError, options)?;
     let fit = |d: &DataSet, near: Option<&Model>| {
         let indices: Vec<usize> = (0..campaign.runs.len()).filter(|&i| d.runs.contains(&campaign.runs[i].name)).collect();
         let engine = Engine::new(campaign, &indices).ok_or_else(|| "no run is long enough".to_owned());
-        let end = engine.and_then(|engine| windfall_likelihood::identify(&engine, near));
+        let end = engine.and_then(|engine| {
+            let fit = windfall_likelihood::identify(&engine, near)?;
+            Ok((engine.robust(&fit), fit.covariance))
+        });
         end.map_err(|words| VerifyError::NoEnd { campaign: format!("{}, {}", campaign.name, d.name), words })
     };
     // All runs first: they lead the others.
-    let whole = found.data_sets.iter().position(|d| d.name == "combined");
+    let whole = found.data_sets.iter().position(|d| d.is_of_all_runs());
     let lead = whole.map(|i| fit(&found.data_sets[i], None)).transpose()?;
     let mut all = Vec::new();
     for (i, d) in found.data_sets.iter().enumerate() {
         match &lead {
             Some(f) if Some(i) == whole => all.push(f.clone()),
-            _ => all.push(fit(d, lead.as_ref().map(|f| &f.model))?),
+            _ => all.push(fit(d, lead.as_ref().map(|(f, _)| &f.model))?),
         }
     }
-    for (d, fit) in found.data_sets.iter_mut().zip(&all) {
+    for (d, (fit, white)) in found.data_sets.iter_mut().zip(&all) {
         let structure = &campaign.plant.aero.structure;
         let place = |e: &Estimate| {
             let i = structure.index(&e.name)?;
@@ -133,7 +136,7 @@ fn by_likelihood(campaign: &Campaign, options: &Options) -> Result<Identificatio
         for (e, at) in d.parameters.iter_mut().zip(&places) {
             let Some((i, k)) = *at else { continue };
             let (value, std) = (fit.model.declared[i], fit.covariance[(k, k)].sqrt());
-            (e.estimate, e.std_error, e.std_error_white) = (value, std, std);
+            (e.estimate, e.std_error, e.std_error_white) = (value, std, white[(k, k)].sqrt());
             e.ci95 = [value - NORMAL_95 * std, value + NORMAL_95 * std];
             e.rse_percent = relative_percent(std, value);
         }
@@ -145,7 +148,7 @@ fn by_likelihood(campaign: &Campaign, options: &Options) -> Result<Identificatio
             }
         }
     }
-    for (d, fit) in found.data_sets.iter().zip(&all) {
+    for (d, (fit, _)) in found.data_sets.iter().zip(&all) {
         if fit.chi > LEFT {
             found.warnings.push(format!(
                 "{}: the innovations' mean square is {:.2} of what noise leaves: `windfall close` says what the model lacks",
@@ -159,7 +162,7 @@ fn by_likelihood(campaign: &Campaign, options: &Options) -> Result<Identificatio
 }
 
 /// The campaign with what is to be held at its value and no longer declared.
-fn held(campaign: &Campaign, request: &Identify) -> Result<Campaign, VerifyError> {
+fn held(campaign: &Campaign, request: &IdentifyOrder) -> Result<Campaign, VerifyError> {
     let mut campaign = campaign.clone();
     for (k, h) in request.hold.iter().enumerate() {
         let i = index(&campaign, "hold", &h.name)?;
@@ -172,7 +175,7 @@ fn held(campaign: &Campaign, request: &Identify) -> Result<Campaign, VerifyError
     Ok(campaign)
 }
 
-fn options(campaign: &Campaign, request: &Identify) -> Result<Options, VerifyError> {
+fn options(campaign: &Campaign, request: &IdentifyOrder) -> Result<EstimateOptions, VerifyError> {
     for t in &request.tie {
         index(campaign, "tie", &t.name)?;
         index(campaign, "tie", &t.to)?;
@@ -181,12 +184,12 @@ fn options(campaign: &Campaign, request: &Identify) -> Result<Options, VerifyErr
         index(campaign, "prior", &p.name)?;
     }
     let tied = |t: &Tie| (t.name.clone(), Handling::Tied { to: t.to.clone() });
-    Ok(Options {
+    Ok(EstimateOptions {
         handling: request.tie.iter().map(tied).collect(),
         priors: request.prior.clone(),
         combined_only: request.combined_only,
         compatibility: true,
-        ..Options::default()
+        ..EstimateOptions::default()
     })
 }
 

@@ -6,19 +6,20 @@ pub mod close;
 mod error;
 mod identify;
 mod recovery;
+mod residual;
 mod resimulate;
 pub mod separate;
 pub mod statistics;
 pub mod study;
-pub mod tether_trace;
-pub mod trace;
+pub mod tracks;
 
 pub use bootstrap::{Bootstrap, BootstrapLine, bootstrap};
-pub use checks::{Bound, Check, Kind, Setups, Verdict, all_pass, checks};
+pub use checks::{Bound, Check, CheckKind, CheckVerdict, Setups, all_pass, checks};
 pub use error::VerifyError;
-pub use identify::{Identified, Identify, Tie, identify};
+pub use identify::{Identified, IdentifyOrder, Tie, identify};
 pub use recovery::{Reconstructed, Recovered, Recovery, TABLE_C_1, campaign_of, recover};
 pub use resimulate::{
     Band, FlownParameter, HoldOut, Initial, InitialStop, Replay, Resimulation, RunComparison, Statistic, Swing, TrajectoryError,
     estimate_initial, fly_like, hold_out, resimulate, resimulate_with_draws,
 };
+pub use windfall_pid::{DataSet, Estimate, Identification};

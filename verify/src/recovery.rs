@@ -108,7 +108,7 @@ pub fn campaign_of(plant: &Plant, flights: &[(&Flight, Record)]) -> Campaign {
 
 /// Estimates of the combined data set beside the truth.
 pub(crate) fn parameters(plant: &Plant, found: &Identification) -> Vec<Recovered> {
-    let estimates = found.data_set("combined").map_or(&[][..], |d| &d.parameters);
+    let estimates = found.of_all_runs().map_or(&[][..], |d| &d.parameters);
     estimates
         .iter()
         .filter_map(|p| {

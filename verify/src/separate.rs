@@ -135,9 +135,10 @@ pub fn separate(campaign: &Campaign, between_s: f64) -> Result<Separation, Verif
     let fault = || VerifyError::NoEnd { campaign: campaign.name.clone(), words: "the model that was found departs".to_owned() };
     let rivals = Rivals::new(&engine, &found).ok_or_else(fault)?;
     let range = Range::new(campaign, &used, &found.after.model.plant(engine.campaign()), between_s)?;
-    let tried = tried(&range, &engine, &rivals);
-    let pairs = rivals.pairs(ODDS);
-    let pairs = pairs.into_iter().take(MOST).map(|p| parted(&range, &engine, &rivals, &tried, p)).collect();
+    let mut pairs = rivals.pairs(ODDS);
+    pairs.truncate(MOST);
+    let tried = tried(&range, &engine, &rivals, &pairs);
+    let pairs = pairs.into_iter().map(|p| parted(&range, &engine, &rivals, &tried, p)).collect();
     Ok(Separation {
         campaign: campaign.name.clone(),
         families: found.after.model.members.iter().map(|m| m.effect.family.to_owned()).collect(),
@@ -148,7 +149,7 @@ pub fn separate(campaign: &Campaign, between_s: f64) -> Result<Separation, Verif
 }
 
 /// All runs of one length, and the best of them at the others.
-fn tried(range: &Range<'_>, engine: &Engine, rivals: &Rivals<'_>) -> Vec<Tried> {
+fn tried(range: &Range<'_>, engine: &Engine, rivals: &Rivals<'_>, pairs: &[Pair]) -> Vec<Tried> {
     let mut grid = Vec::new();
     for release_deg in RELEASES_DEG {
         for spin_deg_s in SPINS_DEG_S {
@@ -165,8 +166,8 @@ fn tried(range: &Range<'_>, engine: &Engine, rivals: &Rivals<'_>) -> Vec<Tried> 
     };
     let mut all: Vec<Tried> = grid.par_iter().filter_map(one).collect();
     let mut best: Vec<NextRun> = Vec::new();
-    for pair in rivals.pairs(ODDS).into_iter().take(MOST) {
-        for (i, _) in ranked(rivals, &all, pair).into_iter().take(RUNS) {
+    for pair in pairs {
+        for (i, _) in ranked(rivals, &all, *pair).into_iter().take(RUNS) {
             if !best.contains(&all[i].run) {
                 best.push(all[i].run);
             }
@@ -197,7 +198,7 @@ fn ranked(rivals: &Rivals<'_>, tried: &[Tried], pair: Pair) -> Vec<(usize, [f64;
 }
 
 fn parted(range: &Range<'_>, engine: &Engine, rivals: &Rivals<'_>, tried: &[Tried], pair: Pair) -> Separated {
-    let words = |set: usize| rivals.families(set).into_iter().map(str::to_owned).collect();
+    let words = |set: usize| rivals.families(set).iter().map(|f| (*f).to_owned()).collect();
     let mut runs: Vec<Deciding> = ranked(rivals, tried, pair)
         .into_iter()
         .take(RUNS)

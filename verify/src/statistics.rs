@@ -18,13 +18,13 @@ pub use search::close_statistics;
 pub use table::statistics_table;
 
 use serde::Serialize;
-use windfall_model::{Flight, Method, Numerics, Plant};
+use windfall_model::{Flight, Integrator, Numerics, Plant};
 use windfall_pid::PidError;
 use windfall_sim::SimError;
 
 /// What a figure is a statistic of. Θ and ω_q,r are thesis eqs 5.1 and 5.2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub enum Quantity {
+pub enum FigureQuantity {
     /// Off-vertical angle Θ, deg.
     #[serde(rename = "theta_deg")]
     Theta,
@@ -56,7 +56,7 @@ pub enum Moment {
     LargestSize,
 }
 
-impl Quantity {
+impl FigureQuantity {
     /// Name in files and reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -84,9 +84,9 @@ impl Moment {
 
 /// One published figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Figure {
+pub struct StatisticFigure {
     /// Of what.
-    pub quantity: Quantity,
+    pub quantity: FigureQuantity,
     /// Which statistic.
     pub statistic: Moment,
     /// Test, deg or deg/s.
@@ -108,7 +108,7 @@ pub struct StatisticsSetup {
     flight: Flight,
     /// As it is flown: without walls, with the tolerances of the options.
     flown: Flight,
-    figures: Vec<Figure>,
+    figures: Vec<StatisticFigure>,
 }
 
 impl StatisticsSetup {
@@ -121,7 +121,7 @@ impl StatisticsSetup {
         seed: u64,
         plant: Plant,
         flight: Flight,
-        figures: Vec<Figure>,
+        figures: Vec<StatisticFigure>,
     ) -> Result<Self, StatisticsError> {
         for f in &figures {
             if !(f.test.is_finite() && f.test > 0.0) {
@@ -247,7 +247,7 @@ pub struct Screened {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FigureOver {
     /// Of what.
-    pub quantity: Quantity,
+    pub quantity: FigureQuantity,
     /// Which statistic.
     pub statistic: Moment,
     /// Fitted; otherwise only held against it.
@@ -311,7 +311,7 @@ pub struct Explanation {
 
 /// How well one run of these figures tells explanations apart.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Separation {
+pub struct FigureSeparation {
     /// If this is true,
     pub truth: Vec<&'static str>,
     /// this is rejected at level 5 %
@@ -348,7 +348,7 @@ pub struct StatisticsClosing {
     /// Explanations: those that close first, then those that remain possible, then the rest, each by score.
     pub explanations: Vec<Explanation>,
     /// What one run tells apart, among those that close or are possible.
-    pub separations: Vec<Separation>,
+    pub separations: Vec<FigureSeparation>,
     /// Largest relative difference that instruments and smoothing make to each figure's mean in the best explanation.
     pub processing: Vec<f64>,
     /// Simulated runs flown.
@@ -359,5 +359,5 @@ pub struct StatisticsClosing {
 
 fn numerics(relative: f64) -> Numerics {
     // Gusts are rough: fifth order follows them with fewer evaluations than eighth.
-    Numerics { method: Method::Dopri5, relative_tolerance: relative, absolute_tolerance: 0.01 * relative }
+    Numerics { method: Integrator::Dopri5, relative_tolerance: relative, absolute_tolerance: 0.01 * relative }
 }

@@ -6,12 +6,13 @@
 mod closing;
 mod columns;
 mod draw;
+mod row;
 mod run;
 mod select;
 mod stop;
 mod summary;
 
-pub use draw::Prepared;
+pub use draw::PreparedStudy;
 pub use run::run;
 pub use stop::{Moments, Progress, clopper_pearson};
 pub use summary::{Count, FailureKind, NumberLine, ParameterSummary, Quantile, Rate, Summary, WordLine, summarise};

@@ -4,9 +4,10 @@
 
 use serde_json::Value;
 use std::path::PathBuf;
+use windfall_likelihood::{Engine, identify};
 use windfall_model::{Acts, CATALOGUE, Campaign, Use};
 use windfall_scenarios::read_campaign;
-use windfall_verify::close::{After, Closing, HeldOut, Options, Verdict, close, declared};
+use windfall_verify::close::{After, Closing, HeldOut, Options, Verdict, close};
 use windfall_verify::hold_out;
 
 fn shared() -> Option<PathBuf> {
@@ -75,9 +76,10 @@ fn held_out(campaign: &Campaign, closing: &Closing, answer: &Value) {
         .collect();
     let mut told = campaign.clone();
     (effect.apply)(&mut told.plant, &values);
-    let (_, fit) = declared(&told, &Options::default()).expect("the truth can be fitted");
-    let plant = fit.hypothesis.plant(&told.plant);
-    let runs: Vec<usize> = (0..campaign.runs.len()).filter(|&i| campaign.runs[i].used == Use::HoldOut).collect();
+    let used = |u: Use| (0..campaign.runs.len()).filter(|&i| campaign.runs[i].used == u).collect::<Vec<usize>>();
+    let engine = Engine::new(&told, &used(Use::Identify)).expect("runs to identify on");
+    let plant = identify(&engine, None).expect("the truth can be fitted").model.plant(&told);
+    let runs = used(Use::HoldOut);
     let told = hold_out(campaign, &plant, &runs, 1).expect("the truth can be flown");
     let side = |a: &After| a.hold_out.clone().expect("held-out runs");
     let (before, after) = (side(&closing.before), side(&closing.after));

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 use std::fmt::Write as _;
 use windfall_model::{Campaign, Flight, Record, Scenario, Turbulence};
-use windfall_pid::output_error::{Handling, Options, Prior};
+use windfall_pid::output_error::{EstimateOptions, Handling, Prior};
 use windfall_pid::{DataSet, Estimate, Method, PidError, identify_by, output_error};
 use windfall_scenarios::read_bundled;
 use windfall_sim::{Seed, fly};
@@ -53,7 +53,7 @@ fn campaign(scenario: &Scenario, seed: u64, factor: f64) -> Campaign {
 }
 
 fn combined(campaign: &Campaign, method: Method) -> Result<DataSet, PidError> {
-    let options = Options { combined_only: true, ..Options::default() };
+    let options = EstimateOptions { combined_only: true, ..EstimateOptions::default() };
     let found = identify_by(campaign, method, &options)?;
     Ok(found.data_set("combined").expect("there is one").clone())
 }
@@ -248,7 +248,7 @@ fn study_of_filter_error() {
 fn recover_stated_errors_by_bootstrap() {
     let scenario = scenario(OUTPUT_ERROR);
     let campaign = campaign(&scenario, 7_777, 1.0);
-    let options = Options { combined_only: true, ..Options::default() };
+    let options = EstimateOptions { combined_only: true, ..EstimateOptions::default() };
     let found = output_error::identify(&campaign, &options).expect("identifies");
     let copies = bootstrap(&campaign, &found, Method::OutputError, &options, 16).expect("copies fly");
     assert!(copies.failed.is_empty(), "{:?}", copies.failed);
@@ -263,11 +263,11 @@ fn recover_stated_errors_by_bootstrap() {
 fn recover_copies_have_the_campaigns_ties_and_priors() {
     let scenario = scenario(OUTPUT_ERROR);
     let campaign = campaign(&scenario, 7_778, 1.0);
-    let options = Options {
+    let options = EstimateOptions {
         combined_only: true,
         handling: vec![("Cn_2".to_owned(), Handling::Tied { to: "Cm_2".to_owned() })],
         priors: vec![Prior { name: "Cl_p".to_owned(), mean: -5.6816, std: 0.001 }],
-        ..Options::default()
+        ..EstimateOptions::default()
     };
     let found = output_error::identify(&campaign, &options).expect("identifies");
     let copies = bootstrap(&campaign, &found, Method::OutputError, &options, 8).expect("copies fly");
@@ -288,7 +288,7 @@ fn recover_the_flight_inside_its_bands() {
     let (mut inside, mut all) = (0.0, 0.0);
     for seed in 8_000..8_002 {
         let campaign = campaign(&scenario, seed, 1.0);
-        let options = Options { combined_only: true, ..Options::default() };
+        let options = EstimateOptions { combined_only: true, ..EstimateOptions::default() };
         let found = output_error::identify(&campaign, &options).expect("identifies");
         let flown = resimulate_with_draws(&campaign, &found, 1, 40).expect("flies");
         for (i, run) in flown.runs.iter().enumerate() {

@@ -6,9 +6,9 @@
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use std::alloc::System;
 use std::cell::Cell as Slot;
-use windfall_model::study::{Cell, Column, Kind};
+use windfall_model::study::{Cell, CellKind, Column};
 use windfall_scenarios::read_study;
-use windfall_verify::study::{Prepared, summarise};
+use windfall_verify::study::{PreparedStudy, summarise};
 
 #[global_allocator]
 static GLOBAL: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
@@ -16,16 +16,16 @@ static GLOBAL: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 const STUDY: &str = "[study]\nname = \"flat\"\nscenario = \"sage-perturbed.toml\"\ndraws = 1000000\nseed = 1\n[do]\nidentify = [\"equation-error\"]\n";
 
 /// Largest heap beyond what was there, bytes, while so many draws are summarised.
-fn peak(prepared: &Prepared, draws: u64) -> usize {
+fn peak(prepared: &PreparedStudy, draws: u64) -> usize {
     let region = Region::new(GLOBAL);
     let peak = Slot::new(0);
     let each = |column: &Column, see: &mut dyn FnMut(Cell)| {
         for draw in 0..draws {
             let x = (draw.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11) as f64;
             see(match column.kind {
-                Kind::Number => Cell::Number((draw % 7 != 0).then_some(x - 1e15)),
-                Kind::Flag => Cell::Flag(Some(draw % 3 == 0)),
-                Kind::Word => Cell::Word(String::new()),
+                CellKind::Number => Cell::Number((draw % 7 != 0).then_some(x - 1e15)),
+                CellKind::Flag => Cell::Flag(Some(draw % 3 == 0)),
+                CellKind::Word => Cell::Word(String::new()),
             });
             if draw % 512 == 0 {
                 let change = region.change();
@@ -47,7 +47,7 @@ fn law_a_summary_holds_as_much_of_many_draws_as_of_few() {
     std::fs::write(folder.join("sage-perturbed.toml"), scenario).expect("writable");
     std::fs::write(folder.join("study.toml"), STUDY).expect("writable");
     let file = read_study(&folder.join("study.toml")).expect("a study");
-    let prepared = Prepared::new(file.study, None).expect("can be flown");
+    let prepared = PreparedStudy::new(file.study, None).expect("can be flown");
     std::fs::remove_dir_all(&folder).expect("own folder");
     let (few, many) = (peak(&prepared, 1_000), peak(&prepared, 50_000));
     // A column of 50,000 numbers would be 400 kB. What differs is at most the harness' own thread and growth of small lists.

@@ -2,7 +2,7 @@
 
 use windfall_model::effects::find;
 use windfall_model::{Acts, Campaign, Data, Flight, Knowledge, Run, Use};
-use windfall_pid::output_error::{self, Options};
+use windfall_pid::output_error::{self, EstimateOptions};
 use windfall_pid::plan::{Target, Wanted, plan};
 use windfall_scenarios::read_bundled;
 use windfall_sim::{Seed, fly};
@@ -30,7 +30,7 @@ fn recover_the_error_that_was_planned() {
         runs: vec![fly_run(&scenario.flights[0], 0), fly_run(&scenario.flights[1], 1)],
         knowledge: Knowledge::default(),
     };
-    let options = Options { combined_only: true, ..Options::default() };
+    let options = EstimateOptions { combined_only: true, ..EstimateOptions::default() };
     let error = |campaign: &Campaign| {
         let found = output_error::identify(campaign, &options).expect("identifies");
         found.data_set("combined").and_then(|d| d.get("Cm", "Cm_2")).expect("estimated").std_error

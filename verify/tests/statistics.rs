@@ -5,12 +5,13 @@
 use windfall_model::{Flight, Plant};
 use windfall_scenarios::StatisticsFile;
 use windfall_verify::statistics::{
-    Figure, Moment, Quantity, StatisticsClosing, StatisticsOptions, StatisticsSetup, close_statistics, statistics_table,
+    FigureQuantity, Moment, StatisticFigure, StatisticsClosing, StatisticsOptions, StatisticsSetup, close_statistics,
+    statistics_table,
 };
 
-fn figures(file: &StatisticsFile) -> Vec<Figure> {
-    let figure = |f: &windfall_scenarios::PublishedFigure| Figure {
-        quantity: Quantity::from_name(&f.quantity).expect("the reader checks it"),
+fn figures(file: &StatisticsFile) -> Vec<StatisticFigure> {
+    let figure = |f: &windfall_scenarios::PublishedFigure| StatisticFigure {
+        quantity: FigureQuantity::from_name(&f.quantity).expect("the reader checks it"),
         statistic: Moment::from_name(&f.statistic).expect("the reader checks it"),
         test: f.test,
         simulation: f.simulation,
@@ -23,7 +24,7 @@ fn closed(
     file: &StatisticsFile,
     plant: &Plant,
     flight: &Flight,
-    figures: Vec<Figure>,
+    figures: Vec<StatisticFigure>,
     options: &StatisticsOptions,
 ) -> StatisticsClosing {
     let names = (file.name.as_str(), file.source.as_str());

@@ -24,7 +24,7 @@ fn main() -> windfall::Result<()> {
     }
 
     // The same page that `windfall close` writes.
-    let page = windfall::report::closing_page(&closing, &campaign.figures(&closing)?);
+    let page = windfall::report::closing_page(&closing, &campaign.figures(&closing)?, Some(&campaign.tracks(&closing)?));
     windfall::files::text_atomically(&std::env::temp_dir().join("windfall-close.html"), &page)?;
     Ok(())
 }

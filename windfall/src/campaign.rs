@@ -7,10 +7,10 @@ use std::path::Path;
 use windfall_model::{Data, Record, Run};
 use windfall_pid::Identification;
 use windfall_pid::compatibility::{Pressure, pressure};
-use windfall_pid::plan::{Plan as Targets, plan};
+use windfall_pid::plan::{TestPlan as Targets, plan};
 use windfall_pid::structure::{Choice, choose};
 use windfall_scenarios::{FEWEST_SAMPLES, FileKind, kind_of, read_campaign_with_warnings};
-use windfall_verify::close::{Closing, Figure, Options, close, figures};
+use windfall_verify::close::{Closing, Figure, Options, SignalTracks, close, coefficient_tracks, figures, flight_tracks, tracks};
 use windfall_verify::separate::{Separation, separate};
 use windfall_verify::{Identified, Resimulation, identify, resimulate_with_draws};
 
@@ -25,14 +25,14 @@ pub struct Campaign {
 
 /// What a path or name stands for where a campaign is asked for.
 #[derive(Clone, Debug)]
-pub enum Source {
+pub enum CampaignSource {
     /// A campaign file.
     Campaign(Box<Campaign>),
     /// A scenario, which has to be flown first.
     Scenario(Box<Scenario>),
 }
 
-impl Source {
+impl CampaignSource {
     /// Reads a campaign file, a scenario file or a bundled scenario.
     ///
     /// # Errors
@@ -59,12 +59,12 @@ impl Campaign {
     /// # Errors
     /// Every fault of the file, a flight that failed, a seed for runs that were measured.
     pub fn find(word: &Path, request: &Fly) -> Result<Self> {
-        match Source::find(word)? {
-            Source::Scenario(scenario) => Ok(scenario.fly(request)?.campaign()),
-            Source::Campaign(_) if request.seed.is_some() => {
+        match CampaignSource::find(word)? {
+            CampaignSource::Scenario(scenario) => Ok(scenario.fly(request)?.campaign()),
+            CampaignSource::Campaign(_) if request.seed.is_some() => {
                 Err(Error::Request("seed is for scenarios; a campaign file has its runs".to_owned()))
             }
-            Source::Campaign(campaign) => Ok(*campaign),
+            CampaignSource::Campaign(campaign) => Ok(*campaign),
         }
     }
     /// The same declared model with other tunnel runs.
@@ -107,6 +107,27 @@ impl Campaign {
     /// As [`Campaign::close`].
     pub fn figures(&self, closing: &Closing) -> Result<Vec<Figure>> {
         Ok(figures(&self.data, closing, &Options::default())?)
+    }
+    /// Measured signals of every run beside flights with the declared model and with the effects added: the content of `tracks.json`.
+    ///
+    /// # Errors
+    /// As [`Campaign::close`].
+    pub fn tracks(&self, closing: &Closing) -> Result<SignalTracks> {
+        Ok(tracks(&self.data, closing)?)
+    }
+    /// Coefficients of every run beside those of an identified model: the content of `coefficients.json`; without runs for point bodies.
+    ///
+    /// # Errors
+    /// No data set, or an identification of another structure.
+    pub fn coefficient_tracks(&self, found: &impl AsRef<Identification>) -> Result<SignalTracks> {
+        Ok(coefficient_tracks(&self.data, found.as_ref())?)
+    }
+    /// Measured signals of every run beside flights with an identified model: the content of `flights.json`.
+    ///
+    /// # Errors
+    /// As [`Campaign::coefficient_tracks`].
+    pub fn flight_tracks(&self, found: &impl AsRef<Identification>) -> Result<SignalTracks> {
+        Ok(flight_tracks(&self.data, found.as_ref())?)
     }
     /// Which aerodynamic terms the runs carry, whatever is declared: the content of `structure.json`.
     ///

@@ -11,7 +11,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 
 /// Whose fault an error is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ErrorKind {
     /// Bad input: a file, a request, a number that cannot be flown.
     Input,
     /// The numbers failed: a flight departed, a search has no answer.
@@ -96,17 +96,17 @@ pub enum Error {
 impl Error {
     /// Whose fault it is.
     #[must_use]
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> ErrorKind {
         match self {
             // A number that cannot be flown, or an atmosphere that ends too soon, is bad input, the rest is numerical.
             Self::Flight { error, .. } | Self::Simulate(error)
                 if !matches!(error, SimError::Setup { .. } | SimError::OutsideAtmosphere { .. }) =>
             {
-                Kind::Numerical
+                ErrorKind::Numerical
             }
-            Self::Identify(PidError::NoAnswer { .. }) => Kind::Numerical,
-            Self::Interrupted => Kind::Interrupted,
-            _ => Kind::Input,
+            Self::Identify(PidError::NoAnswer { .. }) => ErrorKind::Numerical,
+            Self::Interrupted => ErrorKind::Interrupted,
+            _ => ErrorKind::Input,
         }
     }
 }

@@ -3,9 +3,9 @@
 use crate::{Error, Result};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use windfall_report::{FolderResults, folder_page};
+use windfall_report::{FolderResults, PaperFigure, folder_figures, folder_page};
 use windfall_scenarios::read_json;
-use windfall_verify::close::{Closing, Figure};
+use windfall_verify::close::{Closing, Figure, SignalTracks};
 use windfall_verify::study::Summary;
 
 /// Results beside a closing, with their titles and the keys that each has.
@@ -14,6 +14,8 @@ const OTHERS: [(&str, &str, &[&str]); 3] = [
     ("resimulation.json", "Re-simulation", &["method", "parameters", "trajectory", "statistics", "runs"]),
     ("verify.json", "Checks of the program's own truth", &["verdict", "checks"]),
 ];
+/// Signals over time: of a closing, of an identification, of a re-simulation.
+const TRACKS: [&str; 3] = ["tracks.json", "coefficients.json", "flights.json"];
 /// Keys of a closing against published statistics.
 const STATISTICS: &[&str] = &["verdict", "name", "source", "options", "seed"];
 
@@ -23,6 +25,7 @@ pub struct ResultsFolder {
     title: String,
     closing: Option<Closing>,
     figures: Vec<Figure>,
+    tracks: [Option<SignalTracks>; 3],
     study: Option<Summary>,
     others: Vec<(String, Value)>,
 }
@@ -54,6 +57,10 @@ impl ResultsFolder {
                 others.push((title.to_owned(), value));
             }
         }
+        let mut tracks = [None, None, None];
+        for (place, file) in tracks.iter_mut().zip(TRACKS) {
+            *place = there(folder, file).map(|p| read_json(&p)).transpose()?;
+        }
         let study = there(folder, "summary.json").map(|p| read_json(&p)).transpose()?;
         if closing.is_none() && study.is_none() && others.is_empty() {
             let known: Vec<&str> = ["close.json", "summary.json"].into_iter().chain(OTHERS.map(|(f, ..)| f)).collect();
@@ -61,18 +68,29 @@ impl ResultsFolder {
         }
         let title = folder.canonicalize().ok().and_then(|p| Some(p.file_name()?.to_string_lossy().into_owned()));
         let title = title.unwrap_or_else(|| folder.display().to_string());
-        Ok(Self { title, closing, figures, study, others })
+        Ok(Self { title, closing, figures, tracks, study, others })
     }
     /// The page as HTML in one piece.
     #[must_use]
     pub fn page(&self) -> String {
-        let results = FolderResults {
+        folder_page(&self.title, &self.results())
+    }
+    /// Every figure of the page as SVG, PDF and CSV, `width_mm` wide.
+    #[must_use]
+    pub fn paper_figures(&self, width_mm: f64) -> Vec<PaperFigure> {
+        folder_figures(&self.title, &self.results(), width_mm)
+    }
+    fn results(&self) -> FolderResults<'_> {
+        let [tracks, coefficients, flights] = self.tracks.each_ref().map(Option::as_ref);
+        FolderResults {
             closing: self.closing.as_ref(),
             figures: &self.figures,
+            tracks,
+            coefficients,
+            flights,
             study: self.study.as_ref(),
             others: &self.others,
-        };
-        folder_page(&self.title, &results)
+        }
     }
 }
 

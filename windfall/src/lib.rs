@@ -23,6 +23,7 @@
 mod campaign;
 mod check;
 mod error;
+mod explain;
 mod folder;
 pub mod planet;
 mod published;
@@ -31,9 +32,10 @@ mod scenario;
 mod study;
 mod words;
 
-pub use campaign::{Campaign, Source};
+pub use campaign::{Campaign, CampaignSource};
 pub use check::{Checked, Verification, check, verify};
-pub use error::{Error, Kind, Result};
+pub use error::{Error, ErrorKind, Result};
+pub use explain::{Explain, explain, init};
 pub use folder::ResultsFolder;
 pub use published::Published;
 pub use requests::{Close, Fly, Identify, MOST_COPIES, Plan, Resimulate, Structure, Study};
@@ -53,23 +55,21 @@ pub mod prelude {
 pub mod results {
     pub use crate::campaign::Planned;
     pub use windfall_pid::compatibility::{Compatibility, FALSE_ALARM_RATE, InstrumentError, Instruments, Pressure};
-    pub use windfall_pid::plan::{Plan, TargetPlan};
+    pub use windfall_pid::plan::{TargetPlan, TestPlan};
     pub use windfall_pid::structure::{Choice, CoefficientChoice, Symmetry};
     pub use windfall_pid::{DataSet, Estimate, Identifiability, Identification, NORMAL_95, relative_percent};
     pub use windfall_sim::{Flown, Truth};
-    pub use windfall_verify::close::{Closing, EffectLine, Figure, HeldOut, Verdict};
+    pub use windfall_verify::close::{Closing, EffectLine, Figure, HeldOut, SignalTracks, Verdict};
     pub use windfall_verify::separate::{Deciding, NextRun, Separated, Separation, Sharpened};
     pub use windfall_verify::statistics::{StatisticsClosing, statistics_table};
     pub use windfall_verify::study::{Moments, Summary};
-    pub use windfall_verify::{
-        Bootstrap, Check, Identified, Kind as CheckKind, Resimulation, RunComparison, Statistic, Verdict as CheckVerdict,
-    };
+    pub use windfall_verify::{Bootstrap, Check, CheckKind, CheckVerdict, Identified, Resimulation, RunComparison, Statistic};
 }
 
 /// Files of the program: results as JSON, structures, studies' folders.
 pub mod files {
     pub use windfall_scenarios::{
-        BUNDLED, FileSet, Piece, Store, json_text, key_reference, read_json, read_runs, settle, text_atomically,
+        BUNDLED, FileSet, Piece, Store, json_text, key_reference, read_json, read_runs, series_text, settle, text_atomically,
         write_json_atomically, write_structure,
     };
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use windfall_report::{FolderResults, folder_page};
 use windfall_scenarios::{StatisticsFile, bundled_statistics, read_statistics};
 use windfall_verify::statistics::{
-    Figure, Moment, Quantity, StatisticsClosing, StatisticsOptions, StatisticsSetup, close_statistics,
+    FigureQuantity, Moment, StatisticFigure, StatisticsClosing, StatisticsOptions, StatisticsSetup, close_statistics,
 };
 
 /// Name of the bundled file.
@@ -49,12 +49,12 @@ impl Published {
 }
 
 fn setup(file: &StatisticsFile) -> Result<StatisticsSetup> {
-    let figures: Option<Vec<Figure>> = file
+    let figures: Option<Vec<StatisticFigure>> = file
         .figures
         .iter()
         .map(|f| {
-            Some(Figure {
-                quantity: Quantity::from_name(&f.quantity)?,
+            Some(StatisticFigure {
+                quantity: FigureQuantity::from_name(&f.quantity)?,
                 statistic: Moment::from_name(&f.statistic)?,
                 test: f.test,
                 simulation: f.simulation,

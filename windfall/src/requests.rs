@@ -55,7 +55,7 @@ pub struct Identify {
 
 impl Identify {
     /// The order to the loop, of sound numbers.
-    pub(crate) fn order(&self) -> Result<windfall_verify::Identify> {
+    pub(crate) fn order(&self) -> Result<windfall_verify::IdentifyOrder> {
         let wrong = |what: String| Err(Error::Request(what));
         if let Some(h) = self.hold.iter().find(|h| !h.value.is_finite()) {
             return wrong(format!("hold {}: needs a finite number", h.name));
@@ -66,7 +66,7 @@ impl Identify {
         if let Some(n) = self.bootstrap.filter(|n| !(2..=MOST_COPIES).contains(n)) {
             return wrong(format!("bootstrap = {n}: needs two copies or more, and at most {MOST_COPIES}"));
         }
-        Ok(windfall_verify::Identify {
+        Ok(windfall_verify::IdentifyOrder {
             method: self.method,
             combined_only: self.combined,
             hold: self.hold.clone(),

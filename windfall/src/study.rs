@@ -5,11 +5,11 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Mutex;
-use windfall_model::study::{Cell, Column, Kind, Row};
+use windfall_model::study::{Cell, CellKind, Column, Row};
 use windfall_pid::Identification;
 use windfall_scenarios::{Identity, Part, Shard, Store, StoreError, part_bytes, read_json, read_study, write_json_atomically};
 use windfall_verify::VerifyError;
-use windfall_verify::study::{Moments, Prepared, Progress, Summary, run as draw_all, summarise};
+use windfall_verify::study::{Moments, PreparedStudy, Progress, Summary, run as draw_all, summarise};
 
 /// Name of the summary.
 pub const SUMMARY: &str = "summary.json";
@@ -17,7 +17,7 @@ pub const SUMMARY: &str = "summary.json";
 /// A study ready to be drawn, in whole or in parts.
 #[derive(Debug)]
 pub struct Drawing {
-    prepared: Prepared,
+    prepared: PreparedStudy,
     identity: Identity,
     warnings: Vec<String>,
 }
@@ -46,7 +46,7 @@ impl Drawing {
             let set = found.combined().ok_or(VerifyError::NoDataSet)?;
             study.plant = set.plant(&campaign.plant).map_err(VerifyError::from)?;
         }
-        let prepared = Prepared::new(study, file.campaign.as_ref())?;
+        let prepared = PreparedStudy::new(study, file.campaign.as_ref())?;
         let identity = Identity {
             windfall: env!("CARGO_PKG_VERSION").to_owned(),
             inputs: file.inputs,
@@ -65,7 +65,7 @@ impl Drawing {
     }
     /// The study made ready.
     #[must_use]
-    pub fn prepared(&self) -> &Prepared {
+    pub fn prepared(&self) -> &PreparedStudy {
         &self.prepared
     }
     /// Number of parts.
@@ -116,12 +116,12 @@ impl Drawing {
         let Some(stop) = self.prepared.study().stop.clone() else { return Ok(None) };
         let place = self.prepared.place(&stop.column);
         match place.map(|i| (i, self.prepared.columns()[i].kind)) {
-            Some((i, kind @ (Kind::Number | Kind::Flag))) => Ok(Some(Progress::new(stop, i, kind))),
+            Some((i, kind @ (CellKind::Number | CellKind::Flag))) => Ok(Some(Progress::new(stop, i, kind))),
             _ => Err(Error::NoColumn { column: stop.column, columns: self.countable() }),
         }
     }
     fn countable(&self) -> String {
-        let columns = self.prepared.columns().iter().filter(|c| c.kind != Kind::Word);
+        let columns = self.prepared.columns().iter().filter(|c| c.kind != CellKind::Word);
         columns.map(|c| c.name.as_str()).collect::<Vec<_>>().join(", ")
     }
     /// Joins the parts of a folder into `runs.parquet` and writes `summary.json`, unless both are there; then checks them.

@@ -17,6 +17,8 @@ pub struct Rivals<'a> {
     engine: &'a Engine,
     model: &'a Model,
     weighed: Weighed,
+    /// Of each set, ascending.
+    families: Vec<Vec<&'static str>>,
 }
 
 /// A pair of sets, by their place, with the log odds of the first over the second as things are.
@@ -49,16 +51,20 @@ impl<'a> Rivals<'a> {
     #[must_use]
     pub fn new(engine: &'a Engine, found: &'a Discovery) -> Option<Self> {
         let model = &found.after.model;
-        Some(Self { engine, model, weighed: weigh(engine, model)? })
+        let weighed = weigh(engine, model)?;
+        let families = weighed.sets.iter().map(|s| {
+            let mut all: Vec<&str> = s.units.iter().map(|&u| CATALOGUE[weighed.families[u].0].family).collect();
+            all.sort_unstable();
+            all
+        });
+        let families = families.collect();
+        Some(Self { engine, model, weighed, families })
     }
 
     /// Families of a set, ascending.
     #[must_use]
-    pub fn families(&self, set: usize) -> Vec<&'static str> {
-        let mut all: Vec<&str> =
-            self.weighed.sets[set].units.iter().map(|&u| CATALOGUE[self.weighed.families[u].0].family).collect();
-        all.sort_unstable();
-        all
+    pub fn families(&self, set: usize) -> &[&'static str] {
+        &self.families[set]
     }
 
     /// The named set beside every other that is less than `odds` from it either way, each by its best form; likeliest first. What is far
@@ -69,14 +75,14 @@ impl<'a> Rivals<'a> {
         let mut named: Vec<&str> =
             self.model.members.iter().filter(|m| !m.random && !m.declared).map(|m| m.effect.family).collect();
         named.sort_unstable();
-        let Some(best) = (0..sets.len()).find(|&s| self.families(s) == named) else { return Vec::new() };
+        let Some(best) = (0..sets.len()).find(|&s| self.families[s] == named) else { return Vec::new() };
         let mut seen = vec![named];
         let mut all = Vec::new();
         for rival in 0..sets.len() {
             let log_odds = sets[best].gain - sets[rival].gain;
-            let families = self.families(rival);
-            if log_odds.abs() < odds.ln() && !seen.contains(&families) {
-                seen.push(families);
+            let families = &self.families[rival];
+            if log_odds.abs() < odds.ln() && !seen.contains(families) {
+                seen.push(families.clone());
                 all.push(Pair { best, rival, log_odds });
             }
         }
@@ -102,8 +108,7 @@ impl<'a> Rivals<'a> {
         let one = |truth: usize, other: usize| -> Option<f64> {
             let gram = self.with(&self.weighed.sets[truth], information)?;
             let gain = |s: &Set| weigh_set(&gram, &self.weighed.units, &s.units).map(|s| s.gain);
-            let families = self.families(other);
-            let forms = (0..self.weighed.sets.len()).filter(|&s| self.families(s) == families);
+            let forms = (0..self.families.len()).filter(|&s| self.families[s] == self.families[other]);
             let against = forms.filter_map(|s| gain(&self.weighed.sets[s])).fold(f64::NEG_INFINITY, f64::max);
             Some(gain(&self.weighed.sets[truth])? - against)
         };

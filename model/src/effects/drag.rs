@@ -5,7 +5,7 @@ use crate::aero::Coefficient as C;
 
 pub(super) static EFFECT: Effect = Effect {
     family: "drag",
-    acts: Acts::PointMass,
+    acts: Acts::PointOrPivot,
     physics: "Quadratic drag against the velocity; its coefficient may follow the settings of the launcher, since spin moves separation on a ball.",
     source: "Newton; Hoerner, Fluid-Dynamic Drag, 1965; Bearman and Harvey, Aeronaut. Q. 27, 1976 (drag over spin)",
     separate_by: "launches at other speeds, and with other settings",

@@ -4,6 +4,7 @@
 //! that one file follow simulating it, its signature, tracing, estimating, its bound, and its line in the report; nothing else
 //! in the program knows a family by name. Adding an effect is adding a file and its name to the list that makes [`CATALOGUE`].
 
+pub use crate::acts::Acts;
 use crate::plant::Plant;
 
 /// Makes the list from the names of the files.
@@ -13,25 +14,6 @@ macro_rules! catalogue {
         /// All effects, alphabetical by file.
         pub static CATALOGUE: [&Effect; [$(stringify!($file)),*].len()] = [$(&$file::EFFECT),*];
     };
-}
-
-/// Which bodies an effect can act on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Acts {
-    /// A body with attitude, in the tunnel or in free flight.
-    Lander,
-    /// A body without attitude.
-    PointMass,
-    /// Either: an instrument that both are measured by.
-    Any,
-}
-
-impl Acts {
-    /// Whether an effect that acts so can act on that body.
-    #[must_use]
-    pub fn on(self, body: Self) -> bool {
-        self == Self::Any || self == body
-    }
 }
 
 /// How a parameter is looked for.
@@ -153,12 +135,14 @@ catalogue![
     loose_mass,
     magnus,
     mass,
+    pivot_friction,
     pose_delay,
     pose_misalignment,
     rate_force,
     roll_damping_shape,
     roll_periodic,
     spin_lift,
+    static_pressure,
     swirl,
     swivel_friction,
     tether_geometry,
@@ -166,6 +150,7 @@ catalogue![
     tether_line_rate,
     time_base,
     turbulence,
+    viscous_friction,
     wake_shedding,
     wind_delay,
     wind_scale,

@@ -40,7 +40,7 @@ pub struct PlanetBody {
 
 /// State at the first sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Start {
+pub struct FlightStart {
     /// Geodetic place of the c.m.; the longitude is the planet's.
     pub place: Geodetic,
     /// Velocity over the ground, m/s.
@@ -61,7 +61,7 @@ pub struct PlanetFlight {
     /// Sample rate, Hz.
     pub rate_hz: f64,
     /// State at the first sample.
-    pub start: Start,
+    pub start: FlightStart,
     /// Integrator settings.
     pub numerics: Numerics,
 }

@@ -12,7 +12,7 @@ mod venus;
 mod wind;
 
 pub use atmosphere::{Air, Atmosphere, AtmosphereTable};
-pub use body::{PlanetBody, PlanetFlight, PlanetScenario, Reference, Start};
+pub use body::{FlightStart, PlanetBody, PlanetFlight, PlanetScenario, Reference};
 pub use gravity::Gravity;
 pub use spheroid::{Geodetic, Spheroid};
 pub use wind::{WindTable, Winds};

@@ -11,10 +11,11 @@
 mod pressure;
 
 use crate::PidError;
-use crate::identifiability::Correlation;
-use crate::identification::NORMAL_95;
+use crate::information::Correlation;
+use crate::interval::NORMAL_95;
 use crate::output_error::{
-    Glance, KINDS, Outcome, Run, Solved, Unknowns, channel_fits, coloured, not_noise, one_step, ready, run_plants, solve_from,
+    Glance, KINDS, Outcome, PreparedRun, Solved, Unknowns, channel_fits, coloured, not_noise, one_step, ready, run_plants,
+    solve_from,
 };
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -129,7 +130,7 @@ pub fn pressure(campaign: &Campaign) -> Option<Pressure> {
 pub fn compatibility(campaign: &Campaign) -> Result<Compatibility, PidError> {
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;
-    let unknowns = Unknowns::new(campaign, &crate::output_error::Options::default())?;
+    let unknowns = Unknowns::new(campaign, &crate::output_error::EstimateOptions::default())?;
     let nominals = runs.iter().map(|r| r.smoothed.clone()).collect();
     let solved = match crate::output_error::solve(&runs, unknowns, nominals, ITERATIONS) {
         Outcome::Solved(solved) => Some(solved),
@@ -151,7 +152,7 @@ pub(crate) fn join(pressure: Option<Pressure>, instruments: Option<Instruments>)
 }
 
 /// Errors of the instruments beside a solution's parameters. `None` where the search with them does not end.
-pub(crate) fn instruments(runs: &[Run<'_>], solved: &Solved) -> Option<Instruments> {
+pub(crate) fn instruments(runs: &[PreparedRun<'_>], solved: &Solved) -> Option<Instruments> {
     let mut unknowns = solved.unknowns.clone().with_errors();
     let mut not_told = Vec::new();
     let (step, mut covariance) = loop {

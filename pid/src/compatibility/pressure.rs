@@ -5,7 +5,7 @@
 //! likelihood of both together (innovations of a Kalman filter; the cross-correlation's peak, weighted by what each frequency is worth:
 //! Knapp and Carter 1976). A q_W that was computed from V_W shares its noise and says nothing of it: only ρ is tested then.
 
-use crate::identification::NORMAL_95;
+use crate::interval::NORMAL_95;
 use crate::output_error::{Liveliness, NOT_NOISE, liveliness, low_frequency_p};
 use nalgebra::{Matrix2, Matrix3, RowVector3, Vector2, Vector3};
 use realfft::RealFftPlanner;

@@ -2,7 +2,7 @@
 //!
 //! Forward-mode derivatives of the same formula that is integrated (Wengert 1964), compiled once here.
 
-use super::{Air, Craft, Dual, Extra, LOOSE, Number, STATES};
+use super::{Craft, Dual, Extra, LOOSE, STATES, Scalar, TunnelAir};
 
 /// Motion and loose mass: c.m. position, Euler angles, velocity, body rates, then displacement and rate of the loose mass.
 pub const MOTION: usize = STATES + LOOSE;
@@ -39,7 +39,7 @@ fn parts<S: Copy>(x: &[S; MOTION]) -> ([S; STATES], [S; LOOSE]) {
 impl Craft<'_> {
     /// Rates of the motion; `None` where the flow or the Euler angles are not defined.
     #[inline(never)]
-    pub fn rates(&self, x: &[f64; MOTION], air: Air, added: &[f64; ADDED], terms: &mut Vec<f64>) -> Option<[f64; MOTION]> {
+    pub fn rates(&self, x: &[f64; MOTION], air: TunnelAir, added: &[f64; ADDED], terms: &mut Vec<f64>) -> Option<[f64; MOTION]> {
         terms.resize(self.terms.acts.len(), 0.0);
         let (motion, part) = parts(x);
         let extra = Extra {
@@ -52,7 +52,7 @@ impl Craft<'_> {
 
     /// Rates of the motion and their slopes; `None` where the flow or the Euler angles are not defined.
     #[inline(never)]
-    pub fn local(&self, x: &[f64; MOTION], air: Air, added: &[f64; ADDED], terms: &mut Vec<f64>) -> Option<Local> {
+    pub fn local(&self, x: &[f64; MOTION], air: TunnelAir, added: &[f64; ADDED], terms: &mut Vec<f64>) -> Option<Local> {
         terms.resize(self.terms.acts.len(), 0.0);
         let parameters = &self.plant.aero.values;
         let by_state = {
@@ -97,10 +97,16 @@ impl Craft<'_> {
     }
 
     /// Slopes by tunnel speed and its rate as central differences.
-    fn by_wind(&self, x: &[f64; MOTION], air: Air, added: &[f64; ADDED], terms: &mut Vec<f64>) -> Option<[[f64; 2]; MOTION]> {
+    fn by_wind(
+        &self,
+        x: &[f64; MOTION],
+        air: TunnelAir,
+        added: &[f64; ADDED],
+        terms: &mut Vec<f64>,
+    ) -> Option<[[f64; 2]; MOTION]> {
         const STEP: f64 = 1e-4;
         let mut at = |v: f64, r: f64| {
-            self.rates(x, Air { vw_m_s: air.vw_m_s + v, vw_rate_m_s2: air.vw_rate_m_s2 + r, ..air }, added, terms)
+            self.rates(x, TunnelAir { vw_m_s: air.vw_m_s + v, vw_rate_m_s2: air.vw_rate_m_s2 + r, ..air }, added, terms)
         };
         let (up, down, more, less) = (at(STEP, 0.0)?, at(-STEP, 0.0)?, at(0.0, STEP)?, at(0.0, -STEP)?);
         Some(std::array::from_fn(|i| [(up[i] - down[i]) / (2.0 * STEP), (more[i] - less[i]) / (2.0 * STEP)]))

@@ -10,7 +10,7 @@ mod transition;
 
 use crate::PidError;
 pub use local::{ADDED, Local, MOTION};
-pub(crate) use number::{Dual, Number};
+pub(crate) use number::{Dual, Scalar};
 use terms::Terms;
 pub(crate) use transition::{Drive, INPUTS, Segment, Transition};
 use windfall_model::{Plant, VARIABLES, Variable};
@@ -24,7 +24,7 @@ const ACROSS_M2_S2: f64 = 1e-24;
 
 /// The air at one instant, as known.
 #[derive(Clone, Copy, Debug)]
-pub struct Air {
+pub struct TunnelAir {
     /// Time from the run's first sample, s.
     pub t_s: f64,
     /// Density, kg/m³.
@@ -44,7 +44,7 @@ pub(crate) struct Extra<S> {
     pub(crate) coefficients: [S; 6],
 }
 
-impl<S: Number> Default for Extra<S> {
+impl<S: Scalar> Default for Extra<S> {
     fn default() -> Self {
         let zero = S::real(0.0);
         Self { velocity: [zero; 3], acceleration: [zero; 3], coefficients: [zero; 6] }
@@ -159,7 +159,7 @@ impl<'a> Craft<'a> {
     }
 
     #[inline(always)]
-    fn wind_shape<S: Number>(&self, [y, z]: [S; 2], [vy, vz]: [S; 2]) -> WindShape<S> {
+    fn wind_shape<S: Scalar>(&self, [y, z]: [S; 2], [vy, vz]: [S; 2]) -> WindShape<S> {
         let zero = S::real(0.0);
         if self.still {
             return WindShape { along: [S::real(-1.0), zero, zero], rate: [zero; 3] };
@@ -175,10 +175,10 @@ impl<'a> Craft<'a> {
     /// Rate of the state; parameters as in the structure. `None` where the flow or the Euler angles are not defined. The terms'
     /// values, by which a parameter acts on its coefficient, are left in `term_values`.
     #[inline(always)]
-    pub(crate) fn rate<S: Number>(
+    pub(crate) fn rate<S: Scalar>(
         &self,
         x: &[S; STATES],
-        air: Air,
+        air: TunnelAir,
         extra: &Extra<S>,
         parameters: &[f64],
         term_values: &mut [f64],
@@ -188,11 +188,11 @@ impl<'a> Craft<'a> {
 
     /// [`Craft::rate`] with a loose mass at displacement and rate `[y, z, ẏ, ż]`, and the loose mass' acceleration.
     #[inline(always)]
-    pub(crate) fn motion<S: Number>(
+    pub(crate) fn motion<S: Scalar>(
         &self,
         x: &[S; STATES],
         loose: &[S; LOOSE],
-        air: Air,
+        air: TunnelAir,
         extra: &Extra<S>,
         parameters: &[f64],
         term_values: &mut [f64],
@@ -274,7 +274,7 @@ impl<'a> Craft<'a> {
     /// Reaction of the air that is dragged along, less what the enlarged inertia on the left side carries (Lamb 1932, §124): with `u`
     /// the velocity seen from the steady air, force `M (Ṫᵀ-free rates) − ω × M u` and moment `−ω × J ω − u × M u`, body axes.
     #[inline(always)]
-    fn apparent<S: Number>(&self, t: &[[S; 3]; 3], v_air: [S; 3], wind_rate: [S; 3], w: [S; 3]) -> ([S; 3], [S; 3]) {
+    fn apparent<S: Scalar>(&self, t: &[[S; 3]; 3], v_air: [S; 3], wind_rate: [S; 3], w: [S; 3]) -> ([S; 3], [S; 3]) {
         let k = &self.plant.vehicle.apparent;
         let zero = S::real(0.0);
         if k.is_null() {
@@ -293,7 +293,7 @@ impl<'a> Craft<'a> {
     /// Force and moment of the loose mass about the c.m. beyond those of a fixed part, and its acceleration along y and z
     /// ([`windfall_model::LooseMass`]), at accelerations in body axes.
     #[inline(always)]
-    fn loose<S: Number>(
+    fn loose<S: Scalar>(
         &self,
         t: &[[S; 3]; 3],
         state: &[S; LOOSE],
@@ -328,7 +328,7 @@ impl<'a> Craft<'a> {
 
     /// The model's table of flow variables without the two that need accelerations.
     #[inline(always)]
-    fn flow<S: Number>(&self, [u, v, w]: [S; 3], [p, q, r]: [S; 3], diameter_m: f64) -> [S; VARIABLES] {
+    fn flow<S: Scalar>(&self, [u, v, w]: [S; 3], [p, q, r]: [S; 3], diameter_m: f64) -> [S; VARIABLES] {
         let across2 = v * v + w * w + ACROSS_M2_S2;
         let across = across2.sqrt();
         let speed = (u * u + across2).sqrt();
@@ -360,7 +360,7 @@ impl<'a> Craft<'a> {
 
     /// Force and moment of the tether (B.29-B.36).
     #[inline(always)]
-    fn tether<S: Number>(&self, t: &[[S; 3]; 3], p_cm: [S; 3], v: [S; 3], w: [S; 3], q_pa: S) -> ([S; 3], [S; 3]) {
+    fn tether<S: Scalar>(&self, t: &[[S; 3]; 3], p_cm: [S; 3], v: [S; 3], w: [S; 3], q_pa: S) -> ([S; 3], [S; 3]) {
         let zero = S::real(0.0);
         let Some(tether) = &self.plant.tether else { return ([zero; 3], [zero; 3]) };
         let (hook, cm) = (tether.p_origin_hook.to_array(), self.plant.vehicle.p_origin_cm.to_array());
@@ -430,7 +430,7 @@ pub(crate) fn each<S: Copy + Default>(mut f: impl FnMut(usize) -> S) -> [S; 3] {
 
 /// Eqs B.49 and B.50 into the two damping variables.
 #[inline(always)]
-fn damping<S: Number>(f: &mut [S; VARIABLES], [u, v, w]: [S; 3], [ud, vd, wd]: [S; 3], [_, q, r]: [S; 3], diameter_m: f64) {
+fn damping<S: Scalar>(f: &mut [S; VARIABLES], [u, v, w]: [S; 3], [ud, vd, wd]: [S; 3], [_, q, r]: [S; 3], diameter_m: f64) {
     let speed = f[Variable::Speed as usize];
     let uw2 = u * u + w * w;
     let per_uw2 = uw2.recip();
@@ -444,7 +444,7 @@ fn damping<S: Number>(f: &mut [S; VARIABLES], [u, v, w]: [S; 3], [ud, vd, wd]: [
 
 /// Body-to-tunnel matrix (eq. B.14).
 #[inline(always)]
-pub(crate) fn matrix<S: Number>(sx: S, cx: S, sy: S, cy: S, sz: S, cz: S) -> [[S; 3]; 3] {
+pub(crate) fn matrix<S: Scalar>(sx: S, cx: S, sy: S, cy: S, sz: S, cz: S) -> [[S; 3]; 3] {
     [
         [cz * cy, -(sz * cy), sy],
         [cz * sy * sx + sz * cx, cz * cx - sz * sy * sx, -(cy * sx)],
@@ -453,20 +453,20 @@ pub(crate) fn matrix<S: Number>(sx: S, cx: S, sy: S, cy: S, sz: S, cz: S) -> [[S
 }
 
 #[inline(always)]
-fn times<S: Number>(m: &[[S; 3]; 3], v: [S; 3]) -> [S; 3] {
+fn times<S: Scalar>(m: &[[S; 3]; 3], v: [S; 3]) -> [S; 3] {
     each(|i| m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2])
 }
 #[inline(always)]
-fn transposed<S: Number>(m: &[[S; 3]; 3], v: [S; 3]) -> [S; 3] {
+fn transposed<S: Scalar>(m: &[[S; 3]; 3], v: [S; 3]) -> [S; 3] {
     each(|i| m[0][i] * v[0] + m[1][i] * v[1] + m[2][i] * v[2])
 }
 #[inline(always)]
-fn cross<S: Number>(a: [S; 3], b: [S; 3]) -> [S; 3] {
+fn cross<S: Scalar>(a: [S; 3], b: [S; 3]) -> [S; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 /// `a × b` with a constant `b`.
 #[inline(always)]
-fn crossed_by<S: Number>(a: [S; 3], b: [f64; 3]) -> [S; 3] {
+fn crossed_by<S: Scalar>(a: [S; 3], b: [f64; 3]) -> [S; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
@@ -484,7 +484,7 @@ pub(crate) fn origin_slopes(x: &[f64; STATES], p_origin_cm: [f64; 3]) -> [[f64; 
     turned(each(|k| Dual::<3>::variable(x[3 + k], k)), p_origin_cm).map(|d| d.slopes.map(|s| -s))
 }
 
-fn turned<S: Number>([rx, ry, rz]: [S; 3], v: [f64; 3]) -> [S; 3] {
+fn turned<S: Scalar>([rx, ry, rz]: [S; 3], v: [f64; 3]) -> [S; 3] {
     let ((sx, cx), (sy, cy), (sz, cz)) = (rx.sin_cos(), ry.sin_cos(), rz.sin_cos());
     matrix(sx, cx, sy, cy, sz, cz).map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }

@@ -6,7 +6,7 @@
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// What the equations of motion are written in: plain numbers, or numbers with derivatives.
-pub(crate) trait Number:
+pub(crate) trait Scalar:
     Copy
     + Default
     + Add<Output = Self>
@@ -77,7 +77,7 @@ pub(crate) trait Number:
     }
 }
 
-impl Number for f64 {
+impl Scalar for f64 {
     #[inline(always)]
     fn real(value: f64) -> Self {
         value
@@ -128,7 +128,7 @@ impl<const N: usize> Default for Dual<N> {
     }
 }
 
-impl<const N: usize> Number for Dual<N> {
+impl<const N: usize> Scalar for Dual<N> {
     #[inline(always)]
     fn real(value: f64) -> Self {
         Self { value, slopes: [0.0; N] }
@@ -202,7 +202,7 @@ mod tests {
     use super::*;
 
     /// A formula that uses every operation.
-    fn formula<S: Number>(x: S, y: S) -> S {
+    fn formula<S: Scalar>(x: S, y: S) -> S {
         let (s, c) = (x * y).sin_cos();
         let r = (x * x + y * y).sqrt();
         s * 2.0 + (c - x).abs() + r.recip() * y.atan2(x) - r.powi(3) + (-y).bump(0.7) * x.powi(2) + 1.5

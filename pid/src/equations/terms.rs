@@ -1,6 +1,6 @@
 //! pid: aerodynamic terms as numbers with derivatives. In: flow variables and parameters. Out: six coefficients.
 
-use super::Number;
+use super::Scalar;
 use windfall_model::{Aero, Factor, VARIABLES, Variable};
 
 /// One product: what it adds to and by which parameter.
@@ -59,17 +59,17 @@ impl Terms {
         !self.late.is_empty()
     }
     #[inline(always)]
-    pub(crate) fn add_early<S: Number>(&self, f: &[S; VARIABLES], parameters: &[f64], c: &mut [S; 6], values: &mut [f64]) {
+    pub(crate) fn add_early<S: Scalar>(&self, f: &[S; VARIABLES], parameters: &[f64], c: &mut [S; 6], values: &mut [f64]) {
         add(&self.early, f, parameters, c, values);
     }
     #[inline(always)]
-    pub(crate) fn add_late<S: Number>(&self, f: &[S; VARIABLES], parameters: &[f64], c: &mut [S; 6], values: &mut [f64]) {
+    pub(crate) fn add_late<S: Scalar>(&self, f: &[S; VARIABLES], parameters: &[f64], c: &mut [S; 6], values: &mut [f64]) {
         add(&self.late, f, parameters, c, values);
     }
 }
 
 #[inline(always)]
-fn add<S: Number>(products: &[Product], f: &[S; VARIABLES], parameters: &[f64], c: &mut [S; 6], values: &mut [f64]) {
+fn add<S: Scalar>(products: &[Product], f: &[S; VARIABLES], parameters: &[f64], c: &mut [S; 6], values: &mut [f64]) {
     for product in products {
         let mut term: Option<S> = None;
         for factor in &product.factors {
@@ -84,7 +84,7 @@ fn add<S: Number>(products: &[Product], f: &[S; VARIABLES], parameters: &[f64], 
 }
 
 #[inline(always)]
-fn factor_value<S: Number>(factor: Factor, f: &[S; VARIABLES]) -> S {
+fn factor_value<S: Scalar>(factor: Factor, f: &[S; VARIABLES]) -> S {
     let clock = || f[Variable::SinPhi as usize].atan2(f[Variable::CosPhi as usize]);
     match factor {
         Factor::Power(v, n) => f[v as usize].powi(n),

@@ -1,5 +1,5 @@
 use super::*;
-use crate::states::euler_rates;
+use crate::euler::euler_rates;
 use windfall_model::frames::{EulerXyz, Vec3};
 use windfall_model::{
     Aero, AirState, Environment, Inertia, MeanFlow, Motion, PointMass, Sensors, Structure, Tether, Turbulence, Vehicle,
@@ -42,7 +42,7 @@ fn plant() -> Plant {
 }
 
 const STATE: [f64; STATES] = [0.1, -0.2, 0.3, 0.8, 0.15, -0.2, 0.2, 0.4, -0.3, 0.2, 0.9, -1.1];
-const AIR: Air = Air { t_s: 0.3, density_kg_m3: 1.18, vw_m_s: 7.4, vw_rate_m_s2: 0.2 };
+const AIR: TunnelAir = TunnelAir { t_s: 0.3, density_kg_m3: 1.18, vw_m_s: 7.4, vw_rate_m_s2: 0.2 };
 
 /// The rate by Newton and Euler as residuals: the model's own forces at the accelerations that these equations give must balance.
 #[test]

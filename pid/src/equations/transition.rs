@@ -6,7 +6,7 @@
 //! two linearisations a step do. They are the derivatives of the discrete map to the order of the method, not to rounding. The pitch
 //! mode (1 Hz) at 150 Hz turns by 0.04 rad a step: its phase errs by 2e-8 of a turn.
 
-use super::{Air, Craft, Dual, Extra, Number, STATES, each};
+use super::{Craft, Dual, Extra, STATES, Scalar, TunnelAir, each};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Inputs at one instant: tunnel speed and its rate, gust velocity and its rate.
@@ -115,8 +115,8 @@ impl Segment<'_> {
         self.density[(step + on).min(self.density.len() - 1)]
     }
 
-    fn air(&self, step: usize, half: usize, inputs: &[f64; INPUTS]) -> Air {
-        Air {
+    fn air(&self, step: usize, half: usize, inputs: &[f64; INPUTS]) -> TunnelAir {
+        TunnelAir {
             t_s: self.start_s + (step as f64 + 0.5 * half as f64) * self.interval_s,
             density_kg_m3: 0.5 * (self.density_at(step, half / 2) + self.density_at(step, half.div_ceil(2))),
             vw_m_s: inputs[0],
@@ -188,17 +188,7 @@ impl Segment<'_> {
             if step == 0 {
                 out.first_input = w.instants[START].linear.by_input;
             }
-            w.sum.fill(0.0);
-            for (a, half, b) in RK4 {
-                if half == 0 {
-                    w.at.copy_from_slice(&w.slopes);
-                } else {
-                    w.at.iter_mut().zip(&w.slopes).zip(&w.stage).for_each(|((at, s), k)| *at = s + h * a * k);
-                }
-                variation(&w.instants[half], &w.at, stride, &mut w.stage);
-                w.sum.iter_mut().zip(&w.stage).for_each(|(s, k)| *s += b * k);
-            }
-            w.slopes.iter_mut().zip(&w.sum).for_each(|(s, k)| *s += h * k);
+            carry(w, h, stride);
             if !w.slopes.iter().all(|v| v.is_finite()) {
                 return false;
             }
@@ -314,7 +304,7 @@ impl Segment<'_> {
     fn add_linear(
         &self,
         x: &[f64; STATES],
-        air: Air,
+        air: TunnelAir,
         inputs: &[f64; INPUTS],
         weight: f64,
         terms: &mut [f64],
@@ -379,6 +369,22 @@ impl WithSimd for Widest<'_, '_> {
             self.segment.states_alone(self.x, self.s, self.out)
         }
     }
+}
+
+/// Slopes a step later, by the classical Runge-Kutta method.
+#[inline(always)]
+fn carry(w: &mut Work, h: f64, stride: usize) {
+    w.sum.fill(0.0);
+    for (a, half, b) in RK4 {
+        if half == 0 {
+            w.at.copy_from_slice(&w.slopes);
+        } else {
+            w.at.iter_mut().zip(&w.slopes).zip(&w.stage).for_each(|((at, s), k)| *at = s + h * a * k);
+        }
+        variation(&w.instants[half], &w.at, stride, &mut w.stage);
+        w.sum.iter_mut().zip(&w.stage).for_each(|(s, k)| *s += b * k);
+    }
+    w.slopes.iter_mut().zip(&w.sum).for_each(|(s, k)| *s += h * k);
 }
 
 /// The right-hand side of the variational equations.

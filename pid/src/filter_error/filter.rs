@@ -11,7 +11,7 @@
 //! therefore means over two opposite points of that part (statistical linearisation; Gelb 1974, §6.2).
 
 use crate::equations::{Drive, INPUTS, STATES, Segment, Transition, origin_slopes};
-use crate::output_error::{CHANNELS, Columns, Run, SPEED};
+use crate::output_error::{CHANNELS, FreeColumns, PreparedRun, SPEED};
 use nalgebra::{DMatrix, DVector};
 use windfall_model::{Disturbance, Entry, ShapingFilter, Turbulence};
 
@@ -36,7 +36,7 @@ struct Piece {
 }
 
 /// A run as the filter saw it, measurement by measurement: samples in order of time, channels within.
-pub(crate) struct Seen {
+pub(crate) struct FilteredRun {
     /// Slopes of the innovations by the parameters, parameters within.
     pub(crate) by_parameter: Vec<f64>,
     pub(crate) pass: Pass,
@@ -48,7 +48,7 @@ pub(crate) struct Seen {
 
 /// A filter ready for one run.
 pub(crate) struct Filter<'r, 'a> {
-    pub(crate) run: &'r Run<'a>,
+    pub(crate) run: &'r PreparedRun<'a>,
     piece: usize,
     noise: [f64; CHANNELS],
 }
@@ -89,8 +89,26 @@ impl Pass {
     }
 }
 
+/// Inputs (tunnel speed and gusts with their rates) by the input states a time before, one row each.
+fn inputs_at(tau: f64, ns: usize, filters: &[(usize, ShapingFilter)]) -> Vec<f64> {
+    let mut m = vec![0.0; INPUTS * ns];
+    m[..3].copy_from_slice(&[1.0, tau, 0.5 * tau * tau]);
+    m[ns + 1] = 1.0;
+    m[ns + 2] = tau;
+    for (axis, f) in filters {
+        let e = exponential(f.a, tau);
+        let column = SPEED + 2 * axis;
+        for k in 0..2 {
+            m[(2 + axis) * ns + column + k] = f.c[0] * e[0][k] + f.c[1] * e[1][k];
+            let ae = |i: usize| f.a[i][0] * e[0][k] + f.a[i][1] * e[1][k];
+            m[(5 + axis) * ns + column + k] = f.c[0] * ae(0) + f.c[1] * ae(1);
+        }
+    }
+    m
+}
+
 impl<'r, 'a> Filter<'r, 'a> {
-    pub(crate) fn new(run: &'r Run<'a>, noise: [f64; CHANNELS]) -> Self {
+    pub(crate) fn new(run: &'r PreparedRun<'a>, noise: [f64; CHANNELS]) -> Self {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
         let piece = ((PIECE_S / run.interval_s).round() as usize).max(1);
         Self { run, piece, noise }
@@ -117,22 +135,6 @@ impl<'r, 'a> Filter<'r, 'a> {
             })
             .collect();
         let h = self.run.interval_s;
-        let at = |tau: f64| {
-            let mut m = vec![0.0; INPUTS * ns];
-            m[..3].copy_from_slice(&[1.0, tau, 0.5 * tau * tau]);
-            m[ns + 1] = 1.0;
-            m[ns + 2] = tau;
-            for (axis, f) in &filters {
-                let e = exponential(f.a, tau);
-                let column = SPEED + 2 * axis;
-                for k in 0..2 {
-                    m[(2 + axis) * ns + column + k] = f.c[0] * e[0][k] + f.c[1] * e[1][k];
-                    let ae = |i: usize| f.a[i][0] * e[0][k] + f.a[i][1] * e[1][k];
-                    m[(5 + axis) * ns + column + k] = f.c[0] * ae(0) + f.c[1] * ae(1);
-                }
-            }
-            m
-        };
         let tau = h * self.piece as f64;
         let mut end = DMatrix::identity(ns, ns);
         end[(0, 1)] = tau;
@@ -159,7 +161,7 @@ impl<'r, 'a> Filter<'r, 'a> {
             }
         }
         Gusts {
-            drive: Drive { states: ns, at: (0..=2 * self.piece).map(|i| at(0.5 * h * i as f64)).collect() },
+            drive: Drive { states: ns, at: (0..=2 * self.piece).map(|i| inputs_at(0.5 * h * i as f64, ns, &filters)).collect() },
             end,
             root,
             rate,
@@ -198,19 +200,18 @@ impl<'r, 'a> Filter<'r, 'a> {
 
     /// Filters the run, the model linearised about its own predictions; `None` where the flight cannot go on. Measurements are
     /// taken one by one (their noise is independent; Durbin and Koopman 2012, §6.4).
-    pub(crate) fn run(&self, random: &Random, c: &Columns<'_>, work: &mut Transition) -> Option<Seen> {
+    pub(crate) fn run(&self, random: &Random, c: &FreeColumns<'_>, work: &mut Transition) -> Option<FilteredRun> {
         let g = self.gusts(random);
         let (mut z, mut p) = self.start(&g);
         let mut s = DMatrix::<f64>::zeros(c.free, ALL);
         let rows = self.pieces() * self.piece * CHANNELS;
-        let mut seen = Seen {
+        let mut seen = FilteredRun {
             by_parameter: Vec::with_capacity(rows * c.free),
             pass: Pass::default(),
             h: Vec::with_capacity(rows),
             gain: Vec::with_capacity(rows),
             pieces: Vec::with_capacity(self.pieces()),
         };
-        let width = ALL + c.free;
         let mut slopes = DVector::zeros(c.free);
         for k in 0..self.pieces() {
             let (x, inputs) = split(&z);
@@ -236,15 +237,7 @@ impl<'r, 'a> Filter<'r, 'a> {
                 seen.h.push(h);
                 seen.gain.push(gain);
             }
-            let mut phi = [[0.0; ALL]; ALL];
-            let mut moved = DMatrix::<f64>::zeros(c.free, ALL);
-            for (i, row) in work.slopes[self.piece - 1].chunks_exact(width).enumerate() {
-                phi[i].copy_from_slice(&row[..ALL]);
-                (0..c.free).for_each(|j| moved[(j, i)] = row[ALL + j]);
-            }
-            for i in 0..SPEED + GUSTS {
-                (0..SPEED + GUSTS).for_each(|j| phi[STATES + i][STATES + j] = g.end[(i, j)]);
-            }
+            let (phi, mut moved) = self.transition(&g, c.free, work);
             let kick = std::array::from_fn(|i| std::array::from_fn(|axis| work.first_input[9 + i][5 + axis]));
             let (x, inputs) = split(&z);
             if !segment.fly(x, &inputs, work) {
@@ -267,9 +260,24 @@ impl<'r, 'a> Filter<'r, 'a> {
         Some(seen)
     }
 
+    /// Transition of the states over a piece, and what it makes of the parameters by itself.
+    fn transition(&self, g: &Gusts, free: usize, work: &Transition) -> (Square, DMatrix<f64>) {
+        let width = ALL + free;
+        let mut phi = [[0.0; ALL]; ALL];
+        let mut moved = DMatrix::<f64>::zeros(free, ALL);
+        for (i, row) in work.slopes[self.piece - 1].chunks_exact(width).enumerate() {
+            phi[i].copy_from_slice(&row[..ALL]);
+            (0..free).for_each(|j| moved[(j, i)] = row[ALL + j]);
+        }
+        for i in 0..SPEED + GUSTS {
+            (0..SPEED + GUSTS).for_each(|j| phi[STATES + i][STATES + j] = g.end[(i, j)]);
+        }
+        (phi, moved)
+    }
+
     /// The same filter with gusts or turning of other size but equal scale, the model's linearisation as it was: a size acts on the
     /// driving noise alone.
-    pub(crate) fn again(&self, random: &Random, seen: &Seen) -> Pass {
+    pub(crate) fn again(&self, random: &Random, seen: &FilteredRun) -> Pass {
         let g = self.gusts(random);
         let (_, mut p) = self.start(&g);
         // How far this filter's state is from the other's.
@@ -293,7 +301,7 @@ impl<'r, 'a> Filter<'r, 'a> {
         pass
     }
 
-    fn segment<'s>(&'s self, k: usize, g: &'s Gusts, c: &Columns<'s>, spread_m_s: [f64; 3]) -> Segment<'s> {
+    fn segment<'s>(&'s self, k: usize, g: &'s Gusts, c: &FreeColumns<'s>, spread_m_s: [f64; 3]) -> Segment<'s> {
         let first = k * self.piece;
         Segment {
             craft: &self.run.craft,
@@ -316,7 +324,7 @@ impl<'r, 'a> Filter<'r, 'a> {
         k: usize,
         x: &[f64; STATES],
         inputs: &[f64],
-        c: &Columns<'_>,
+        c: &FreeColumns<'_>,
         work: &Transition,
     ) -> Vec<(f64, usize, [f64; ALL], Vec<f64>)> {
         let mut out = Vec::with_capacity(CHANNELS * self.piece);

@@ -1,10 +1,9 @@
 //! pid: likelihood of runs in gusts. In: filters, a point. Out: twice its logarithm there, score and information.
 
-use super::filter::{Filter, Pass, Seen};
-use super::point::{Point, RANDOM, SIZES};
-use super::search::SCALE_PRIOR;
+use super::filter::{Filter, FilteredRun, Pass};
+use super::point::{RANDOM, SCALE_PRIOR, SIZES, SearchPoint};
 use crate::equations::Transition;
-use crate::output_error::{CHANNELS, Columns};
+use crate::output_error::{CHANNELS, FreeColumns};
 use crate::plant::START_SCALE_M;
 use nalgebra::{DMatrix, DVector};
 
@@ -12,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 const STEP: f64 = 1e-3;
 
 /// Likelihood at a point: twice its logarithm, score and information.
-pub(super) struct Local {
+pub(super) struct LocalLikelihood {
     pub(super) log_likelihood2: f64,
     pub(super) score: DVector<f64>,
     pub(super) information: DMatrix<f64>,
@@ -24,10 +23,10 @@ pub(super) struct Local {
 }
 
 /// Twice the log-likelihood alone.
-pub(super) fn log_likelihood2(filters: &[Filter<'_, '_>], point: &Point, work: &mut Transition) -> Option<f64> {
+pub(super) fn log_likelihood2(filters: &[Filter<'_, '_>], point: &SearchPoint, work: &mut Transition) -> Option<f64> {
     let c = point.unknowns.columns();
     let none = vec![None; c.columns.len()];
-    let without = Columns { columns: &none, bias_columns: [None; CHANNELS], free: 0, ..c };
+    let without = FreeColumns { columns: &none, bias_columns: [None; CHANNELS], free: 0, ..c };
     let mut sum = 0.0;
     for filter in filters {
         sum += filter.run(&point.random(), &without, work)?.pass.log_likelihood2();
@@ -47,13 +46,13 @@ pub(super) fn inverse(m: &DMatrix<f64>) -> Result<DMatrix<f64>, usize> {
 }
 
 /// Likelihood of the runs at a point with its slopes; `None` where the flight cannot go on.
-pub(super) fn local(filters: &[Filter<'_, '_>], point: &Point, work: &mut Transition) -> Option<Local> {
+pub(super) fn local(filters: &[Filter<'_, '_>], point: &SearchPoint, work: &mut Transition) -> Option<LocalLikelihood> {
     let c = point.unknowns.columns();
     let none = vec![None; c.columns.len()];
-    let without = Columns { columns: &none, bias_columns: [None; CHANNELS], free: 0, ..c };
+    let without = FreeColumns { columns: &none, bias_columns: [None; CHANNELS], free: 0, ..c };
     let (free, base) = (c.free, point.random());
     let count = free + RANDOM;
-    let mut out = Local {
+    let mut out = LocalLikelihood {
         log_likelihood2: 0.0,
         score: DVector::zeros(count),
         information: DMatrix::zeros(count, count),
@@ -91,9 +90,9 @@ pub(super) fn local(filters: &[Filter<'_, '_>], point: &Point, work: &mut Transi
     (out.log_likelihood2.is_finite() && out.score.iter().all(|v| v.is_finite())).then_some(out)
 }
 
-impl Local {
+impl LocalLikelihood {
     /// Adds a run: `−Σ ν²/s + ln s`, its score and its expected information (Harvey 1989, eq. 3.4.70).
-    fn add(&mut self, seen: &Seen, varied: &[Option<Pass>; RANDOM], free: usize) {
+    fn add(&mut self, seen: &FilteredRun, varied: &[Option<Pass>; RANDOM], free: usize) {
         let pass = &seen.pass;
         self.log_likelihood2 += pass.log_likelihood2();
         let mut whitened: [Vec<f64>; CHANNELS] = Default::default();

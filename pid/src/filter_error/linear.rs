@@ -2,10 +2,11 @@
 //! the wider structure's parameters.
 
 use super::filter::Filter;
-use super::search::{Begin, End, Search, noise_of, started};
+use super::search::{Begin, Search, SearchEnd, noise_of, started};
 use crate::PidError;
 use crate::equations::Transition;
-use crate::output_error::{Options, Run, StopReason, Unknowns, ready, run_plants};
+use crate::identification::ALL_RUNS;
+use crate::output_error::{EstimateOptions, PreparedRun, StopReason, Unknowns, ready, run_plants};
 use nalgebra::{DMatrix, DVector};
 use windfall_model::{Aero, Campaign};
 
@@ -16,12 +17,12 @@ pub(crate) type Linear = (DMatrix<f64>, DVector<f64>);
 /// deviation, rows of unit variance, white at the truth. Response and columns such that a parameter's least-squares estimate is its value
 /// itself; the second number is that of the point.
 pub(crate) fn linearised(campaign: &Campaign, wide: &Aero) -> Result<Vec<Linear>, PidError> {
-    let options = Options { combined_only: true, ..Options::default() };
+    let options = EstimateOptions { combined_only: true, ..EstimateOptions::default() };
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;
     let all: Vec<usize> = (0..runs.len()).collect();
     let begin = Begin::From(started(campaign, &options)?);
-    let point = Search::new(&runs, &all, &options).find(begin).map_err(|end| end.of(campaign, "combined"))?.point;
+    let point = Search::new(&runs, &all, &options).find(begin).map_err(|end| end.of(campaign, ALL_RUNS))?.point;
     let mut wider = campaign.clone();
     wider.plant.aero = wide.clone();
     wider.declared = vec![true; wide.values.len()];
@@ -35,7 +36,7 @@ pub(crate) fn linearised(campaign: &Campaign, wide: &Aero) -> Result<Vec<Linear>
     let unknowns = Unknowns::new(&wider, &options)?;
     let (c, mut work) = (unknowns.columns(), Transition::default());
     let noise = noise_of(&runs.iter().collect::<Vec<_>>());
-    let flown = |run: &Run<'_>| {
+    let flown = |run: &PreparedRun<'_>| {
         let seen = Filter::new(run, noise).run(&point.random(), &c, &mut work)?;
         let weight: Vec<f64> = seen.pass.variance.iter().map(|v| v.sqrt().recip()).collect();
         let x = DMatrix::from_fn(weight.len(), c.free, |row, j| seen.by_parameter[row * c.free + j] * weight[row]);
@@ -47,5 +48,5 @@ pub(crate) fn linearised(campaign: &Campaign, wide: &Aero) -> Result<Vec<Linear>
         .iter()
         .map(flown)
         .collect::<Option<_>>()
-        .ok_or_else(|| End::Stopped(StopReason::FlightFails).of(campaign, "combined"))
+        .ok_or_else(|| SearchEnd::Stopped(StopReason::FlightFails).of(campaign, ALL_RUNS))
 }

@@ -20,5 +20,5 @@ mod search;
 
 pub(crate) use filter::{Filter, Random};
 pub(crate) use linear::linearised;
-pub(crate) use search::NONE_M_S;
+pub(crate) use point::NONE_M_S;
 pub use search::identify;

@@ -2,7 +2,6 @@
 //! with some taken for none.
 
 use super::filter::Random;
-use super::search::NONE_M_S;
 use crate::output_error::Unknowns;
 use crate::plant::START_SCALE_M;
 use nalgebra::DVector;
@@ -13,6 +12,11 @@ pub(super) const RANDOM: usize = 6;
 /// Which of them are sizes.
 pub(super) const SIZES: [usize; 4] = [0, 1, 4, 5];
 
+/// A scale that the data do not tell stays near its start: prior standard deviation of its logarithm, so 0.08 to 4 m are likely.
+pub(super) const SCALE_PRIOR: f64 = 1.0;
+/// Size of a gust that is not there, m/s; of turning in its own unit.
+pub(crate) const NONE_M_S: f64 = 1e-6;
+
 /// What of the random drive is sought beside the sizes of gusts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Sought {
@@ -22,7 +26,7 @@ pub(super) struct Sought {
 
 /// A point of the search.
 #[derive(Clone)]
-pub(super) struct Point {
+pub(super) struct SearchPoint {
     pub(super) unknowns: Unknowns,
     /// Logarithms: rms (m/s), scale (m), turning (rad/s per root second).
     pub(super) random: [f64; RANDOM],
@@ -33,7 +37,7 @@ pub(super) struct Point {
     pub(super) sought: Sought,
 }
 
-impl Point {
+impl SearchPoint {
     /// Gusts of a size, at the scale where the search starts, and no turning.
     pub(super) fn new(unknowns: Unknowns, size_m_s: f64) -> Self {
         let (size, scale) = (size_m_s.ln(), START_SCALE_M.ln());

@@ -2,10 +2,10 @@
 //! its warnings.
 
 use super::filter::Filter;
-use super::likelihood::Local;
-use super::point::{Point, RANDOM, SIZES};
-use super::search::SCALE_PRIOR;
-use crate::identification::{CoefficientFit, DataSet, Estimate, Held, NORMAL_95, in_unit_of, relative_percent};
+use super::likelihood::LocalLikelihood;
+use super::point::{RANDOM, SCALE_PRIOR, SIZES, SearchPoint};
+use crate::identification::{CoefficientFit, DataSet, Estimate, Held, in_unit_of};
+use crate::interval::{NORMAL_95, relative_percent};
 use crate::output_error::{CHANNELS, NOT_NOISE, aligned, estimates, low_frequency_p, spread};
 use crate::plant::{Gust, PROCESS_NOISE, START_SCALE_M, TURBULENCE};
 use nalgebra::DMatrix;
@@ -23,7 +23,7 @@ const NAMES: [(&str, &str); RANDOM] = [
 ];
 
 /// Warnings of what the data did not tell of the random drive.
-fn report_random(name: &str, point: &Point, covariance: &DMatrix<f64>, warnings: &mut Vec<String>) {
+fn report_random(name: &str, point: &SearchPoint, covariance: &DMatrix<f64>, warnings: &mut Vec<String>) {
     let free = point.unknowns.free();
     if point.is_still() {
         warnings.push(format!("data set {name}: no turbulence that these runs could tell: --method output-error says more"));
@@ -49,8 +49,8 @@ pub(super) fn data_set(
     campaign: &Campaign,
     name: &str,
     filters: &[Filter<'_, '_>],
-    point: &Point,
-    now: &Local,
+    point: &SearchPoint,
+    now: &LocalLikelihood,
     covariance: &DMatrix<f64>,
     warnings: &mut Vec<String>,
 ) -> DataSet {
@@ -103,14 +103,14 @@ pub(super) fn data_set(
 }
 
 /// Scales at which gusts were taken, where these were not estimated.
-fn held_scales(point: &Point) -> Vec<Held> {
+fn held_scales(point: &SearchPoint) -> Vec<Held> {
     let free = point.unknowns.free();
     let scales = (2..4).filter(|&k| point.held(free + k) && point.untold[k - 2].is_none());
     scales.map(|k| Held { name: NAMES[k].1.to_owned(), value: point.random[k].exp() }).collect()
 }
 
 /// Sizes and scales of what drives the runs at random; intervals are those of the logarithms.
-fn random_estimates(point: &Point, covariance: &DMatrix<f64>) -> Vec<Estimate> {
+fn random_estimates(point: &SearchPoint, covariance: &DMatrix<f64>) -> Vec<Estimate> {
     let free = point.unknowns.free();
     let one = |(k, (coefficient, name)): (usize, &(&str, &str))| {
         let make = |estimate: f64, std_error: f64, ci95: [f64; 2]| Estimate {

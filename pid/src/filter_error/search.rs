@@ -5,14 +5,14 @@
 //! explain the runs at all, white moments are allowed for beside them (process noise on the body rates; Jategaonkar 2015, ch. 5).
 
 use super::filter::Filter;
-use super::likelihood::{Local, inverse, local, log_likelihood2};
-use super::point::{Point, RANDOM, SIZES, Sought};
+use super::likelihood::{LocalLikelihood, inverse, local, log_likelihood2};
+use super::point::{RANDOM, SCALE_PRIOR, SIZES, SearchPoint, Sought};
 use super::report::data_set;
 use crate::PidError;
 use crate::equations::Transition;
 use crate::identifiability::of_runs;
-use crate::identification::{DataSet, Identification};
-use crate::output_error::{CHANNELS, Options, Run, StopReason, Unknowns, kinds, ready, run_plants};
+use crate::identification::{ALL_RUNS, DataSet, Identification};
+use crate::output_error::{CHANNELS, EstimateOptions, PreparedRun, StopReason, Unknowns, kinds, ready, run_plants};
 use crate::plant::START_SCALE_M;
 use nalgebra::{DMatrix, DVector};
 use windfall_model::Campaign;
@@ -28,8 +28,6 @@ const LARGE_M_S: f64 = 0.5;
 const BESIDE_TURNING_M_S: f64 = 0.02;
 const START_TURNING: [f64; 2] = [0.01, 0.1];
 const TURNINGS: std::ops::Range<f64> = 1e-4..20.0;
-/// A scale that the data do not tell stays near its start: prior standard deviation of its logarithm, so 0.08 to 4 m are likely.
-pub(super) const SCALE_PRIOR: f64 = 1.0;
 /// Standard deviations from its prior at which a scale has run away.
 const AWAY: f64 = 2.0;
 /// Largest growth and largest shrinking of a logarithm in a step.
@@ -41,8 +39,6 @@ const FIRST_DAMPING: f64 = 0.1;
 const LAST_DAMPING: f64 = 1e4;
 /// By how much the damping also shortens the whole step.
 const SHORTENING: f64 = 0.1;
-/// Size of a gust that is not there, m/s; of turning in its own unit.
-pub(crate) const NONE_M_S: f64 = 1e-6;
 /// A gust whose logarithm has a larger standard error cannot be told from none, unless twice the log-likelihood falls by more than
 /// this without it (99 % of chi-squared with two degrees).
 const UNTOLD: f64 = 0.5;
@@ -58,7 +54,7 @@ const SETTLED_TOGETHER: f64 = 0.1;
 ///
 /// # Errors
 /// As [`crate::output_error::identify`].
-pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification, PidError> {
+pub fn identify(campaign: &Campaign, options: &EstimateOptions) -> Result<Identification, PidError> {
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;
     let unknowns = started(campaign, options)?;
@@ -66,13 +62,13 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
     let mut warnings = Vec::new();
     let mut data_sets = Vec::new();
     let all: Vec<usize> = (0..runs.len()).collect();
-    let mut solve = |name: &str, members: &[usize], begin: Begin| -> Result<(DataSet, Point), PidError> {
+    let mut solve = |name: &str, members: &[usize], begin: Begin| -> Result<(DataSet, SearchPoint), PidError> {
         let mut search = Search::new(&runs, members, options);
         let found = search.find(begin).map_err(|end| end.of(campaign, name))?;
         let set = data_set(campaign, name, &search.filters, &found.point, &found.local, &found.covariance, &mut warnings);
         Ok((set, found.point))
     };
-    let (combined, point) = solve("combined", &all, Begin::From(unknowns))?;
+    let (combined, point) = solve(ALL_RUNS, &all, Begin::From(unknowns))?;
     let mut left_out = Vec::new();
     for (kind, members) in if options.combined_only { Vec::new() } else { kinds(&plants) } {
         match solve(&kind, &members, Begin::Near(point.clone())) {
@@ -86,10 +82,10 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
 }
 
 /// Unknowns where regression says; where it cannot, at the declared values.
-pub(super) fn started(campaign: &Campaign, options: &Options) -> Result<Unknowns, PidError> {
+pub(super) fn started(campaign: &Campaign, options: &EstimateOptions) -> Result<Unknowns, PidError> {
     let mut unknowns = Unknowns::new(campaign, options)?;
     if let Ok(first) = crate::identify::identify_with(campaign, crate::Method::EquationError, &crate::smooth::Smoother::Auto)
-        && let Some(set) = first.data_set("combined")
+        && let Some(set) = first.of_all_runs()
     {
         unknowns.start(&set.values(&campaign.plant.aero.structure, &unknowns.parameters));
     }
@@ -101,19 +97,19 @@ pub(super) enum Begin {
     /// Parameters alone.
     From(Unknowns),
     /// What other runs gave.
-    Near(Point),
+    Near(SearchPoint),
 }
 
 /// Why a search ended without an answer.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum End {
+pub(super) enum SearchEnd {
     Stopped(StopReason),
     Unexcited,
     /// The scale of a gust left its range.
     ScaleAway,
 }
 
-impl End {
+impl SearchEnd {
     /// As an error of a data set.
     pub(super) fn of(self, campaign: &Campaign, set: &str) -> PidError {
         PidError::NoAnswer { campaign: campaign.name.clone(), set: set.to_owned(), method: METHOD, reason: self.words() }
@@ -137,14 +133,14 @@ impl End {
 }
 
 /// Noise of each channel, root mean square over runs.
-pub(super) fn noise_of(runs: &[&Run<'_>]) -> [f64; CHANNELS] {
+pub(super) fn noise_of(runs: &[&PreparedRun<'_>]) -> [f64; CHANNELS] {
     std::array::from_fn(|c| (runs.iter().map(|r| r.noise_std[c].powi(2)).sum::<f64>() / runs.len() as f64).sqrt().max(1e-9))
 }
 
 /// Where a search ended.
 pub(super) struct Found {
-    pub(super) point: Point,
-    local: Local,
+    pub(super) point: SearchPoint,
+    local: LocalLikelihood,
     covariance: DMatrix<f64>,
 }
 
@@ -155,37 +151,37 @@ pub(super) struct Search<'r, 'a> {
 }
 
 impl<'r, 'a> Search<'r, 'a> {
-    pub(super) fn new(runs: &'r [Run<'a>], members: &[usize], options: &Options) -> Self {
+    pub(super) fn new(runs: &'r [PreparedRun<'a>], members: &[usize], options: &EstimateOptions) -> Self {
         let noise = noise_of(&members.iter().map(|&i| &runs[i]).collect::<Vec<_>>());
         let filters = members.iter().map(|&i| Filter::new(&runs[i], noise)).collect();
         Self { filters, work: Transition::default(), iterations: options.iterations }
     }
 
-    pub(super) fn find(&mut self, begin: Begin) -> Result<Found, End> {
+    pub(super) fn find(&mut self, begin: Begin) -> Result<Found, SearchEnd> {
         let mut start = match begin {
             Begin::Near(point) => return self.near(point),
-            Begin::From(unknowns) => Point::new(unknowns, START_SIZE_M_S),
+            Begin::From(unknowns) => SearchPoint::new(unknowns, START_SIZE_M_S),
         };
         self.likeliest(&mut start, &[0, 1], SIZES_M_S);
         let sizes = if start.random[0] < LARGE_M_S.ln() {
             self.climb(start.clone(), MOST_ITERATIONS)
         } else {
-            Err(End::Stopped(StopReason::NoDescent))
+            Err(SearchEnd::Stopped(StopReason::NoDescent))
         };
         match sizes {
             Ok(found) if found.point.is_still() => Ok(found),
             Ok(found) => {
-                let freed = Point { sought: Sought { scales: true, turning: false }, ..found.point.clone() };
+                let freed = SearchPoint { sought: Sought { scales: true, turning: false }, ..found.point.clone() };
                 Ok(self.climb(freed, SCALE_ITERATIONS).unwrap_or(found))
             }
-            Err(End::Unexcited) => Err(End::Unexcited),
+            Err(SearchEnd::Unexcited) => Err(SearchEnd::Unexcited),
             Err(_) => self.turning(start.unknowns),
         }
     }
 
     /// With moments at random beside gusts.
-    fn turning(&mut self, unknowns: Unknowns) -> Result<Found, End> {
-        let mut start = Point::new(unknowns, BESIDE_TURNING_M_S);
+    fn turning(&mut self, unknowns: Unknowns) -> Result<Found, SearchEnd> {
+        let mut start = SearchPoint::new(unknowns, BESIDE_TURNING_M_S);
         start.sought.turning = true;
         (start.random[4], start.random[5]) = (START_TURNING[0].ln(), START_TURNING[1].ln());
         self.likeliest(&mut start, &[5], TURNINGS);
@@ -194,7 +190,7 @@ impl<'r, 'a> Search<'r, 'a> {
     }
 
     /// From another data set's point, scales held where they run away.
-    fn near(&mut self, mut point: Point) -> Result<Found, End> {
+    fn near(&mut self, mut point: SearchPoint) -> Result<Found, SearchEnd> {
         if point.sought.scales {
             if let Ok(found) = self.climb(point.clone(), SCALE_ITERATIONS) {
                 return Ok(found);
@@ -204,20 +200,20 @@ impl<'r, 'a> Search<'r, 'a> {
         }
         let unknowns = point.unknowns.clone();
         match self.climb(point, MOST_ITERATIONS) {
-            Err(End::Stopped(_)) => self.turning(unknowns),
+            Err(SearchEnd::Stopped(_)) => self.turning(unknowns),
             other => other,
         }
     }
 
     /// Climbs to the likelihood's peak by scoring.
-    fn climb(&mut self, mut point: Point, most: usize) -> Result<Found, End> {
-        let flown = |l: Option<Local>| l.ok_or(End::Stopped(StopReason::FlightFails));
+    fn climb(&mut self, mut point: SearchPoint, most: usize) -> Result<Found, SearchEnd> {
+        let flown = |l: Option<LocalLikelihood>| l.ok_or(SearchEnd::Stopped(StopReason::FlightFails));
         let mut now = flown(local(&self.filters, &point, &mut self.work))?;
         let mut damping = FIRST_DAMPING;
         let free = point.unknowns.free();
         for _ in 0..self.iterations.min(most) {
             let covariance = inverse(&now.information)
-                .map_err(|column| if column < free { End::Unexcited } else { End::Stopped(StopReason::NoDescent) })?;
+                .map_err(|column| if column < free { SearchEnd::Unexcited } else { SearchEnd::Stopped(StopReason::NoDescent) })?;
             if self.give_up_untold(&mut point, &covariance, now.log_likelihood2) {
                 now = flown(local(&self.filters, &point, &mut self.work))?;
                 continue;
@@ -236,19 +232,24 @@ impl<'r, 'a> Search<'r, 'a> {
                 }
                 damping *= 5.0;
                 if damping > LAST_DAMPING {
-                    return Err(End::Stopped(StopReason::NoDescent));
+                    return Err(SearchEnd::Stopped(StopReason::NoDescent));
                 }
             }
             let off = |k: usize| (point.random[k] - START_SCALE_M.ln()).abs();
             if off(2).max(off(3)) > AWAY * SCALE_PRIOR {
-                return Err(End::ScaleAway);
+                return Err(SearchEnd::ScaleAway);
             }
         }
-        Err(End::Stopped(StopReason::Iterations))
+        Err(SearchEnd::Stopped(StopReason::Iterations))
     }
 
     /// The point a step away, where the step is short enough and the likelihood no smaller.
-    fn attempt(&mut self, point: &Point, step: &DVector<f64>, log_likelihood2: f64) -> Option<(Point, Local)> {
+    fn attempt(
+        &mut self,
+        point: &SearchPoint,
+        step: &DVector<f64>,
+        log_likelihood2: f64,
+    ) -> Option<(SearchPoint, LocalLikelihood)> {
         let random = step.rows(point.unknowns.free(), RANDOM);
         if random.max() > TRUST[0] || random.min() < -TRUST[1] {
             return None;
@@ -259,7 +260,7 @@ impl<'r, 'a> Search<'r, 'a> {
     }
 
     /// Takes gusts that the data cannot tell from none for none; true where there was one.
-    fn give_up_untold(&mut self, point: &mut Point, covariance: &DMatrix<f64>, now: f64) -> bool {
+    fn give_up_untold(&mut self, point: &mut SearchPoint, covariance: &DMatrix<f64>, now: f64) -> bool {
         let (free, mut any) = (point.unknowns.free(), false);
         for (size, k) in SIZES.into_iter().enumerate() {
             if point.held(free + k) || point.told[size] || covariance[(free + k, free + k)].sqrt() < UNTOLD {
@@ -277,7 +278,7 @@ impl<'r, 'a> Search<'r, 'a> {
     }
 
     /// Starts from the likeliest size, equal for those named, found by climbing from the one there.
-    fn likeliest(&mut self, point: &mut Point, which: &[usize], range: std::ops::Range<f64>) {
+    fn likeliest(&mut self, point: &mut SearchPoint, which: &[usize], range: std::ops::Range<f64>) {
         let with = |size: f64| {
             let mut other = point.clone();
             which.iter().for_each(|&k| other.random[k] = size.ln());
@@ -305,7 +306,7 @@ impl<'r, 'a> Search<'r, 'a> {
 
 /// Scoring step with Levenberg's damping of the random drive, whose logarithms bend the likelihood; what is left after shortening the
 /// whole.
-fn damped(now: &Local, free: usize, damping: f64) -> Option<DVector<f64>> {
+fn damped(now: &LocalLikelihood, free: usize, damping: f64) -> Option<DVector<f64>> {
     let mut m = now.information.clone();
     (free..free + RANDOM).for_each(|k| m[(k, k)] *= 1.0 + damping);
     let covariance = inverse(&m).ok()?;

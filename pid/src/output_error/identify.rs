@@ -2,12 +2,13 @@
 
 use super::problem::{Outcome, Solved, StopReason, solve};
 use super::residual::{ChannelFit, channel_fits, coloured};
-use super::run::{Nominal, Run};
-use super::unknowns::{Options, Unknowns};
+use super::run::{Nominal, PreparedRun};
+use super::unknowns::{EstimateOptions, Unknowns};
 use crate::PidError;
 use crate::compatibility;
 use crate::identifiability::{examine, of_runs};
-use crate::identification::{CoefficientFit, DataSet, Estimate, Identification, NORMAL_95, in_unit_of, relative_percent};
+use crate::identification::{ALL_RUNS, CoefficientFit, DataSet, Estimate, Identification, in_unit_of};
+use crate::interval::{NORMAL_95, relative_percent};
 use nalgebra::DMatrix;
 use windfall_model::{Campaign, Coefficient, Data, Plant, Use};
 
@@ -22,7 +23,7 @@ pub(crate) const NOT_NOISE: f64 = 0.01;
 /// # Errors
 /// A faulty record, no usable run, a plant that cannot be integrated, options that name what is not there, or a search that ended
 /// without an answer ([`PidError::NoAnswer`] says why).
-pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification, PidError> {
+pub fn identify(campaign: &Campaign, options: &EstimateOptions) -> Result<Identification, PidError> {
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;
     let unknowns = Unknowns::new(campaign, options)?;
@@ -30,7 +31,7 @@ pub fn identify(campaign: &Campaign, options: &Options) -> Result<Identification
     let all: Vec<usize> = (0..runs.len()).collect();
     let start = runs.iter().map(|r| r.smoothed.clone()).collect();
     let work = SetWork { campaign, runs: &runs, kinds: &plants, options };
-    let combined = work.solve("combined", &all, unknowns.clone(), start, &mut warnings)?;
+    let combined = work.solve(ALL_RUNS, &all, unknowns.clone(), start, &mut warnings)?;
     // The search began by asking just this, unless it had to hold something.
     let first = &combined.1.first;
     let identifiability = if first.ncols() == unknowns.free() {
@@ -73,13 +74,13 @@ pub(crate) fn run_plants(campaign: &Campaign) -> Result<Vec<RunPlant>, PidError>
     if plants.is_empty() { Err(PidError::NoRuns { campaign: campaign.name.clone() }) } else { Ok(plants) }
 }
 
-pub(crate) fn ready<'a>(campaign: &'a Campaign, plants: &'a [RunPlant]) -> Result<Vec<Run<'a>>, PidError> {
+pub(crate) fn ready<'a>(campaign: &'a Campaign, plants: &'a [RunPlant]) -> Result<Vec<PreparedRun<'a>>, PidError> {
     let one = |p: &'a RunPlant| {
         let run = &campaign.runs[p.index];
         let Data::Tunnel(record) = &run.data else {
             return Err(PidError::PointMass { campaign: campaign.name.clone(), run: run.name.clone() });
         };
-        Run::new(&run.name, record, &p.plant)
+        PreparedRun::new(&run.name, record, &p.plant)
     };
     plants.iter().map(one).collect()
 }
@@ -98,9 +99,9 @@ pub(crate) fn kinds(plants: &[RunPlant]) -> Vec<(String, Vec<usize>)> {
 
 struct SetWork<'w, 'a> {
     campaign: &'w Campaign,
-    runs: &'w [Run<'a>],
+    runs: &'w [PreparedRun<'a>],
     kinds: &'w [RunPlant],
-    options: &'w Options,
+    options: &'w EstimateOptions,
 }
 
 impl SetWork<'_, '_> {
@@ -113,7 +114,7 @@ impl SetWork<'_, '_> {
         warnings: &mut Vec<String>,
     ) -> Result<(DataSet, Box<Solved>), PidError> {
         debug_assert_eq!(self.kinds.len(), self.runs.len(), "a plant for every run");
-        let runs: Vec<Run<'_>> = members.iter().map(|&i| self.runs[i].clone()).collect();
+        let runs: Vec<PreparedRun<'_>> = members.iter().map(|&i| self.runs[i].clone()).collect();
         let stopped = |stop: StopReason| PidError::NoAnswer {
             campaign: self.campaign.name.clone(),
             set: name.to_owned(),
@@ -141,7 +142,7 @@ impl SetWork<'_, '_> {
         }
     }
 
-    fn report(&self, name: &str, runs: &[Run<'_>], solved: &Solved, warnings: &mut Vec<String>) -> DataSet {
+    fn report(&self, name: &str, runs: &[PreparedRun<'_>], solved: &Solved, warnings: &mut Vec<String>) -> DataSet {
         let fits = channel_fits(runs, solved);
         let coloured = not_noise(&fits);
         let covariance = if coloured.is_empty() {

@@ -5,8 +5,8 @@
 //! than positions, and a reported origin that is not where it is declared in the body (Klein and Morelli 2006, ch. 10; Jategaonkar
 //! 2015, ch. 10). A late pose is a tunnel speed that is early: no record of both tells one from the other.
 
-use super::run::CHANNELS;
-use crate::equations::{Number, STATES, each, matrix};
+use super::CHANNELS;
+use crate::equations::{STATES, Scalar, each, matrix};
 
 /// Number of errors.
 pub(crate) const ERRORS: usize = 9;
@@ -69,7 +69,7 @@ pub(crate) const VARIABLES: usize = 9 + ERRORS;
 pub(crate) const STATE_OF: [usize; 6] = [3, 4, 5, 9, 10, 11];
 
 /// What the instruments show.
-pub(crate) fn observe<S: Number>(v: &[S; VARIABLES], known: &Known) -> [S; CHANNELS] {
+pub(crate) fn observe<S: Scalar>(v: &[S; VARIABLES], known: &Known) -> [S; CHANNELS] {
     let (euler, w) = ([v[0], v[1], v[2]], [v[3], v[4], v[5]]);
     let e = &v[9..];
     // Attitude a delay ago: back along the Euler rates of half the delay ago, an error of third order in under half a sample.
@@ -97,17 +97,17 @@ pub(crate) fn observe<S: Number>(v: &[S; VARIABLES], known: &Known) -> [S; CHANN
     [p[0], p[1], p[2], angles[0], angles[1], angles[2], speed]
 }
 
-fn body<S: Number>([rx, ry, rz]: [S; 3]) -> [[S; 3]; 3] {
+fn body<S: Scalar>([rx, ry, rz]: [S; 3]) -> [[S; 3]; 3] {
     let ((sx, cx), (sy, cy), (sz, cz)) = (rx.sin_cos(), ry.sin_cos(), rz.sin_cos());
     matrix(sx, cx, sy, cy, sz, cz)
 }
 
-fn product<S: Number>(a: &[[S; 3]; 3], b: &[[S; 3]; 3]) -> [[S; 3]; 3] {
+fn product<S: Scalar>(a: &[[S; 3]; 3], b: &[[S; 3]; 3]) -> [[S; 3]; 3] {
     each(|i| each(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j]))
 }
 
 /// Eq. 3.20 solved for the Euler rates.
-fn euler_rate<S: Number>([_, ry, rz]: [S; 3], [p, q, r]: [S; 3]) -> [S; 3] {
+fn euler_rate<S: Scalar>([_, ry, rz]: [S; 3], [p, q, r]: [S; 3]) -> [S; 3] {
     let ((sy, cy), (sz, cz)) = (ry.sin_cos(), rz.sin_cos());
     let rx_rate = (p * cz - q * sz) * cy.recip();
     [rx_rate, p * sz + q * cz, r - sy * rx_rate]

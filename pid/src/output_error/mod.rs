@@ -16,6 +16,9 @@ mod run;
 mod speed;
 mod unknowns;
 
+/// Channels: X, Y, Z, R_x, R_y, R_z, V_W.
+pub(crate) const CHANNELS: usize = 7;
+
 pub use identify::identify;
 pub(crate) use identify::{NOT_NOISE, aligned, estimates, kinds, not_noise, ready, run_plants};
 pub(crate) use instruments::KINDS;
@@ -23,7 +26,7 @@ pub(crate) use problem::{Glance, Outcome, Solved, one_step, sensitivities, solve
 pub use problem::{Solution, StopReason};
 pub use residual::ChannelFit;
 pub(crate) use residual::{channel_fits, coloured, low_frequency_p, spread};
-pub(crate) use run::{CHANNELS, Columns, NODE, Run, SPEED};
+pub(crate) use run::{FreeColumns, NODE, PreparedRun, SPEED};
 pub use speed::{Liveliness, liveliness};
 pub(crate) use unknowns::Unknowns;
-pub use unknowns::{Handling, Options, Prior};
+pub use unknowns::{EstimateOptions, Handling, Prior};

@@ -1,7 +1,8 @@
 //! pid: the search for the most likely parameters. In: runs made ready, starting values, what is free. Out: a solution.
 
+use super::CHANNELS;
 use super::normal::{MOST_SHORT, Normal, Pace};
-use super::run::{CHANNELS, Linearised, Misfit, Nominal, Run};
+use super::run::{Linearised, Misfit, Nominal, PreparedRun};
 use super::unknowns::Unknowns;
 use crate::equations::Transition;
 use nalgebra::{DMatrix, DVector};
@@ -108,7 +109,7 @@ const SLACK: f64 = 1.0;
 const HALVINGS: u32 = 8;
 
 /// Most likely unknowns of these runs. `nominals` are where trajectories start: the smoothed ones, or a neighbour's solution.
-pub(crate) fn solve(runs: &[Run<'_>], unknowns: Unknowns, nominals: Vec<Nominal>, iterations: usize) -> Outcome {
+pub(crate) fn solve(runs: &[PreparedRun<'_>], unknowns: Unknowns, nominals: Vec<Nominal>, iterations: usize) -> Outcome {
     solve_from(runs, unknowns, nominals, first_noise(runs), iterations)
 }
 
@@ -121,7 +122,7 @@ pub(crate) struct Glance {
 /// One step of all unknowns from here, with its covariance, each channel's noise as given; the column that the data do not determine
 /// where there is one. `None` where the flight cannot go on.
 pub(crate) fn one_step(
-    runs: &[Run<'_>],
+    runs: &[PreparedRun<'_>],
     unknowns: &Unknowns,
     nominals: &[Nominal],
     std: &[f64; CHANNELS],
@@ -134,7 +135,7 @@ pub(crate) fn one_step(
 
 /// [`solve`], from known noise.
 pub(crate) fn solve_from(
-    runs: &[Run<'_>],
+    runs: &[PreparedRun<'_>],
     unknowns: Unknowns,
     nominals: Vec<Nominal>,
     std: [f64; CHANNELS],
@@ -194,14 +195,14 @@ pub(crate) fn sensitivities(linear: &[Linearised], free: usize) -> DMatrix<f64> 
 }
 
 /// Root mean square over the runs of what smoothing sees as noise.
-fn first_noise(runs: &[Run<'_>]) -> [f64; CHANNELS] {
+fn first_noise(runs: &[PreparedRun<'_>]) -> [f64; CHANNELS] {
     let mean = |c: usize| runs.iter().map(|r| r.noise_std[c].powi(2)).sum::<f64>() / runs.len() as f64;
     let floor = floor(runs);
     std::array::from_fn(|c| mean(c).sqrt().max(floor[c]))
 }
 
 /// Smallest noise that a channel is given.
-pub(crate) fn floor(runs: &[Run<'_>]) -> [f64; CHANNELS] {
+pub(crate) fn floor(runs: &[PreparedRun<'_>]) -> [f64; CHANNELS] {
     let s = runs[0].craft.plant.sensors;
     let (p, a) = (s.position_std_m, s.pitch_yaw_std_rad);
     let declared = [p, p, p, s.roll_std_rad, a, a, s.wind_std_m_s];
@@ -209,7 +210,7 @@ pub(crate) fn floor(runs: &[Run<'_>]) -> [f64; CHANNELS] {
 }
 
 struct Search<'r, 'a> {
-    runs: &'r [Run<'a>],
+    runs: &'r [PreparedRun<'a>],
     unknowns: Unknowns,
     nominals: Vec<Nominal>,
     std: [f64; CHANNELS],

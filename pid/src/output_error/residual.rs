@@ -1,8 +1,9 @@
 //! pid: whether residuals are noise, and what follows for the errors when they are not. In: residuals of all runs, and how outputs
 //! depend on the parameters. Out: a probability per channel; a covariance for coloured residuals.
 
+use super::CHANNELS;
 use super::problem::{Solved, floor};
-use super::run::{CHANNELS, Run};
+use super::run::PreparedRun;
 use crate::equations::Transition;
 use nalgebra::DMatrix;
 use realfft::RealFftPlanner;
@@ -28,7 +29,7 @@ const BANDS_HZ: [f64; 4] = [0.3, 1.0, 2.5, 6.0];
 const AVERAGE_HZ: f64 = 0.25;
 
 /// Fit of every channel over all runs.
-pub(crate) fn channel_fits(runs: &[Run<'_>], solved: &Solved) -> Vec<ChannelFit> {
+pub(crate) fn channel_fits(runs: &[PreparedRun<'_>], solved: &Solved) -> Vec<ChannelFit> {
     let mut planner = RealFftPlanner::new();
     let floor = floor(runs);
     let fit = |(c, channel): (usize, &'static str)| {
@@ -97,7 +98,7 @@ fn transform(x: &[f64], length: usize, planner: &mut RealFftPlanner<f64>) -> Vec
 /// Covariance of the estimates when residuals have any stationary colour, correlated between channels: `M⁻¹ (Σ_f Gᴴ P G) M⁻¹`
 /// with M the information, G the transform of the profiled output slopes over their variance and P the residuals' averaged
 /// cross-spectrum (Morelli and Klein 1997, in the frequency domain). `None` where a slope cannot be computed.
-pub(crate) fn coloured(runs: &[Run<'_>], solved: &Solved) -> Option<DMatrix<f64>> {
+pub(crate) fn coloured(runs: &[PreparedRun<'_>], solved: &Solved) -> Option<DMatrix<f64>> {
     let mut planner = RealFftPlanner::new();
     let mut work = Transition::default();
     let c = solved.unknowns.columns();

@@ -6,17 +6,16 @@
 
 mod linear;
 
+use super::CHANNELS;
 use super::instruments::{Errors, Known, STATE_OF, VARIABLES, observe, variables};
 use super::speed::liveliness;
 use crate::PidError;
-use crate::equations::{Air, Craft, Drive, Dual, Extra, INPUTS, STATES, Segment, Transition, origin, origin_slopes};
+use crate::equations::{Craft, Drive, Dual, Extra, INPUTS, STATES, Segment, Transition, TunnelAir, origin, origin_slopes};
 use crate::smooth::{Smoother, smooth};
 use crate::states::states;
 pub(crate) use linear::Linearised;
 use windfall_model::{Plant, Record};
 
-/// Channels: X, Y, Z, R_x, R_y, R_z, V_W.
-pub(crate) const CHANNELS: usize = 7;
 /// Input states: tunnel speed and its first and second derivative.
 pub(crate) const SPEED: usize = 3;
 /// Numbers at a node.
@@ -26,7 +25,7 @@ const PIECE_S: f64 = 0.05;
 
 /// A run made ready.
 #[derive(Clone, Debug)]
-pub(crate) struct Run<'a> {
+pub(crate) struct PreparedRun<'a> {
     pub(crate) name: &'a str,
     pub(crate) record: &'a Record,
     pub(crate) craft: Craft<'a>,
@@ -53,7 +52,7 @@ pub(crate) struct Nominal {
 
 /// How parameters enter.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Columns<'a> {
+pub(crate) struct FreeColumns<'a> {
     /// Values of all the structure's parameters.
     pub(crate) parameters: &'a [f64],
     /// Column of each; none where held.
@@ -68,7 +67,7 @@ pub(crate) struct Columns<'a> {
     pub(crate) free: usize,
 }
 
-impl<'a> Run<'a> {
+impl<'a> PreparedRun<'a> {
     pub(crate) fn new(name: &'a str, record: &'a Record, plant: &'a Plant) -> Result<Self, PidError> {
         let craft = Craft::new(plant)?;
         let smoothed = smooth(record, &Smoother::Auto)?;
@@ -136,7 +135,7 @@ impl<'a> Run<'a> {
         (first, self.piece.min(self.record.len() - first))
     }
 
-    fn segment<'s>(&'s self, k: usize, c: &Columns<'s>) -> Segment<'s> {
+    fn segment<'s>(&'s self, k: usize, c: &FreeColumns<'s>) -> Segment<'s> {
         let (first, samples) = self.span(k);
         let last = first + samples == self.record.len();
         Segment {
@@ -154,7 +153,7 @@ impl<'a> Run<'a> {
     }
 
     /// Residuals (measured less predicted) of one sample.
-    pub(crate) fn residual(&self, sample: usize, x: &[f64; STATES], vw_m_s: f64, c: &Columns<'_>) -> [f64; CHANNELS] {
+    pub(crate) fn residual(&self, sample: usize, x: &[f64; STATES], vw_m_s: f64, c: &FreeColumns<'_>) -> [f64; CHANNELS] {
         let p = origin(x, self.craft.plant.vehicle.p_origin_cm.to_array());
         let scale = 1.0 + self.craft.plant.sensors.wind_scale;
         let predicted = [p[0], p[1], p[2], x[3], x[4], x[5], vw_m_s * scale];
@@ -164,7 +163,7 @@ impl<'a> Run<'a> {
 
     /// Residuals of all samples, channel by channel, and what is left between pieces, in units of [`MEETING`], squared and summed
     /// with the jumps. `None` where the flight cannot go on.
-    pub(crate) fn misfit(&self, nominal: &Nominal, c: &Columns<'_>, work: &mut Transition) -> Option<Misfit> {
+    pub(crate) fn misfit(&self, nominal: &Nominal, c: &FreeColumns<'_>, work: &mut Transition) -> Option<Misfit> {
         let mut residuals: [Vec<f64>; CHANNELS] = std::array::from_fn(|_| Vec::with_capacity(self.record.len()));
         let (mut gaps, mut jumps) = (0.0_f64, 0.0);
         for (k, node) in nominal.nodes.iter().enumerate() {
@@ -237,8 +236,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// [`Run::residual`], with errors of the instruments where there are such; zero where a delay leaves the record.
-    fn left(&self, sample: usize, x: &[f64; STATES], speed: [f64; SPEED], c: &Columns<'_>) -> [f64; CHANNELS] {
+    /// [`PreparedRun::residual`], with errors of the instruments where there are such; zero where a delay leaves the record.
+    fn left(&self, sample: usize, x: &[f64; STATES], speed: [f64; SPEED], c: &FreeColumns<'_>) -> [f64; CHANNELS] {
         let Some(errors) = &c.errors else { return self.residual(sample, x, speed[0], c) };
         let seen = observe(&variables(x, speed, errors), &self.known(sample, x, speed, errors, c));
         let measured = self.record.channels();
@@ -250,9 +249,9 @@ impl<'a> Run<'a> {
         sample.checked_add_signed(errors.shift(channel, self.interval_s)).filter(|i| *i < self.record.len())
     }
 
-    fn known(&self, sample: usize, x: &[f64; STATES], speed: [f64; SPEED], errors: &Errors, c: &Columns<'_>) -> Known {
+    fn known(&self, sample: usize, x: &[f64; STATES], speed: [f64; SPEED], errors: &Errors, c: &FreeColumns<'_>) -> Known {
         let taken_s = [3, 6].map(|channel| errors.shift(channel, self.interval_s) as f64 * self.interval_s);
-        let air = Air {
+        let air = TunnelAir {
             t_s: sample as f64 * self.interval_s,
             density_kg_m3: self.density[sample],
             vw_m_s: speed[0],
@@ -271,7 +270,7 @@ impl<'a> Run<'a> {
     }
 
     /// What outputs depend on at one sample.
-    fn outputs(&self, sample: usize, x: &[f64; STATES], speed: [f64; SPEED], c: &Columns<'_>) -> Outputs {
+    fn outputs(&self, sample: usize, x: &[f64; STATES], speed: [f64; SPEED], c: &FreeColumns<'_>) -> Outputs {
         let Some(errors) = &c.errors else {
             return Outputs::Plain(origin_slopes(x, self.craft.plant.vehicle.p_origin_cm.to_array()));
         };
@@ -282,7 +281,7 @@ impl<'a> Run<'a> {
     }
 
     /// Slopes of one output at sample `i` of a piece by node and parameters, into `out`.
-    fn slopes(&self, i: usize, channel: usize, outputs: &Outputs, c: &Columns<'_>, work: &Transition, out: &mut [f64]) {
+    fn slopes(&self, i: usize, channel: usize, outputs: &Outputs, c: &FreeColumns<'_>, work: &Transition, out: &mut [f64]) {
         out.fill(0.0);
         match outputs {
             Outputs::Plain(turned) => self.output_slopes(i, channel, turned, work, NODE + c.free, out),

@@ -1,8 +1,9 @@
 //! pid: what is free in a search. In: a campaign, what is held, tied or known beforehand. Out: unknowns by column, with
 //! their values.
 
+use super::CHANNELS;
 use super::instruments::{ERRORS, Errors, KINDS};
-use super::run::{CHANNELS, Columns};
+use super::run::FreeColumns;
 use crate::PidError;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -34,7 +35,7 @@ pub struct Prior {
 
 /// What to estimate, and how long.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Options {
+pub struct EstimateOptions {
     /// Parameters that are not simply free.
     pub handling: Vec<(String, Handling)>,
     /// Knowledge from elsewhere.
@@ -50,7 +51,7 @@ pub struct Options {
     pub compatibility: bool,
 }
 
-impl Default for Options {
+impl Default for EstimateOptions {
     fn default() -> Self {
         Self {
             handling: Vec::new(),
@@ -83,7 +84,7 @@ impl Unknowns {
     /// # Errors
     /// [`PidError::Unknown`] for a name the structure does not have, a tie of or to a parameter that is not free, what is
     /// held or tied twice, or a prior without width.
-    pub(crate) fn new(campaign: &Campaign, options: &Options) -> Result<Self, PidError> {
+    pub(crate) fn new(campaign: &Campaign, options: &EstimateOptions) -> Result<Self, PidError> {
         let structure = &campaign.plant.aero.structure;
         let count = structure.parameters.len();
         let (mut held, mut tied) = (vec![false; count], vec![None; count]);
@@ -167,8 +168,8 @@ impl Unknowns {
     pub(crate) fn free(&self) -> usize {
         self.names.len()
     }
-    pub(crate) fn columns(&self) -> Columns<'_> {
-        Columns {
+    pub(crate) fn columns(&self) -> FreeColumns<'_> {
+        FreeColumns {
             parameters: &self.parameters,
             columns: &self.columns,
             biases: self.biases,

@@ -5,7 +5,7 @@
 //! parameters. What is left is measured against the accelerations themselves: along the tunnel, across it, of roll, and of pitch and
 //! yaw.
 
-use crate::coefficients::{Row, coefficients};
+use crate::coefficients::{CoefficientRow, coefficients};
 use crate::instrument::Sample;
 use crate::states::{State, state};
 use nalgebra::{DMatrix, DVector};
@@ -117,7 +117,7 @@ fn signal(states: &[Seen], which: &[usize]) -> [f64; 4] {
 }
 
 /// `rest` is the plant's aerodynamics without what is fitted.
-fn equations(row: &Row, plant: &Plant, rest: &Aero, free: &[usize]) -> Equations {
+fn equations(row: &CoefficientRow, plant: &Plant, rest: &Aero, free: &[usize]) -> Equations {
     let v = &plant.vehicle;
     let force = row.q_pa * v.area_m2() / v.mass_kg;
     let turn = |inertia: f64| row.q_pa * v.area_m2() * v.diameter_m / inertia;

@@ -1,9 +1,9 @@
 //! pid: what a record may be instead of what it says. In: instants. Out: the same read otherwise, and its name.
 
 use super::balance::Point;
-use super::motion::Instant;
+use super::motion::MotionSample;
+use crate::euler::{euler_rates, t_bef};
 use crate::instrument::Sample;
-use crate::states::{euler_rates, t_bef};
 use nalgebra::{Matrix3, Vector3};
 
 /// Another reading of a record.
@@ -193,7 +193,7 @@ const STRETCHED: [f64; 14] = [0.1, 0.2, 0.25, 1.0 / 3.0, 0.4, 0.5, 0.6, 0.7, 0.8
 
 impl Act {
     /// An instant as this reading has it.
-    pub(super) fn apply(&self, i: &Instant) -> Point {
+    pub(super) fn apply(&self, i: &MotionSample) -> Point {
         let m = &i.motion;
         let mut to = *m;
         let mut t_s = i.t_s;

@@ -6,8 +6,8 @@
 
 use super::balance::{Balance, PER_S, Point, Ratio, balance};
 use super::change::Act;
-use super::motion::Instant;
-use super::{Fault, median, short};
+use super::motion::MotionSample;
+use super::{GrossFault, median, short};
 use windfall_model::{Campaign, Coefficient, Factor, Plant, Variable};
 
 /// Logarithm beyond which aerodynamics are no longer those of the declared vehicle: a factor of 2.3.
@@ -122,7 +122,7 @@ const SUSPECTS: &[Suspect] = &[
 ];
 
 /// A constant that is off.
-pub(super) fn fault(campaign: &Campaign, instants: &[Instant]) -> Option<Fault> {
+pub(super) fn fault(campaign: &Campaign, instants: &[MotionSample]) -> Option<GrossFault> {
     if instants.is_empty() {
         return None;
     }
@@ -130,9 +130,9 @@ pub(super) fn fault(campaign: &Campaign, instants: &[Instant]) -> Option<Fault> 
 }
 
 /// A temperature in degrees Celsius: no gas that is blown is below 60 K.
-pub(super) fn celsius(instants: &[Instant]) -> Option<Fault> {
+pub(super) fn celsius(instants: &[MotionSample]) -> Option<GrossFault> {
     let t = median(&instants.iter().map(|i| i.ts_k).collect::<Vec<_>>());
-    (!instants.is_empty() && (-60.0..60.0).contains(&t)).then(|| Fault {
+    (!instants.is_empty() && (-60.0..60.0).contains(&t)).then(|| GrossFault {
         place: "Ts_K".to_owned(),
         cause: "temperature is in degrees Celsius".to_owned(),
         evidence: format!("its median is {}, which no air has in kelvin", short(t)),
@@ -140,7 +140,7 @@ pub(super) fn celsius(instants: &[Instant]) -> Option<Fault> {
     })
 }
 
-fn fitted(campaign: &Campaign, plant: &Plant, instants: &[Instant]) -> Option<Balance> {
+fn fitted(campaign: &Campaign, plant: &Plant, instants: &[MotionSample]) -> Option<Balance> {
     let points: Vec<Point> = instants.iter().map(|i| Act::Late(0).apply(i)).collect();
     let seconds: f64 = instants.iter().map(|i| i.span_s).sum();
     balance(&points, plant, &campaign.declared, seconds.max(1.0 / PER_S))
@@ -155,7 +155,7 @@ fn axial(b: &Balance, plant: &Plant) -> Option<f64> {
 }
 
 /// Gravity in another unit or of the wrong sign, where weight and drag then agree and as declared do not.
-pub(super) fn gravity(campaign: &Campaign, instants: &[Instant]) -> Option<Fault> {
+pub(super) fn gravity(campaign: &Campaign, instants: &[MotionSample]) -> Option<GrossFault> {
     let g = campaign.plant.environment.gravity_m_s2;
     if instants.is_empty() || (g - GRAVITY_M_S2).abs() <= GRAVITY_WITHIN_M_S2 {
         return None;
@@ -165,7 +165,7 @@ pub(super) fn gravity(campaign: &Campaign, instants: &[Instant]) -> Option<Fault
     let other = axial(&fitted(campaign, &plant, instants)?, &plant)?;
     let now = axial(&fitted(campaign, &campaign.plant, instants)?, &campaign.plant)?;
     let agrees = |x: f64| x > 0.0 && x.ln().abs() < BEYOND;
-    (agrees(other) && !agrees(now)).then(|| Fault {
+    (agrees(other) && !agrees(now)).then(|| GrossFault {
         place: "[environment] gravity_m_s2".to_owned(),
         cause: if g < 0.0 { "gravity has the wrong sign".to_owned() } else { "gravity is in another unit".to_owned() },
         evidence: format!(
@@ -236,7 +236,7 @@ fn common(s: &Suspect, told: &[Told], offset: bool) -> Option<(f64, f64)> {
     (seen && large && worst < 1.0).then_some((factor, misfit))
 }
 
-fn suspect(campaign: &Campaign, found: &Balance) -> Option<Fault> {
+fn suspect(campaign: &Campaign, found: &Balance) -> Option<GrossFault> {
     let told = told(found, &campaign.plant);
     let offset = campaign.plant.vehicle.p_origin_cm.norm() > 0.0;
     let all = SUSPECTS.iter().filter_map(|s| common(s, &told, offset).map(|c| (s, c)));
@@ -257,7 +257,7 @@ fn suspect(campaign: &Campaign, found: &Balance) -> Option<Fault> {
         let logs: Vec<f64> = told.iter().filter(|t| t.makes == k && t.leading).map(|t| t.log).collect();
         if logs.is_empty() { "-".to_owned() } else { short(median(&logs).exp()) }
     };
-    Some(Fault {
+    Some(GrossFault {
         place: s.key.to_owned(),
         cause,
         evidence: format!(

@@ -3,8 +3,8 @@
 
 use super::balance::{Balance, GROUPS, PER_S, Point, Ratio, balance};
 use super::change::{Act, Change, all};
-use super::motion::{DELAYS, Instant};
-use super::{Fault, median};
+use super::motion::{DELAYS, MotionSample};
+use super::{GrossFault, median};
 use windfall_model::{Campaign, Coefficient, Factor, Plant, Variable};
 
 /// What is left of a group of accelerations counts down to this share: below it is undeclared detail.
@@ -56,7 +56,7 @@ fn outcome(
     change: Option<Change>,
     campaign: &Campaign,
     plant: &Plant,
-    instants: &[Instant],
+    instants: &[MotionSample],
     seconds: f64,
     as_recorded: Option<&Balance>,
 ) -> Option<(Outcome, Balance)> {
@@ -70,7 +70,7 @@ fn outcome(
 }
 
 /// A fault, where one reading is far better than the record as it stands.
-pub(super) fn fault(campaign: &Campaign, instants: &[Instant]) -> Option<Fault> {
+pub(super) fn fault(campaign: &Campaign, instants: &[MotionSample]) -> Option<GrossFault> {
     if instants.is_empty() {
         return None;
     }
@@ -105,7 +105,7 @@ pub(super) fn fault(campaign: &Campaign, instants: &[Instant]) -> Option<Fault> 
         }
         None => return None,
     };
-    Some(Fault {
+    Some(GrossFault {
         place: "all runs together".to_owned(),
         cause: change.cause.clone(),
         change: format!("with {} the record makes sense", change.words),
@@ -116,7 +116,7 @@ pub(super) fn fault(campaign: &Campaign, instants: &[Instant]) -> Option<Fault> 
 /// The declared plant with undeclared effects that bend the vertical balance as a wrong clock or axis does, each at the largest size
 /// that is seen: drag that varies with speed, a line that pulls by its rate. With them and a late anemometer (V_W some tenths of a
 /// second old) a sound record closes.
-fn effects(campaign: &Campaign, instants: &[Instant]) -> Vec<Plant> {
+fn effects(campaign: &Campaign, instants: &[MotionSample]) -> Vec<Plant> {
     let speed = median(&instants.iter().map(|i| i.motion[6][0]).collect::<Vec<_>>());
     let aero = &campaign.plant.aero;
     let drag =

@@ -2,7 +2,7 @@
 //!
 //! Two measured samples never agree in all six numbers while the model moves; a stretch that does was not measured.
 
-use super::{Fault, pose, quantile};
+use super::{GrossFault, pose, quantile};
 use std::collections::HashMap;
 use windfall_model::Record;
 
@@ -14,14 +14,14 @@ const FEWEST: usize = 12;
 const MOVED: f64 = 6.0;
 
 /// A frozen pose, or a block of samples given again.
-pub(super) fn fault(name: &str, r: &Record) -> Option<Fault> {
+pub(super) fn fault(name: &str, r: &Record) -> Option<GrossFault> {
     still(name, r).or_else(|| frozen(name, r)).or_else(|| again(name, r))
 }
 
 /// A run whose pose is one number six times over from its first sample to its last.
-fn still(name: &str, r: &Record) -> Option<Fault> {
+fn still(name: &str, r: &Record) -> Option<GrossFault> {
     let moves = (1..r.len()).any(|i| key(r, i) != key(r, 0));
-    (!moves && r.len() > 1).then(|| Fault {
+    (!moves && r.len() > 1).then(|| GrossFault {
         place: format!("run {name}"),
         cause: "the pose never changes".to_owned(),
         evidence: format!(
@@ -45,7 +45,7 @@ fn key(r: &Record, i: usize) -> [u64; 6] {
     pose(r).map(|x| x[i].to_bits())
 }
 
-fn frozen(name: &str, r: &Record) -> Option<Fault> {
+fn frozen(name: &str, r: &Record) -> Option<GrossFault> {
     let need = fewest(r);
     let mut start = 0;
     for i in 1..=r.len() {
@@ -54,7 +54,7 @@ fn frozen(name: &str, r: &Record) -> Option<Fault> {
         }
         if i - start >= need && moving(r, i - start) {
             let (from, to) = (r.t_s[start], r.t_s[i - 1]);
-            return Some(Fault {
+            return Some(GrossFault {
                 place: format!("run {name}"),
                 cause: "frozen pose".to_owned(),
                 evidence: format!(
@@ -82,7 +82,7 @@ fn moving(r: &Record, samples: usize) -> bool {
 }
 
 /// A block of different samples that comes a second time in the same order.
-fn again(name: &str, r: &Record) -> Option<Fault> {
+fn again(name: &str, r: &Record) -> Option<GrossFault> {
     let need = fewest(r);
     let mut seen: HashMap<[u64; 6], usize> = HashMap::with_capacity(r.len());
     let (mut length, mut distinct, mut shift) = (0, 0, 0);
@@ -99,7 +99,7 @@ fn again(name: &str, r: &Record) -> Option<Fault> {
         }
         if length >= need && distinct * 2 > need {
             let (from, first) = (r.t_s[i + 1 - length], r.t_s[i + 1 - length - shift]);
-            return Some(Fault {
+            return Some(GrossFault {
                 place: format!("run {name}"),
                 cause: "repeated block of samples".to_owned(),
                 evidence: format!("from {from:.3} s on the pose is, number by number, that from {first:.3} s on"),

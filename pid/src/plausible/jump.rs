@@ -3,7 +3,7 @@
 //! A body has no step in its place or attitude; a tracker that takes one marker for another has. A push changes the rates and leaves
 //! both, so what is extrapolated from both sides to the instant between them still meets.
 
-use super::{Fault, pose};
+use super::{GrossFault, pose};
 use windfall_model::Record;
 
 /// Samples on each side through which a line is laid.
@@ -16,7 +16,7 @@ const OVER_SCATTER: f64 = 12.0;
 const NAMES: [&str; 6] = ["X", "Y", "Z", "Rx", "Ry", "Rz"];
 
 /// The largest step of a run.
-pub(super) fn fault(name: &str, r: &Record) -> Option<Fault> {
+pub(super) fn fault(name: &str, r: &Record) -> Option<GrossFault> {
     let largest = pose(r)
         .iter()
         .enumerate()
@@ -25,7 +25,7 @@ pub(super) fn fault(name: &str, r: &Record) -> Option<Fault> {
     let (c, (i, size, scatter)) = largest;
     let (size, scatter, unit) =
         if c > 2 { (size.to_degrees(), scatter.to_degrees(), "deg") } else { (size * 1e3, scatter * 1e3, "mm") };
-    Some(Fault {
+    Some(GrossFault {
         place: format!("run {name}"),
         cause: "the pose jumps and stays (markers swapped or moved)".to_owned(),
         evidence: format!(

@@ -3,14 +3,14 @@
 //! The line streams with the air, which goes up (−X): what holds it is above the model, and it leaves the body on that side. Its pull is
 //! a few thousandths of the weight, so the motion does not show this.
 
-use super::{Fault, quantile, short};
+use super::{GrossFault, quantile, short};
 use windfall_model::{Campaign, Record};
 
 /// How far on the wrong side of the body's middle the attachment may be, over the reference diameter.
 const BESIDE: f64 = 0.25;
 
 /// A ring below the model, or an attachment on the side away from it.
-pub(super) fn fault(campaign: &Campaign, runs: &[(&str, &Record)]) -> Option<Fault> {
+pub(super) fn fault(campaign: &Campaign, runs: &[(&str, &Record)]) -> Option<GrossFault> {
     let tether = campaign.plant.tether.as_ref()?;
     let (ring, hook) = (tether.p_tunnel_ring.x(), tether.p_origin_hook.x());
     let places: Vec<f64> = runs.iter().flat_map(|(_, r)| r.position_m[0].iter().copied()).collect();
@@ -27,7 +27,7 @@ pub(super) fn fault(campaign: &Campaign, runs: &[(&str, &Record)]) -> Option<Fau
     let place = "[tether]".to_owned();
     // Positions in other units are told by the motion; only a ring that is beyond them whatever their unit is wrong here.
     if ring > 0.0 && pull > 0.0 && ring > lowest && lowest - highest < 20.0 {
-        return Some(Fault {
+        return Some(GrossFault {
             place,
             cause: "the ring is below the model".to_owned(),
             evidence: format!(
@@ -41,7 +41,7 @@ pub(super) fn fault(campaign: &Campaign, runs: &[(&str, &Record)]) -> Option<Fau
     let d = campaign.plant.vehicle.diameter_m;
     let above = ring < highest;
     if above && hook > BESIDE * d {
-        return Some(Fault {
+        return Some(GrossFault {
             place,
             cause: "the attachment is on the wrong side of the body".to_owned(),
             evidence: format!(

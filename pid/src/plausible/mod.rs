@@ -25,7 +25,7 @@ use windfall_model::{Campaign, Data, Record};
 
 /// Why a record cannot be what its campaign says it is.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Fault {
+pub struct GrossFault {
     /// The run or runs, or the file's table, where it is.
     pub place: String,
     /// What is wrong, in a few words: `X points up`.
@@ -36,7 +36,7 @@ pub struct Fault {
     pub evidence: String,
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for GrossFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}: {}; {}", self.place, self.cause, self.evidence, self.change)
     }
@@ -56,7 +56,7 @@ pub fn plausible(campaign: &Campaign) -> Result<(), PidError> {
 
 /// The first fault of a campaign, if it has one.
 #[must_use]
-pub fn fault(campaign: &Campaign) -> Option<Fault> {
+pub fn fault(campaign: &Campaign) -> Option<GrossFault> {
     let runs = tunnel_runs(campaign);
     if runs.is_empty() {
         return None;

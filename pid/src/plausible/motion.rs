@@ -24,7 +24,7 @@ pub(super) const DELAY_S: f64 = 0.15;
 
 /// One instant.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Instant {
+pub(super) struct MotionSample {
     /// Time of the record, s.
     pub(super) t_s: f64,
     /// Recorded time for which it stands, s.
@@ -40,12 +40,12 @@ pub(super) struct Instant {
 }
 
 /// Instants of all runs, evenly spread.
-pub(super) fn instants(runs: &[(&str, &Record)]) -> Vec<Instant> {
+pub(super) fn instants(runs: &[(&str, &Record)]) -> Vec<MotionSample> {
     let samples: usize = runs.iter().map(|(_, r)| r.len()).sum();
     runs.iter().flat_map(|(_, r)| of_run(r, samples.div_ceil(MOST))).collect()
 }
 
-fn of_run(r: &Record, stride: usize) -> Vec<Instant> {
+fn of_run(r: &Record, stride: usize) -> Vec<MotionSample> {
     let dt = r.interval_s();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive count of samples")]
     let half = |k: usize| if dt > SLOWEST_S { BLIND[k] } else { (HALF_S[k] / dt.max(1e-5)).round() as usize };
@@ -71,7 +71,7 @@ fn of_run(r: &Record, stride: usize) -> Vec<Instant> {
             });
             let later =
                 std::array::from_fn(|k| fit(channels[6], (i + step * (k + 1)).min(r.len() - 1 - half[0]), half[0], &wide));
-            Instant { t_s: r.t_s[i], span_s: dt * stride as f64, motion, later, ps_pa: p, ts_k: t }
+            MotionSample { t_s: r.t_s[i], span_s: dt * stride as f64, motion, later, ps_pa: p, ts_k: t }
         })
         .collect()
 }

@@ -2,7 +2,7 @@
 //!
 //! A run under two names counts twice, and one that is also a hold-out says nothing of what was not fitted.
 
-use super::{Fault, pose, quantile};
+use super::{GrossFault, pose, quantile};
 use std::collections::HashSet;
 use windfall_model::Record;
 
@@ -15,7 +15,7 @@ const FEWEST: usize = 20;
 const OF_NOISE: f64 = 0.5;
 
 /// The first pair of runs that are one.
-pub(super) fn fault(runs: &[(&str, &Record)]) -> Option<Fault> {
+pub(super) fn fault(runs: &[(&str, &Record)]) -> Option<GrossFault> {
     let sets: Vec<HashSet<[u64; 6]>> = runs.iter().map(|(_, r)| samples(r)).collect();
     for (i, a) in runs.iter().enumerate() {
         for (j, b) in runs.iter().enumerate().skip(i + 1) {
@@ -27,7 +27,7 @@ pub(super) fn fault(runs: &[(&str, &Record)]) -> Option<Fault> {
             } else {
                 continue;
             };
-            return Some(Fault {
+            return Some(GrossFault {
                 place: format!("runs {} and {}", a.0, b.0),
                 cause: "one run given twice".to_owned(),
                 evidence,

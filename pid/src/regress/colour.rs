@@ -4,14 +4,14 @@
 //! `Cov = (XᵀX)⁻¹ [Σ_i Σ_j R(i−j) x_i x_jᵀ] (XᵀX)⁻¹` with R the residuals' autocorrelation. The double sum is done by Fourier
 //! transform, and R is tapered (Parzen 1961) so that the sum cannot become negative.
 
-use super::{Colour, Series, weight};
+use super::{Colour, RegressionSeries, weight};
 use nalgebra::DMatrix;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
 /// Covariance, or none when every series is declared white; and the effective number of independent residuals.
 pub(super) fn covariance(
-    series: &[&Series],
+    series: &[&RegressionSeries],
     columns: &[usize],
     residuals: &[Vec<f64>],
     bread: &DMatrix<f64>,
@@ -30,7 +30,13 @@ pub(super) fn covariance(
 }
 
 /// Adds one series' double sum; returns its effective number of independent residuals.
-fn add_series(s: &Series, columns: &[usize], v: &[f64], meat: &mut DMatrix<f64>, planner: &mut RealFftPlanner<f64>) -> f64 {
+fn add_series(
+    s: &RegressionSeries,
+    columns: &[usize],
+    v: &[f64],
+    meat: &mut DMatrix<f64>,
+    planner: &mut RealFftPlanner<f64>,
+) -> f64 {
     let n = v.len();
     let lags = match s.residuals {
         Colour::Corrected(lags) | Colour::Weighted(lags) => lags,

@@ -1,11 +1,11 @@
 //! pid: how good a fit is. In: series and estimates. Out: residuals, R², whiteness.
 
-use super::{Series, weight};
+use super::{RegressionSeries, weight};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Weighted residuals of each series.
-pub(super) fn residuals(series: &[&Series], columns: &[usize], estimate: &[f64]) -> Vec<Vec<f64>> {
-    let one = |s: &&Series| -> Vec<f64> {
+pub(super) fn residuals(series: &[&RegressionSeries], columns: &[usize], estimate: &[f64]) -> Vec<Vec<f64>> {
+    let one = |s: &&RegressionSeries| -> Vec<f64> {
         let mut e = s.response.clone();
         for (&column, p) in columns.iter().zip(estimate) {
             for (e, x) in e.iter_mut().zip(&s.regressors[column]) {
@@ -21,7 +21,7 @@ pub(super) fn residuals(series: &[&Series], columns: &[usize], estimate: &[f64])
 }
 
 /// Share of the response's variance about its mean that the model explains (eq. 4.18), weighted rows.
-pub(super) fn determination(series: &[&Series], rss: f64) -> f64 {
+pub(super) fn determination(series: &[&RegressionSeries], rss: f64) -> f64 {
     let pairs = || series.iter().flat_map(|s| s.response.iter().enumerate().map(move |(i, y)| (weight(s, i), y)));
     let (w2, w2y) = pairs().fold((0.0, 0.0), |(a, b), (w, y)| (a + w * w, b + w * w * y));
     let mean = w2y / w2;

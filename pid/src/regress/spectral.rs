@@ -9,7 +9,7 @@
 //! over all cosines.
 
 use super::colour::fast_length;
-use super::{Coloured, Series, weight};
+use super::{Coloured, RegressionSeries, weight};
 use nalgebra::{DMatrix, DVector};
 use realfft::RealFftPlanner;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
@@ -28,7 +28,7 @@ impl Cosines {
 }
 
 /// The first `count` orthonormal cosine amplitudes (DCT-II) of a series' weighted rows, followed by a few zeros for a fast length.
-pub(super) fn cosines(s: &Series, count: usize, planner: &mut RealFftPlanner<f64>) -> Cosines {
+pub(super) fn cosines(s: &RegressionSeries, count: usize, planner: &mut RealFftPlanner<f64>) -> Cosines {
     let n = fast_length(s.response.len());
     let fft = planner.plan_fft_forward(2 * n);
     let (mut even, mut out) = (fft.make_input_vec(), fft.make_output_vec());

@@ -10,7 +10,7 @@ pub(super) struct Banded {
 }
 
 /// Lower Cholesky factor in the same storage, with reciprocals on the diagonal.
-pub(super) struct Factor {
+pub(super) struct BandedFactor {
     rows: Vec<[f64; ORDER]>,
 }
 
@@ -28,7 +28,7 @@ impl Banded {
         }
     }
     /// Cholesky factor; `None` when the matrix is not positive definite to rounding.
-    pub(super) fn factor(mut self) -> Option<Factor> {
+    pub(super) fn factor(mut self) -> Option<BandedFactor> {
         for i in 0..self.rows.len() {
             let mut row = self.rows[i];
             for k in BAND.saturating_sub(i)..BAND {
@@ -47,11 +47,11 @@ impl Banded {
             row[BAND] = 1.0 / rest.sqrt();
             self.rows[i] = row;
         }
-        Some(Factor { rows: self.rows })
+        Some(BandedFactor { rows: self.rows })
     }
 }
 
-impl Factor {
+impl BandedFactor {
     /// L z = b in place, from the row `first` (those before are zero) to the end of `b`.
     pub(super) fn forward_to<const W: usize>(&self, b: &mut [[f64; W]], first: usize) {
         for i in first..b.len() {

@@ -5,7 +5,7 @@
 //! products alone (Klein and Morelli, Aircraft System Identification, 2006, ch. 7, the same idea in the frequency domain).
 //! A spline needs nothing beyond a run's ends, and its rate is the derivative of its value everywhere.
 
-use super::banded::{Banded, Factor};
+use super::banded::{Banded, BandedFactor};
 use super::bspline::{DEGREE, Knots, ORDER};
 use super::{Fit, Signal};
 use crate::PidError;
@@ -114,7 +114,7 @@ impl Grid {
     }
     /// Least-squares coefficients from normal equations, once more on the residual, which restores the digits that their squared
     /// condition number costs.
-    fn fit(&self, samples: &[[f64; 7]]) -> Option<(Vec<[f64; 7]>, Factor)> {
+    fn fit(&self, samples: &[[f64; 7]]) -> Option<(Vec<[f64; 7]>, BandedFactor)> {
         let (gram, mut c) = self.normal(samples);
         let factor = gram.factor()?;
         factor.solve(&mut c);
@@ -194,7 +194,7 @@ impl Grid {
         (out, rss)
     }
     /// Standard deviation of the second derivative in the middle over that at each sample, at most 1.
-    fn weights(&self, factor: &Factor) -> Vec<f64> {
+    fn weights(&self, factor: &BandedFactor) -> Vec<f64> {
         // What an end does fades over a few intervals; both ends are alike.
         let reach = self.knots.intervals.min(2 * ORDER);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a sample count")]
@@ -210,7 +210,7 @@ impl Grid {
         w
     }
     /// Standard deviation of the second derivative at sample i for noise of unit standard deviation, per interval².
-    fn second_deviation(&self, factor: &Factor, i: usize) -> f64 {
+    fn second_deviation(&self, factor: &BandedFactor, i: usize) -> f64 {
         let (first, x) = self.place(i);
         let second = self.knots.derivatives(first, x)[2];
         // The forward solution fades geometrically: 6 orders past the last value it is below rounding of the sum.

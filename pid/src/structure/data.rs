@@ -1,9 +1,9 @@
 //! pid: rows for choosing a structure. In: processed runs and a pool. Out: rows as they are, and whitened ones, of each run.
 
 use super::pool::{Candidate, Pool};
-use super::select::{Reduced, Rows};
+use super::select::{Reduced, SelectionRows};
 use crate::identify::{RunRows, cosines, faded};
-use crate::regress::{Colour, Prepared, Series, spectra, whitened};
+use crate::regress::{Colour, PreparedColumns, RegressionSeries, spectra, whitened};
 use nalgebra::{DMatrix, DVector};
 use realfft::RealFftPlanner;
 use windfall_model::{Aero, Campaign, Coefficient, Contribution, Factor, Structure, Term};
@@ -19,13 +19,13 @@ pub(crate) struct PoolData<'a> {
     pub(crate) linear: Vec<usize>,
     /// Per run, then coefficient.
     spectra: Vec<Vec<Vec<f64>>>,
-    rows: Vec<Rows>,
+    rows: Vec<SelectionRows>,
 }
 
 /// A coefficient less what effects that the plant declares add to it.
 fn response(run: &RunRows, aero: &Aero, coefficient: Coefficient) -> Vec<f64> {
     let extra: Vec<_> = aero.extra.iter().filter(|(c, _, _)| *c == coefficient).collect();
-    let rest = |row: &crate::coefficients::Row| {
+    let rest = |row: &crate::coefficients::CoefficientRow| {
         row.exp_origin[coefficient as usize] - extra.iter().map(|(_, v, t)| v * t.value(&row.flow)).sum::<f64>()
     };
     run.rows.iter().map(rest).collect()
@@ -49,7 +49,7 @@ pub(crate) fn with_width(candidate: &Candidate, width: f64) -> Vec<(Coefficient,
 
 /// Derivative of a candidate's regressor by its width: `d sech²(x/w)/dw = 2 x/w² tanh(x/w) sech²(x/w)`.
 fn by_width(run: &RunRows, coefficient: Coefficient, contributions: &[(Coefficient, Term)]) -> Vec<f64> {
-    let slope = |t: &Term, row: &crate::coefficients::Row| {
+    let slope = |t: &Term, row: &crate::coefficients::CoefficientRow| {
         let bump = t.factors.iter().find_map(|f| match f {
             Factor::Bump(v, w) => Some((row.flow.get(*v), *w)),
             _ => None,
@@ -60,8 +60,8 @@ fn by_width(run: &RunRows, coefficient: Coefficient, contributions: &[(Coefficie
     run.rows.iter().map(|row| mine.iter().map(|t| slope(t, row)).sum()).collect()
 }
 
-fn weighted(run: &RunRows, regressors: Vec<Vec<f64>>, response: Vec<f64>) -> Series {
-    Series { regressors, response, weight: faded(run), residuals: Colour::Weighted(cosines(run)) }
+fn weighted(run: &RunRows, regressors: Vec<Vec<f64>>, response: Vec<f64>) -> RegressionSeries {
+    RegressionSeries { regressors, response, weight: faded(run), residuals: Colour::Weighted(cosines(run)) }
 }
 
 impl<'a> PoolData<'a> {
@@ -80,11 +80,11 @@ impl<'a> PoolData<'a> {
         let mut series = |run: &RunRows, coefficient: Coefficient| {
             let own = linear.iter().map(|&c| regressor(run, coefficient, &pool.candidates[c].contributions));
             let more = nuisance.iter().map(|n| regressor(run, coefficient, n));
-            Prepared::new(weighted(run, own.chain(more).collect(), response(run, aero, coefficient)), planner)
+            PreparedColumns::new(weighted(run, own.chain(more).collect(), response(run, aero, coefficient)), planner)
         };
-        let prepared: Vec<Vec<Prepared>> =
+        let prepared: Vec<Vec<PreparedColumns>> =
             runs.iter().map(|run| pool.coefficients.iter().map(|c| series(run, *c)).collect()).collect();
-        let flat: Vec<&Prepared> = prepared.iter().flatten().collect();
+        let flat: Vec<&PreparedColumns> = prepared.iter().flatten().collect();
         let mut found = spectra(&flat, &independent(&flat, linear.len() + nuisance.len()))?.into_iter();
         let mut spectra: Vec<Vec<Vec<f64>>> = Vec::new();
         let mut rows = Vec::new();
@@ -117,12 +117,12 @@ impl<'a> PoolData<'a> {
     /// The same with one more column, last, given over the rows of all runs.
     pub(crate) fn reduced_with(&self, column: &DVector<f64>) -> Reduced {
         let mut start = 0;
-        let wider = |r: &Rows| {
+        let wider = |r: &SelectionRows| {
             let n = r.x.ncols();
             let mut x = r.x.clone().resize_horizontally(n + 1, 0.0);
             x.set_column(n, &column.rows(start, r.y.len()));
             start += r.y.len();
-            Rows { x, y: r.y.clone() }
+            SelectionRows { x, y: r.y.clone() }
         };
         Reduced::new(self.rows.iter().map(wider).collect())
     }
@@ -155,7 +155,7 @@ impl<'a> PoolData<'a> {
             for (coefficient, spectrum) in self.pool.coefficients.iter().zip(spectra) {
                 let columns = vec![regressor(run, *coefficient, &contributions), by_width(run, *coefficient, &contributions)];
                 let nothing = vec![0.0; run.rows.len()];
-                let (x, _) = whitened(&Prepared::new(weighted(run, columns, nothing), planner), spectrum)?;
+                let (x, _) = whitened(&PreparedColumns::new(weighted(run, columns, nothing), planner), spectrum)?;
                 out.iter_mut().zip(x.column_iter()).for_each(|(o, c)| o.extend(c.iter()));
             }
         }
@@ -163,7 +163,7 @@ impl<'a> PoolData<'a> {
     }
 }
 
-fn stacked(parts: &[(DMatrix<f64>, DVector<f64>)], columns: usize) -> Rows {
+fn stacked(parts: &[(DMatrix<f64>, DVector<f64>)], columns: usize) -> SelectionRows {
     let n: usize = parts.iter().map(|p| p.1.len()).sum();
     let (mut x, mut y) = (DMatrix::zeros(n, columns), DVector::zeros(n));
     let mut start = 0;
@@ -172,12 +172,12 @@ fn stacked(parts: &[(DMatrix<f64>, DVector<f64>)], columns: usize) -> Rows {
         y.rows_mut(start, py.len()).copy_from(py);
         start += py.len();
     }
-    Rows { x, y }
+    SelectionRows { x, y }
 }
 
 /// Columns of which something is left when those before are taken out, on rows as they are.
-fn independent(series: &[&Prepared], columns: usize) -> Vec<usize> {
-    let rows = |p: &&Prepared| p.amplitudes().map(|(x, y)| Rows { x, y });
+fn independent(series: &[&PreparedColumns], columns: usize) -> Vec<usize> {
+    let rows = |p: &&PreparedColumns| p.amplitudes().map(|(x, y)| SelectionRows { x, y });
     let Some(rows) = series.iter().map(rows).collect::<Option<Vec<_>>>() else { return (0..columns).collect() };
     let reduced = Reduced::new(rows);
     let mut order = reduced.path(&reduced.runs()).order;

@@ -6,7 +6,7 @@
 //! structure, zero or not: a regression again, on which subsets are compared. The point moves with the terms until they stay.
 
 use super::pool::Pool;
-use super::select::{FAMILY_ERROR, Reduced, Rows, threshold};
+use super::select::{FAMILY_ERROR, Reduced, SelectionRows, threshold};
 use crate::PidError;
 use crate::filter_error::linearised;
 use windfall_model::{Aero, Campaign, Contribution, Structure};
@@ -17,15 +17,15 @@ const ROUNDS: usize = 4;
 const SWEEPS: usize = 6;
 
 /// Columns of each pool among those of all.
-type Columns = Vec<Vec<usize>>;
+type FreeColumns = Vec<Vec<usize>>;
 
 /// A choice with the regression that it was made on.
 pub(crate) struct Likely {
     pub(crate) reduced: Reduced,
     /// Columns of each pool; their candidates are those given.
-    pub(crate) columns: Columns,
+    pub(crate) columns: FreeColumns,
     /// Chosen columns of each pool.
-    pub(crate) chosen: Columns,
+    pub(crate) chosen: FreeColumns,
     /// False where the terms still changed after the last round.
     pub(crate) settled: bool,
 }
@@ -60,7 +60,7 @@ pub(crate) fn likely(
 ) -> Result<Likely, PidError> {
     let all = structure(pools, candidates, "candidates");
     let wide = Aero { values: vec![0.0; all.parameters.len()], structure: all, extra: campaign.plant.aero.extra.clone() };
-    let mut columns: Columns = Vec::new();
+    let mut columns: FreeColumns = Vec::new();
     for some in candidates {
         let start = columns.iter().map(Vec::len).sum::<usize>();
         columns.push((start..start + some.len()).collect());
@@ -72,10 +72,11 @@ pub(crate) fn likely(
         let own = structure(pools, &now, "chosen");
         narrow.declared = vec![true; own.parameters.len()];
         narrow.plant.aero = Aero { values: vec![0.0; own.parameters.len()], structure: own, extra: wide.extra.clone() };
-        let rows = linearised(&narrow, &wide)?.into_iter().map(|(x, y)| Rows { x, y }).collect();
+        let rows = linearised(&narrow, &wide)?.into_iter().map(|(x, y)| SelectionRows { x, y }).collect();
         let reduced = Reduced::new(rows).without_rows();
         let place = |pool: usize, c: &usize| candidates[pool].iter().position(|k| k == c).map(|k| columns[pool][k]);
-        let before: Columns = now.iter().enumerate().map(|(p, some)| some.iter().filter_map(|c| place(p, c)).collect()).collect();
+        let before: FreeColumns =
+            now.iter().enumerate().map(|(p, some)| some.iter().filter_map(|c| place(p, c)).collect()).collect();
         let chosen = swept(&reduced, &reduced.runs(), &columns, before.clone());
         let settled = chosen == before;
         if settled || round == ROUNDS {
@@ -88,7 +89,7 @@ pub(crate) fn likely(
 }
 
 /// Each pool's best subset given the others', in turn until none changes.
-pub(crate) fn swept(reduced: &Reduced, runs: &[usize], columns: &Columns, mut chosen: Columns) -> Columns {
+pub(crate) fn swept(reduced: &Reduced, runs: &[usize], columns: &FreeColumns, mut chosen: FreeColumns) -> FreeColumns {
     let variance = reduced.variance();
     for _ in 0..SWEEPS {
         let before = chosen.clone();

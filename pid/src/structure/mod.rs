@@ -21,8 +21,8 @@ pub use select::FAMILY_ERROR;
 pub use shape::{ShapeFit, ShapeSearch, Shaped};
 
 use crate::PidError;
-use crate::identification::NORMAL_95;
 use crate::identify::{RunRows, processed};
+use crate::interval::NORMAL_95;
 use crate::smooth::Smoother;
 use data::{PoolData, plain};
 use likely::{Likely, likely, swept};

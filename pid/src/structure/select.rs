@@ -19,7 +19,7 @@ const MOST_FREE: usize = 14;
 
 /// Rows of one run.
 #[derive(Clone, Debug)]
-pub(crate) struct Rows {
+pub(crate) struct SelectionRows {
     pub(crate) x: DMatrix<f64>,
     pub(crate) y: DVector<f64>,
 }
@@ -27,7 +27,7 @@ pub(crate) struct Rows {
 /// A regression over several runs, each as a triangle.
 pub(crate) struct Reduced {
     triangles: Vec<DMatrix<f64>>,
-    rows: Vec<Rows>,
+    rows: Vec<SelectionRows>,
     /// Squared length of each column over all runs.
     lengths: Vec<f64>,
     pub(crate) count: usize,
@@ -36,7 +36,7 @@ pub(crate) struct Reduced {
 
 /// A subset's regression.
 #[derive(Clone, Debug)]
-pub(crate) struct Solved {
+pub(crate) struct SolvedSubset {
     pub(crate) rss: f64,
     pub(crate) estimate: DVector<f64>,
     /// (XᵀX)⁻¹.
@@ -58,9 +58,9 @@ impl Reduced {
         self
     }
 
-    pub(crate) fn new(rows: Vec<Rows>) -> Self {
+    pub(crate) fn new(rows: Vec<SelectionRows>) -> Self {
         let columns = rows.first().map_or(0, |r| r.x.ncols());
-        let triangle = |r: &Rows| {
+        let triangle = |r: &SelectionRows| {
             let mut a = DMatrix::zeros(r.x.nrows().max(columns + 1), columns + 1);
             a.view_mut((0, 0), r.x.shape()).copy_from(&r.x);
             a.view_mut((0, columns), (r.y.len(), 1)).copy_from(&r.y);
@@ -101,7 +101,7 @@ impl Reduced {
     }
 
     /// Least squares on some columns over some runs; `None` where the last column has nothing of its own.
-    pub(crate) fn solve(&self, runs: &[usize], columns: &[usize]) -> Option<Solved> {
+    pub(crate) fn solve(&self, runs: &[usize], columns: &[usize]) -> Option<SolvedSubset> {
         let n = columns.len();
         let r = self.triangle(runs, columns);
         let own = |j: usize| r[(j, j)].powi(2) > OWN_PART.powi(2) * self.lengths[columns[j]].max(f64::MIN_POSITIVE);
@@ -111,7 +111,7 @@ impl Reduced {
         let rss = r[(n, n)].powi(2);
         let inverse = r.view((0, 0), (n, n)).solve_upper_triangular(&DMatrix::identity(n, n))?;
         let estimate = &inverse * r.view((0, n), (n, 1)).column(0);
-        Some(Solved { rss, estimate, bread: &inverse * inverse.transpose() })
+        Some(SolvedSubset { rss, estimate, bread: &inverse * inverse.transpose() })
     }
 
     fn rss(&self, runs: &[usize], columns: &[usize]) -> Option<f64> {

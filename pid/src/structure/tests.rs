@@ -1,8 +1,8 @@
 //! pid tests: selection on problems whose answer theory gives.
 
 use super::criterion::Criterion;
-use super::select::{FAMILY_ERROR, Reduced, Rows};
-use crate::regress::{Colour, Prepared, Series, spectra, whitened};
+use super::select::{FAMILY_ERROR, Reduced, SelectionRows};
+use crate::regress::{Colour, PreparedColumns, RegressionSeries, spectra, whitened};
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -16,10 +16,10 @@ impl Chance {
         StandardNormal.sample(&mut self.0)
     }
     /// White rows of a run: `truth` times the first columns, plus noise.
-    fn rows(&mut self, n: usize, columns: usize, truth: &[f64]) -> Rows {
+    fn rows(&mut self, n: usize, columns: usize, truth: &[f64]) -> SelectionRows {
         let x = DMatrix::from_fn(n, columns, |_, _| self.normal());
         let y = DVector::from_fn(n, |i, _| truth.iter().enumerate().map(|(j, t)| t * x[(i, j)]).sum::<f64>() + self.normal());
-        Rows { x, y }
+        SelectionRows { x, y }
     }
 }
 
@@ -36,7 +36,7 @@ fn exact_cross_validation_of_two_runs_takes_a_third_of_what_is_not_there() {
     let mut chance = Chance(ChaCha8Rng::seed_from_u64(1));
     let gains = || {
         // One row of length one in each run: as much information, a slope with normal error.
-        let run = |c: &mut Chance| Rows { x: DMatrix::from_element(1, 1, 1.0), y: DVector::from_element(1, c.normal()) };
+        let run = |c: &mut Chance| SelectionRows { x: DMatrix::from_element(1, 1, 1.0), y: DVector::from_element(1, c.normal()) };
         let reduced = Reduced::new(vec![run(&mut chance), run(&mut chance)]);
         let (values, _) = reduced.cross_validation().expect("two runs");
         values[1] < values[0]
@@ -85,14 +85,14 @@ fn recover_level_under_colour() {
         let fade = |i: usize| (std::f64::consts::FRAC_PI_2 * ((i.min(n - 1 - i) as f64 + 0.5) / 90.0).min(1.0)).sin().powi(2);
         let weight: Vec<f64> = (0..n).map(fade).collect();
         let x = DMatrix::from_fn(n, columns, |i, j| regressors[j][i]);
-        let plain = Reduced::new(vec![Rows { x, y: DVector::from_column_slice(&response) }]);
+        let plain = Reduced::new(vec![SelectionRows { x, y: DVector::from_column_slice(&response) }]);
         white += usize::from(!plain.choose(Criterion::WhiteF).expect("chooses").0.is_empty());
         // Up to the smoothing's first zero.
         let residuals = Colour::Weighted(2 * n / width);
-        let series = Prepared::new(Series { regressors, response, weight, residuals }, &mut planner);
+        let series = PreparedColumns::new(RegressionSeries { regressors, response, weight, residuals }, &mut planner);
         let spectrum = spectra(&[&series], &(0..columns).collect::<Vec<_>>()).expect("enough rows").remove(0);
         let (x, y) = whitened(&series, &spectrum).expect("cosines");
-        own += usize::from(!Reduced::new(vec![Rows { x, y }]).choose(Criterion::Subset).expect("chooses").0.is_empty());
+        own += usize::from(!Reduced::new(vec![SelectionRows { x, y }]).choose(Criterion::Subset).expect("chooses").0.is_empty());
     }
     assert!(white > 9 * draws / 10, "{white} of {draws}");
     // 200 amplitudes whose spectrum is known to 20 % (25 neighbours): up to 3 % instead of 1 %, and 3.5 of its standard deviations.
@@ -105,7 +105,7 @@ fn recover_level_under_colour() {
 #[test]
 fn law_agreed_terms_hold_in_every_run() {
     let mut chance = Chance(ChaCha8Rng::seed_from_u64(4));
-    let runs: Vec<Rows> = [5.0, 1.0, 0.3].iter().map(|odd| chance.rows(200, 3, &[2.0, *odd])).collect();
+    let runs: Vec<SelectionRows> = [5.0, 1.0, 0.3].iter().map(|odd| chance.rows(200, 3, &[2.0, *odd])).collect();
     let reduced = Reduced::new(runs);
     let by = |c| reduced.choose(c).expect("chooses").0;
     assert_eq!(by(Criterion::Subset), [0, 1]);

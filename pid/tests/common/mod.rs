@@ -7,10 +7,10 @@ use windfall_model::{
     Aero, ApparentMass, Campaign, Data, Environment, Inertia, MeanFlow, Plant, PointMass, Record, Run, Sensors, Structure,
     Tether, Turbulence, Use, Vehicle, WakeShedding,
 };
-use windfall_pid::output_error::Options;
+use windfall_pid::output_error::EstimateOptions;
 
 /// All runs together only.
-pub(crate) const COMBINED: Options = Options {
+pub(crate) const COMBINED: EstimateOptions = EstimateOptions {
     handling: Vec::new(),
     priors: Vec::new(),
     angle_biases: false,

@@ -4,7 +4,7 @@
 //! Only what a table of numbers needs is read: integers, floats, true and false; other flat columns are stepped over.
 
 use super::Reason;
-use super::flatbuffer::Table;
+use super::flatbuffer::FlatTable;
 use super::variables::Stored;
 use crate::columns::Columns;
 use std::borrow::Cow;
@@ -27,13 +27,13 @@ enum Kind {
 }
 
 /// A table as it is read.
-pub(super) struct Read {
+pub(super) struct ArrowRead {
     names: Vec<String>,
     kinds: Vec<Kind>,
     data: Vec<Vec<f64>>,
 }
 
-impl Read {
+impl ArrowRead {
     pub(super) fn columns(self) -> Columns {
         let number = |k: &Kind| !matches!(k, Kind::Other { .. });
         let left: Vec<String> = self.names.iter().zip(&self.kinds).filter(|(_, k)| !number(k)).map(|(n, _)| n.clone()).collect();
@@ -46,19 +46,19 @@ impl Read {
     }
 }
 
-pub(super) fn read(bytes: &[u8]) -> Result<Read, Reason> {
+pub(super) fn read(bytes: &[u8]) -> Result<ArrowRead, Reason> {
     let body = bytes.strip_prefix(MAGIC).ok_or("it does not start with ARROW1")?;
     let rest = body.strip_suffix(MAGIC).ok_or("it does not end with ARROW1; it may be cut short")?;
     let size = *rest.last_chunk::<4>().ok_or("it has no footer")?;
     let end = bytes.len() - MAGIC.len() - 4;
     let start = end.checked_sub(u32::from_le_bytes(size) as usize).ok_or("its footer is larger than the file")?;
-    let footer = Table::root(&bytes[start..end]).ok_or("its footer is damaged")?;
+    let footer = FlatTable::root(&bytes[start..end]).ok_or("its footer is damaged")?;
     let schema = footer.table(1).ok_or("it has no schema")?;
     if schema.i16(0) != 0 {
         return Err("it is stored with the high byte first".to_owned());
     }
     let fields = schema.tables(1).ok_or("its schema is damaged")?;
-    let mut table = Read {
+    let mut table = ArrowRead {
         names: fields.iter().map(|f| f.text(0).unwrap_or_default()).collect(),
         kinds: fields.iter().map(|f| kind(*f)).collect::<Result<_, _>>()?,
         data: vec![Vec::new(); fields.len()],
@@ -71,7 +71,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Read, Reason> {
     if table.data.iter().all(Vec::is_empty) { Err("it has no rows of numbers".to_owned()) } else { Ok(table) }
 }
 
-fn kind(field: Table<'_>) -> Result<Kind, Reason> {
+fn kind(field: FlatTable<'_>) -> Result<Kind, Reason> {
     let name = || field.text(0).unwrap_or_default();
     let detail = field.table(3);
     if field.table(4).is_some() {
@@ -98,7 +98,7 @@ struct Body<'b> {
     next: usize,
 }
 
-fn batch(bytes: &[u8], offset: u64, message: u64, body: u64, table: &mut Read) -> Result<(), Reason> {
+fn batch(bytes: &[u8], offset: u64, message: u64, body: u64, table: &mut ArrowRead) -> Result<(), Reason> {
     let slice = |from: u64, size: u64| {
         let from = usize::try_from(from).ok()?;
         bytes.get(from..from.checked_add(usize::try_from(size).ok()?)?)
@@ -109,7 +109,7 @@ fn batch(bytes: &[u8], offset: u64, message: u64, body: u64, table: &mut Read) -
     // Since version 0.15 four bytes of ones stand before the length.
     let head = if head.starts_with(&[0xff; 4]) { head.get(8..) } else { head.get(4..) }.ok_or_else(cut)?;
     let damaged = || "a batch of rows is damaged".to_owned();
-    let record = Table::root(head).filter(|m| m.u8(1) == 3).and_then(|m| m.table(2)).ok_or_else(damaged)?;
+    let record = FlatTable::root(head).filter(|m| m.u8(1) == 3).and_then(|m| m.table(2)).ok_or_else(damaged)?;
     let rows = usize::try_from(record.i64(0)).map_err(|_| damaged())?;
     let packed = record.table(3).map(|c| c.u8(0));
     let mut body = Body { bytes: stored, buffers: record.vector::<16>(2).ok_or_else(damaged)?, packed, next: 0 };

@@ -5,7 +5,7 @@
 
 /// A table in a buffer.
 #[derive(Clone, Copy)]
-pub(super) struct Table<'b> {
+pub(super) struct FlatTable<'b> {
     buffer: &'b [u8],
     place: usize,
 }
@@ -18,7 +18,7 @@ fn distance(buffer: &[u8], place: usize) -> Option<usize> {
     place.checked_add(u32::from_le_bytes(bytes(buffer, place)?) as usize)
 }
 
-impl<'b> Table<'b> {
+impl<'b> FlatTable<'b> {
     /// The table that a buffer is.
     pub(super) fn root(buffer: &'b [u8]) -> Option<Self> {
         Some(Self { buffer, place: distance(buffer, 0)? })

@@ -1,7 +1,7 @@
 //! scenarios: HDF5 files, MATLAB v7.3 among them. In: the bytes. Out: data sets and groups as variables, or why not.
 
 use super::Reason;
-use super::variables::{Content, Stored, Variable};
+use super::variables::{Content, FileVariable, Stored};
 use hdf5_reader::{ByteOrder, Dataset, Datatype, Hdf5File, OpenOptions, group::Group};
 
 const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
@@ -16,7 +16,7 @@ pub(super) fn is_hdf5(bytes: &[u8]) -> bool {
     at(0) || (0..12).any(|k| at(512 << k))
 }
 
-pub(super) fn read(bytes: Vec<u8>) -> Result<Vec<Variable>, Reason> {
+pub(super) fn read(bytes: Vec<u8>) -> Result<Vec<FileVariable>, Reason> {
     let most = bytes.len().saturating_mul(PACKED);
     let options = OpenOptions::default()
         .with_max_read_bytes(most)
@@ -26,12 +26,12 @@ pub(super) fn read(bytes: Vec<u8>) -> Result<Vec<Variable>, Reason> {
     members(&file.root_group().map_err(|e| e.to_string())?, DEEPEST)
 }
 
-fn members(group: &Group, deepest: usize) -> Result<Vec<Variable>, Reason> {
+fn members(group: &Group, deepest: usize) -> Result<Vec<FileVariable>, Reason> {
     let (groups, sets) = group.members().map_err(|e| e.to_string())?;
     let mut all = Vec::new();
     for set in &sets {
         let content = numbers(set).map_err(|e| format!("{}: {e}", set.name()))?;
-        all.push(Variable { name: set.name().to_owned(), content });
+        all.push(FileVariable { name: set.name().to_owned(), content });
     }
     // What MATLAB keeps for itself begins with #.
     for inner in groups.iter().filter(|g| !g.name().starts_with('#')) {
@@ -40,7 +40,7 @@ fn members(group: &Group, deepest: usize) -> Result<Vec<Variable>, Reason> {
         } else {
             Content::Fields(members(inner, deepest - 1)?)
         };
-        all.push(Variable { name: inner.name().to_owned(), content });
+        all.push(FileVariable { name: inner.name().to_owned(), content });
     }
     Ok(all)
 }

@@ -4,7 +4,7 @@
 //! there are bytes for them.
 
 use super::Reason;
-use super::variables::{Content, Stored, Variable};
+use super::variables::{Content, FileVariable, Stored};
 use std::io::Read as _;
 
 const HEADER: usize = 128;
@@ -72,7 +72,7 @@ fn cut_short(needed: usize, left: usize) -> Reason {
     format!("it ends where {needed} bytes more should stand and {left} are; the file may be cut short or damaged")
 }
 
-pub(super) fn read(bytes: &[u8]) -> Result<Vec<Variable>, Reason> {
+pub(super) fn read(bytes: &[u8]) -> Result<Vec<FileVariable>, Reason> {
     let head = bytes.get(..HEADER).ok_or("it is shorter than the 128 bytes of the header")?;
     let big_endian = match &head[126..] {
         b"IM" => false,
@@ -110,7 +110,7 @@ fn inflate(packed: &[u8], big_endian: bool) -> Result<Vec<u8>, Reason> {
     Ok(all)
 }
 
-fn variable(file: &Bytes<'_>, element: &Element<'_>, deepest: usize) -> Result<Option<Variable>, Reason> {
+fn variable(file: &Bytes<'_>, element: &Element<'_>, deepest: usize) -> Result<Option<FileVariable>, Reason> {
     if element.kind != MATRIX || element.bytes.is_empty() {
         return Ok(None);
     }
@@ -120,7 +120,10 @@ fn variable(file: &Bytes<'_>, element: &Element<'_>, deepest: usize) -> Result<O
     let (class, flags) = (word[0], word[1]);
     if class == OPAQUE {
         let name = text(b.element()?.bytes);
-        return Ok(Some(Variable { name, content: Content::Other("a table or another object; make a struct of it".to_owned()) }));
+        return Ok(Some(FileVariable {
+            name,
+            content: Content::Other("a table or another object; make a struct of it".to_owned()),
+        }));
     }
     let dims = b.element()?;
     let mut words = file.inside(dims.bytes);
@@ -146,7 +149,7 @@ fn variable(file: &Bytes<'_>, element: &Element<'_>, deepest: usize) -> Result<O
             Content::array(&shape, values)
         }
     };
-    Ok(Some(Variable { name, content }))
+    Ok(Some(FileVariable { name, content }))
 }
 
 fn fields(b: &mut Bytes<'_>, shape: &[usize], deepest: usize) -> Result<Content, Reason> {
@@ -160,7 +163,7 @@ fn fields(b: &mut Bytes<'_>, shape: &[usize], deepest: usize) -> Result<Content,
     for name in names.chunks(length.max(1)) {
         let element = b.element()?;
         if let Some(v) = variable(b, &element, deepest - 1)? {
-            all.push(Variable { name: text(name), content: v.content });
+            all.push(FileVariable { name: text(name), content: v.content });
         }
     }
     Ok(Content::Fields(all))

@@ -52,7 +52,7 @@ impl Stored {
 }
 
 /// One variable.
-pub(super) struct Variable {
+pub(super) struct FileVariable {
     pub(super) name: String,
     pub(super) content: Content,
 }
@@ -62,7 +62,7 @@ pub(super) enum Content {
     /// Column after column, `rows` in each.
     Numbers { rows: usize, values: Vec<f64> },
     /// Fields of a struct, members of a group.
-    Fields(Vec<Variable>),
+    Fields(Vec<FileVariable>),
     /// Anything else, in words.
     Other(String),
 }
@@ -90,13 +90,18 @@ impl Content {
 /// Variables that stand side by side, and where.
 struct Set<'v> {
     place: String,
-    all: &'v [Variable],
+    all: &'v [FileVariable],
     /// The number of rows that most of its columns have.
     rows: usize,
 }
 
 /// The columns of the file: its variables, or the fields of its one struct that has vectors.
-pub(super) fn columns(path: &Path, read: Result<Vec<Variable>, Reason>, kind: &str, remedy: &str) -> Result<Columns, ReadError> {
+pub(super) fn columns(
+    path: &Path,
+    read: Result<Vec<FileVariable>, Reason>,
+    kind: &str,
+    remedy: &str,
+) -> Result<Columns, ReadError> {
     let one = |value: &str, what: String| ReadError::Faults(vec![fault(path, None, "file", value, &what, remedy)]);
     let all = read.map_err(|reason| one("", format!("cannot be read as {kind}: {reason}")))?;
     let mut sets = Vec::new();
@@ -133,7 +138,7 @@ pub(super) fn columns(path: &Path, read: Result<Vec<Variable>, Reason>, kind: &s
     Ok(columns)
 }
 
-fn sets_of<'v>(place: &str, all: &'v [Variable], sets: &mut Vec<Set<'v>>) {
+fn sets_of<'v>(place: &str, all: &'v [FileVariable], sets: &mut Vec<Set<'v>>) {
     let mut lengths: Vec<usize> = all
         .iter()
         .filter_map(|v| match &v.content {

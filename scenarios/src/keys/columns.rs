@@ -25,6 +25,10 @@ pub(crate) static COLUMNS: TableSpec = TableSpec {
         column("ps_Pa", "Pa", "static pressure; a number where the file has none"),
         column("VW_m_s", "m/s", "tunnel speed; a number where the file has none"),
         column("Ts_K", "K", "static temperature; a number where the file has none"),
+        column("fX_m_s2", "m/s2", "specific force along the file's X (point mass)"),
+        column("fY_m_s2", "m/s2", "specific force along Y"),
+        column("fZ_m_s2", "m/s2", "specific force along Z"),
+        column("angle_deg", "deg", "angle of a body on a pivot from hanging down"),
         optional(other("axes", Kind::Table, "axes of positions and attitudes, where they are not ours; not for a point mass")),
         optional(other("attitude", Kind::Table, "quaternion or Euler angles in place of R_x, R_y, R_z")),
     ],
@@ -33,7 +37,7 @@ pub(crate) static COLUMN: TableSpec = TableSpec {
     path: "columns.<column>",
     meaning: "One column. Units of time: s, ms, us, ns, min. Length: m, mm, cm, um, km, in, ft. Angle: deg, rad, mrad, turn. Pressure: \
               Pa, hPa, kPa, MPa, mbar, bar, atm, mmHg, Torr, psi, psf. Speed: m/s, mm/s, cm/s, km/h, ft/s, kn, mph. Temperature: K, \
-              degC, degF, degR.",
+              degC, degF, degR. Acceleration: m/s2, g, ft/s2.",
     keys: &[
         optional(other("name", Kind::Text, "the file's column; absent: our name")),
         optional(other("unit", Kind::Text, "its unit; absent: ours")),

@@ -2,7 +2,7 @@
 //!
 //! A rotation matrix here takes components in body axes to components in the axes of the room: v_room = R v_body. Ours is T = Rx Ry Rz.
 
-use super::unit::Unit;
+use super::unit::ColumnUnit;
 use crate::columns::Columns;
 
 type Matrix = [[f64; 3]; 3];
@@ -17,18 +17,18 @@ const MOST: f64 = 0.05;
 
 /// For our X, Y, Z (or x, y, z of the body): which of the owner's axes, and its sign.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Axes {
+pub(crate) struct OwnAxes {
     pub(super) room: Matrix,
     pub(super) body: Matrix,
 }
 
-impl Default for Axes {
+impl Default for OwnAxes {
     fn default() -> Self {
         Self { room: ONE, body: ONE }
     }
 }
 
-impl Axes {
+impl OwnAxes {
     /// Row of a word such as `-z`.
     pub(super) fn row(word: &str) -> Option<[f64; 3]> {
         let (sign, letter) = match word.strip_prefix('-') {
@@ -64,17 +64,17 @@ fn transposed(m: &Matrix) -> Matrix {
 
 /// What the columns of an attitude are.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Given {
+pub(super) enum GivenAttitude {
     /// Scalar part, then x, y, z.
     Quaternion([String; 4]),
     /// Angles in the order of their axes (0 = x).
-    Euler { angles: [String; 3], axes: [usize; 3], unit: Unit },
+    Euler { angles: [String; 3], axes: [usize; 3], unit: ColumnUnit },
 }
 
 /// `[columns.attitude]`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Attitude {
-    pub(super) given: Given,
+    pub(super) given: GivenAttitude,
     /// The rotation takes components in the axes of the room to body axes.
     pub(super) to_body: bool,
 }
@@ -85,23 +85,23 @@ type Angles = Result<([Vec<f64>; 3], Option<String>), (String, String, String)>;
 impl Attitude {
     pub(super) fn columns(&self) -> &[String] {
         match &self.given {
-            Given::Quaternion(names) => names,
-            Given::Euler { angles, .. } => angles,
+            GivenAttitude::Quaternion(names) => names,
+            GivenAttitude::Euler { angles, .. } => angles,
         }
     }
-    pub(super) fn angles_deg(&self, file: &Columns, axes: Axes) -> Angles {
+    pub(super) fn angles_deg(&self, file: &Columns, axes: OwnAxes) -> Angles {
         let column = |name: &String| file.get(name).unwrap_or_default();
         let mut out: [Vec<f64>; 3] = Default::default();
         let mut long = 0;
         for i in 0..file.rows() {
             let rotation = match &self.given {
-                Given::Quaternion(names) => {
+                GivenAttitude::Quaternion(names) => {
                     let q = [0, 1, 2, 3].map(|k| column(&names[k]).get(i).copied().unwrap_or(f64::NAN));
                     let of = of_quaternion(q);
                     long += usize::from(of.is_none() && q.iter().all(|x| x.is_finite()));
                     of
                 }
-                Given::Euler { angles, axes, unit } => {
+                GivenAttitude::Euler { angles, axes, unit } => {
                     let angle = |k: usize| column(&angles[k]).get(i).map_or(f64::NAN, |x| unit.ours(*x).to_radians());
                     Some(of_euler([angle(0), angle(1), angle(2)], *axes))
                 }
@@ -121,7 +121,7 @@ impl Attitude {
 }
 
 /// Angles of our own sequence, in deg, about other axes.
-pub(super) fn turned_deg([x, y, z]: [Vec<f64>; 3], axes: Axes) -> [Vec<f64>; 3] {
+pub(super) fn turned_deg([x, y, z]: [Vec<f64>; 3], axes: OwnAxes) -> [Vec<f64>; 3] {
     let mut out: [Vec<f64>; 3] = Default::default();
     for ((x, y), z) in x.into_iter().zip(y).zip(z) {
         let rotation = of_euler([x, y, z].map(f64::to_radians), [0, 1, 2]);

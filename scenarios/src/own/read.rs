@@ -1,7 +1,7 @@
 //! scenarios: the table `[columns]`. In: the table as it stands. Out: what it says, or faults by line.
 
-use super::attitude::{Attitude, Axes, Given, SEQUENCES, determinant};
-use super::unit::{Quantity, Unit};
+use super::attitude::{Attitude, GivenAttitude, OwnAxes, SEQUENCES, determinant};
+use super::unit::{ColumnUnit, UnitQuantity};
 use super::{ANGLES, MAY_BE_CONSTANT, OURS, Origin, Own, POSITION};
 use crate::keys;
 use crate::table::{Table, Value, number};
@@ -46,7 +46,7 @@ fn own(t: &Table<'_>, point: bool) -> Own {
     own
 }
 
-fn origin(t: &Table<'_>, ours: &'static str, quantity: Quantity, at: Value<'_>) -> Option<Origin> {
+fn origin(t: &Table<'_>, ours: &'static str, quantity: UnitQuantity, at: Value<'_>) -> Option<Origin> {
     let say = |allowed: String, remedy: String| {
         t.source.fault(Some(at.span()), t.full(ours), t.source.snippet(at.span()), allowed, remedy);
         None
@@ -73,9 +73,9 @@ fn origin(t: &Table<'_>, ours: &'static str, quantity: Quantity, at: Value<'_>) 
     Some(Origin::Column { name, unit: unit(&t, quantity)? })
 }
 
-fn unit(t: &Table<'_>, quantity: Quantity) -> Option<Unit> {
+fn unit(t: &Table<'_>, quantity: UnitQuantity) -> Option<ColumnUnit> {
     let Some(word) = t.text_if("unit") else { return Some(quantity.ours()) };
-    let found = Unit::of(quantity, &word);
+    let found = ColumnUnit::of(quantity, &word);
     if found.is_none() {
         let words = quantity.words();
         let all: Vec<&str> = words.split(", ").collect();
@@ -100,11 +100,11 @@ fn taken_twice(t: &Table<'_>, own: &Own) {
     }
 }
 
-fn axes(t: &Table<'_>) -> Option<Axes> {
+fn axes(t: &Table<'_>) -> Option<OwnAxes> {
     let t = t.table("axes", &keys::COLUMNS_AXES)?;
     let room = rows(&t, "tunnel");
     let body = rows(&t, "body");
-    let axes = Axes { room: room?, body: body? };
+    let axes = OwnAxes { room: room?, body: body? };
     if determinant(&axes.room) * determinant(&axes.body) < 0.0 {
         let what =
             "one of tunnel and body is right-handed and the other left-handed, so that no rotation leads from one to the other";
@@ -117,10 +117,10 @@ fn axes(t: &Table<'_>) -> Option<Axes> {
 /// Three axes of the owner; the axes themselves when the key is absent.
 fn rows(t: &Table<'_>, key: &str) -> Option<[[f64; 3]; 3]> {
     if !t.has(key) {
-        return Some(Axes::default().room);
+        return Some(OwnAxes::default().room);
     }
     let words = t.words(key);
-    let rows: Vec<[f64; 3]> = words.iter().filter_map(|(w, _)| Axes::row(w)).collect();
+    let rows: Vec<[f64; 3]> = words.iter().filter_map(|(w, _)| OwnAxes::row(w)).collect();
     let found: Option<[[f64; 3]; 3]> = rows.try_into().ok().filter(|r| words.len() == 3 && determinant(r).abs() > 0.5);
     if found.is_none() && !words.is_empty() {
         let value = words.iter().map(|(w, _)| w.as_str()).collect::<Vec<_>>().join(", ");
@@ -169,15 +169,15 @@ fn needs(t: &Table<'_>, key: &str, by: &str, remedy: &str) -> bool {
     t.has(key)
 }
 
-fn quaternion(t: &Table<'_>) -> Option<Given> {
+fn quaternion(t: &Table<'_>) -> Option<GivenAttitude> {
     foreign(t, &["sequence", "unit"], "quaternion");
     let there = needs(t, "scalar", "quaternion", "scalar = \"first\" or \"last\": where the real part stands");
     let [a, b, c, d] = names::<4>(t, "quaternion")?;
     let last = t.choice("scalar").filter(|_| there)? == 1;
-    Some(Given::Quaternion(if last { [d, a, b, c] } else { [a, b, c, d] }))
+    Some(GivenAttitude::Quaternion(if last { [d, a, b, c] } else { [a, b, c, d] }))
 }
 
-fn euler(t: &Table<'_>) -> Option<Given> {
+fn euler(t: &Table<'_>) -> Option<GivenAttitude> {
     foreign(t, &["scalar"], "euler");
     let there = needs(t, "sequence", "euler", "sequence = \"zyx\" for yaw, pitch, roll");
     let there = needs(t, "unit", "euler", "unit = \"deg\" or \"rad\"") && there;
@@ -185,5 +185,5 @@ fn euler(t: &Table<'_>) -> Option<Given> {
     let sequence = SEQUENCES[t.choice("sequence").filter(|_| there)?];
     let mut axes = [0; 3];
     axes.iter_mut().zip(sequence.bytes()).for_each(|(a, letter)| *a = usize::from(letter - b'x'));
-    Some(Given::Euler { angles, axes, unit: unit(t, Quantity::Angle)? })
+    Some(GivenAttitude::Euler { angles, axes, unit: unit(t, UnitQuantity::Angle)? })
 }

@@ -2,32 +2,33 @@
 
 /// What a column measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Quantity {
+pub(crate) enum UnitQuantity {
     Time,
     Length,
     Angle,
     Pressure,
     Speed,
     Temperature,
+    Acceleration,
 }
 
 /// A unit: ours is (value + `shift`) x `per` / `over`. Factors are those of BIPM, "The International System of Units", 9th edition, and
 /// NIST SP 811 (2008), appendix B; all are exact; a millimetre of mercury is of 13595.1 kg/m3.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Unit {
+pub(crate) struct ColumnUnit {
     pub(crate) word: &'static str,
     shift: f64,
     per: f64,
     over: f64,
 }
 
-const fn unit(word: &'static str, per: f64, over: f64) -> Unit {
-    Unit { word, shift: 0.0, per, over }
+const fn unit(word: &'static str, per: f64, over: f64) -> ColumnUnit {
+    ColumnUnit { word, shift: 0.0, per, over }
 }
 
-const TIME: &[Unit] =
+const TIME: &[ColumnUnit] =
     &[unit("s", 1.0, 1.0), unit("ms", 1.0, 1e3), unit("us", 1.0, 1e6), unit("ns", 1.0, 1e9), unit("min", 60.0, 1.0)];
-const LENGTH: &[Unit] = &[
+const LENGTH: &[ColumnUnit] = &[
     unit("m", 1.0, 1.0),
     unit("mm", 1.0, 1e3),
     unit("cm", 1.0, 1e2),
@@ -36,14 +37,14 @@ const LENGTH: &[Unit] = &[
     unit("in", 254.0, 1e4),
     unit("ft", 3048.0, 1e4),
 ];
-const ANGLE: &[Unit] = &[
+const ANGLE: &[ColumnUnit] = &[
     unit("deg", 1.0, 1.0),
     unit("rad", 180.0, std::f64::consts::PI),
     unit("mrad", 0.18, std::f64::consts::PI),
     unit("turn", 360.0, 1.0),
 ];
 /// Pounds per square foot and inch: 0.45359237 kg x 9.80665 m/s2 over 0.3048 m, 0.0254 m squared.
-const PRESSURE: &[Unit] = &[
+const PRESSURE: &[ColumnUnit] = &[
     unit("Pa", 1.0, 1.0),
     unit("hPa", 1e2, 1.0),
     unit("kPa", 1e3, 1.0),
@@ -56,7 +57,7 @@ const PRESSURE: &[Unit] = &[
     unit("psi", 0.453_592_37 * 9.806_65, 0.0254 * 0.0254),
     unit("psf", 0.453_592_37 * 9.806_65, 0.3048 * 0.3048),
 ];
-const SPEED: &[Unit] = &[
+const SPEED: &[ColumnUnit] = &[
     unit("m/s", 1.0, 1.0),
     unit("mm/s", 1.0, 1e3),
     unit("cm/s", 1.0, 1e2),
@@ -65,15 +66,18 @@ const SPEED: &[Unit] = &[
     unit("kn", 1852.0, 3600.0),
     unit("mph", 1609.344, 3600.0),
 ];
-const TEMPERATURE: &[Unit] = &[
+const TEMPERATURE: &[ColumnUnit] = &[
     unit("K", 1.0, 1.0),
-    Unit { word: "degC", shift: 273.15, per: 1.0, over: 1.0 },
-    Unit { word: "degF", shift: 459.67, per: 5.0, over: 9.0 },
+    ColumnUnit { word: "degC", shift: 273.15, per: 1.0, over: 1.0 },
+    ColumnUnit { word: "degF", shift: 459.67, per: 5.0, over: 9.0 },
     unit("degR", 5.0, 9.0),
 ];
 
-impl Quantity {
-    fn units(self) -> &'static [Unit] {
+/// Standard gravity is 9.80665 m/s2 by definition.
+const ACCELERATION: &[ColumnUnit] = &[unit("m/s2", 1.0, 1.0), unit("g", 9.806_65, 1.0), unit("ft/s2", 3048.0, 1e4)];
+
+impl UnitQuantity {
+    fn units(self) -> &'static [ColumnUnit] {
         match self {
             Self::Time => TIME,
             Self::Length => LENGTH,
@@ -81,10 +85,11 @@ impl Quantity {
             Self::Pressure => PRESSURE,
             Self::Speed => SPEED,
             Self::Temperature => TEMPERATURE,
+            Self::Acceleration => ACCELERATION,
         }
     }
     /// The unit of our column.
-    pub(crate) fn ours(self) -> Unit {
+    pub(crate) fn ours(self) -> ColumnUnit {
         self.units()[0]
     }
     /// All words, for messages.
@@ -93,8 +98,8 @@ impl Quantity {
     }
 }
 
-impl Unit {
-    pub(crate) fn of(quantity: Quantity, word: &str) -> Option<Self> {
+impl ColumnUnit {
+    pub(crate) fn of(quantity: UnitQuantity, word: &str) -> Option<Self> {
         quantity.units().iter().find(|u| u.word == word).copied()
     }
     pub(crate) fn ours(self, value: f64) -> f64 {
@@ -115,19 +120,19 @@ mod tests {
     #[test]
     fn pub_units_are_those_of_the_tables() {
         for (quantity, word, value, ours) in [
-            (Quantity::Pressure, "psi", 1.0, 6_894.757),
-            (Quantity::Pressure, "psf", 1.0, 47.880_26),
-            (Quantity::Pressure, "mmHg", 1.0, 133.322_4),
-            (Quantity::Speed, "kn", 1.0, 0.514_444_4),
-            (Quantity::Speed, "mph", 1.0, 0.447_04),
-            (Quantity::Length, "ft", 1.0, 0.3048),
-            (Quantity::Angle, "rad", 1.0, 57.295_78),
-            (Quantity::Angle, "mrad", 1000.0, 57.295_78),
-            (Quantity::Temperature, "degF", 32.0, 273.15),
-            (Quantity::Temperature, "degC", 100.0, 373.15),
-            (Quantity::Time, "ms", 1500.0, 1.5),
+            (UnitQuantity::Pressure, "psi", 1.0, 6_894.757),
+            (UnitQuantity::Pressure, "psf", 1.0, 47.880_26),
+            (UnitQuantity::Pressure, "mmHg", 1.0, 133.322_4),
+            (UnitQuantity::Speed, "kn", 1.0, 0.514_444_4),
+            (UnitQuantity::Speed, "mph", 1.0, 0.447_04),
+            (UnitQuantity::Length, "ft", 1.0, 0.3048),
+            (UnitQuantity::Angle, "rad", 1.0, 57.295_78),
+            (UnitQuantity::Angle, "mrad", 1000.0, 57.295_78),
+            (UnitQuantity::Temperature, "degF", 32.0, 273.15),
+            (UnitQuantity::Temperature, "degC", 100.0, 373.15),
+            (UnitQuantity::Time, "ms", 1500.0, 1.5),
         ] {
-            let unit = Unit::of(quantity, word).expect("a unit");
+            let unit = ColumnUnit::of(quantity, word).expect("a unit");
             let error: f64 = unit.ours(value) / ours - 1.0;
             assert!(error.abs() < 1e-7, "{word}: {error}");
         }
@@ -136,7 +141,15 @@ mod tests {
     /// The reference lists every unit that is read.
     #[test]
     fn law_the_reference_names_all_units() {
-        let all = [Quantity::Time, Quantity::Length, Quantity::Angle, Quantity::Pressure, Quantity::Speed, Quantity::Temperature];
+        let all = [
+            UnitQuantity::Time,
+            UnitQuantity::Length,
+            UnitQuantity::Angle,
+            UnitQuantity::Pressure,
+            UnitQuantity::Speed,
+            UnitQuantity::Temperature,
+            UnitQuantity::Acceleration,
+        ];
         for quantity in all {
             assert!(crate::keys::COLUMN.meaning.contains(&format!(": {}.", quantity.words())), "{quantity:?}");
         }

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use windfall_model::frames::EulerXyz;
-use windfall_model::{Flight, Method, Numerics, Plant, Release, TunnelSpeed};
+use windfall_model::{Flight, Integrator, Numerics, Plant, Release, TunnelSpeed};
 use windfall_sim::Truth;
 
 /// The tests' lander.
@@ -13,7 +13,7 @@ mod sage;
 pub(crate) use sage::lander as plant;
 
 /// A perturbed release; the tunnel speed wanders as an operator's does (0.1 to 1 Hz, some 0.1 m/s).
-pub(crate) fn flight(duration_s: f64, rate_hz: f64, method: Method, relative_tolerance: f64) -> Flight {
+pub(crate) fn flight(duration_s: f64, rate_hz: f64, method: Integrator, relative_tolerance: f64) -> Flight {
     let speed = |t: f64| 7.43 + 0.12 * (0.9 * t).sin() + 0.05 * (2.3 * t + 1.0).sin() + 0.02 * (6.1 * t).cos();
     Flight {
         name: "bench".into(),

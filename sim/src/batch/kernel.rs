@@ -87,7 +87,7 @@ pub(super) struct Kernel<'a, S: Simd> {
 }
 
 /// Attitude and air at one instant.
-pub(super) struct Sight<S: Simd> {
+pub(super) struct LaneSight<S: Simd> {
     /// Rows of the matrix from body to tunnel axes.
     pub(super) m: [Three<S>; 3],
     /// Velocity seen from the air and the air's acceleration, body axes.
@@ -145,7 +145,7 @@ pub(super) fn channel<S: Simd>(simd: S, row: &[f64], k: usize) -> Lanes<S> {
 impl<S: Simd> Kernel<'_, S> {
     /// Attitude and air at state `y` with inputs `row`.
     #[inline(always)]
-    pub(super) fn sight<const N: usize>(&self, simd: S, y: &[Lanes<S>; N], row: &[f64]) -> Sight<S> {
+    pub(super) fn sight<const N: usize>(&self, simd: S, y: &[Lanes<S>; N], row: &[f64]) -> LaneSight<S> {
         let [w, x, yy, z] = [y[6], y[7], y[8], y[9]];
         let norm2 = w.mul_add(w, x.mul_add(x, yy.mul_add(yy, z * z)));
         let s = Lanes::splat(simd, 2.0) / norm2;
@@ -175,7 +175,7 @@ impl<S: Simd> Kernel<'_, S> {
             b = minus(b, gust);
             a_air = plus(a_air, gust_rate);
         }
-        Sight { m, b, a_air, gust, gust_rate, vw, vw_rate, height_error }
+        LaneSight { m, b, a_air, gust, gust_rate, vw, vw_rate, height_error }
     }
 
     /// Tunnel speed, its rate, and the operator's height error.
@@ -267,7 +267,7 @@ impl<S: Simd> Kernel<'_, S> {
     }
 
     #[inline(always)]
-    fn assemble<const N: usize>(&self, y: &[Lanes<S>; N], s: &Sight<S>, a: Three<S>, spin: Three<S>) -> [Lanes<S>; N] {
+    fn assemble<const N: usize>(&self, y: &[Lanes<S>; N], s: &LaneSight<S>, a: Three<S>, spin: Three<S>) -> [Lanes<S>; N] {
         let [qw, qx, qy, qz] = [y[6], y[7], y[8], y[9]];
         // q̇ = ½ q ∘ (0, ω).
         let [p, q, r] = [y[10].scale(0.5), y[11].scale(0.5), y[12].scale(0.5)];
@@ -331,7 +331,7 @@ impl<S: Simd> Kernel<'_, S> {
 
     /// The two damping variables, from the acceleration `a` (inertial, body axes).
     #[inline(always)]
-    fn damping(&self, s: &Sight<S>, flow: &Flow<S>, w: Three<S>, a: Three<S>, slots: &mut [Lanes<S>; ROOM]) {
+    fn damping(&self, s: &LaneSight<S>, flow: &Flow<S>, w: Three<S>, a: Three<S>, slots: &mut [Lanes<S>; ROOM]) {
         let [u, v, ww] = flow.b;
         let [ud, vd, wd] = minus(minus(a, s.a_air), cross(w, s.b));
         // α̇ = (u ẇ − w u̇)/(u² + w²), β̇ = (v̇ (u² + w²) − v (u u̇ + w ẇ))/(V² √(u² + w²)).
@@ -347,14 +347,14 @@ impl<S: Simd> Kernel<'_, S> {
 
     /// Pull of the tether, body axes, N.
     #[inline(always)]
-    fn pull<const N: usize>(&self, s: &Sight<S>, y: &[Lanes<S>; N], q: Lanes<S>) -> Three<S> {
+    fn pull<const N: usize>(&self, s: &LaneSight<S>, y: &[Lanes<S>; N], q: Lanes<S>) -> Three<S> {
         let (size, direction) = self.tension(s, y, q);
         [size * direction[0], size * direction[1], size * direction[2]]
     }
 
     /// Pull toward the ring, N, and its direction, body axes.
     #[inline(always)]
-    pub(super) fn tension<const N: usize>(&self, s: &Sight<S>, y: &[Lanes<S>; N], q: Lanes<S>) -> (Lanes<S>, Three<S>) {
+    pub(super) fn tension<const N: usize>(&self, s: &LaneSight<S>, y: &[Lanes<S>; N], q: Lanes<S>) -> (Lanes<S>, Three<S>) {
         let c = &self.c;
         let line = minus(to_body(&s.m, minus(c.ring, [y[0], y[1], y[2]])), c.p_cm_hook);
         let length = dot(line, line).sqrt();
@@ -372,7 +372,7 @@ impl<S: Simd> Kernel<'_, S> {
 
     /// Dynamic pressure, Pa.
     #[inline(always)]
-    pub(super) fn pressure(&self, s: &Sight<S>) -> Lanes<S> {
+    pub(super) fn pressure(&self, s: &LaneSight<S>) -> Lanes<S> {
         self.c.half_density * dot(s.b, s.b)
     }
 
@@ -381,7 +381,7 @@ impl<S: Simd> Kernel<'_, S> {
     /// With P = (m_x, m_r, m_r)·u, the force −(m_k u̇ + ω × P) with u̇ = a − a_air − ω × u leaves
     /// `(m + m_k) a = f + m g + m_k (a_air + ω × u) − ω × P`: no loop, since the vehicle's own forces do not depend on a.
     #[inline(always)]
-    fn acceleration(&self, s: &Sight<S>, w: Three<S>, f: &mut Three<S>, m: &mut Three<S>) -> Three<S> {
+    fn acceleration(&self, s: &LaneSight<S>, w: Three<S>, f: &mut Three<S>, m: &mut Three<S>) -> Three<S> {
         let c = &self.c;
         let weight = c.mass * c.gravity;
         let mut total = [weight.mul_add(s.m[0][0], f[0]), weight.mul_add(s.m[0][1], f[1]), weight.mul_add(s.m[0][2], f[2])];
@@ -418,7 +418,7 @@ struct Flow<S: Simd> {
 
 impl<S: Simd> Flow<S> {
     #[inline(always)]
-    fn new(simd: S, s: &Sight<S>, c: &Constants<S>) -> Self {
+    fn new(simd: S, s: &LaneSight<S>, c: &Constants<S>) -> Self {
         let [u, v, w] = s.b;
         let cross2 = v.mul_add(v, w * w);
         let uw2 = u.mul_add(u, w * w);

@@ -13,13 +13,13 @@ const BLOCK: usize = 32;
 
 /// Sampling and stepping, the same for all lanes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Grid {
+pub(super) struct StepGrid {
     pub(super) samples: usize,
     pub(super) rate_hz: f64,
     pub(super) steps_per_sample: usize,
 }
 
-impl Grid {
+impl StepGrid {
     /// Length of a step, s.
     pub(super) fn step_s(self) -> f64 {
         1.0 / (self.rate_hz * self.steps_per_sample as f64)
@@ -32,7 +32,7 @@ pub(super) fn fly<S: Simd, const N: usize>(
     simd: S,
     kernel: &Kernel<'_, S>,
     inputs: &mut [Inputs<'_>],
-    grid: Grid,
+    grid: StepGrid,
     mut y: [Lanes<S>; N],
     tracks: &mut Tracks<'_, '_, S>,
 ) {
@@ -74,7 +74,7 @@ pub(super) fn fly<S: Simd, const N: usize>(
 
 /// Inputs at the starts, middles and ends of the steps from `first` on.
 #[inline(never)]
-fn tabulate(inputs: &mut [Inputs<'_>], one_speed: bool, channels: Channels, first: usize, grid: Grid, table: &mut [f64]) {
+fn tabulate(inputs: &mut [Inputs<'_>], one_speed: bool, channels: Channels, first: usize, grid: StepGrid, table: &mut [f64]) {
     let lanes = inputs.len();
     let width = channels.count() * lanes;
     let half_step_s = 0.5 * grid.step_s();

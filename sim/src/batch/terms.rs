@@ -54,7 +54,7 @@ pub(super) struct Layout {
 
 /// The terms of one flight.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Terms {
+pub(super) struct LaneTerms {
     pub(super) layout: Layout,
     /// Parameter times constant, one a term, early terms first.
     pub(super) weights: Vec<f64>,
@@ -62,7 +62,7 @@ pub(super) struct Terms {
     pub(super) per_width: Vec<f64>,
 }
 
-impl Terms {
+impl LaneTerms {
     /// Terms of `aero` without those of zero weight; `None` when they need more slots than there are.
     pub(super) fn new(aero: &Aero) -> Option<Self> {
         let declared = aero.structure.contributions.iter().map(|k| (k.coefficient, aero.values[k.parameter], &k.term));

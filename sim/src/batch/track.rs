@@ -2,7 +2,7 @@
 //! ended, and what went wrong in each; one lane's fault leaves the others as they are.
 
 use super::Order;
-use super::kernel::{Kernel, Sight};
+use super::kernel::{Kernel, LaneSight};
 use super::lane::Lanes;
 use crate::error::SimError;
 use crate::fly::crossing;
@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Keep {
+pub(super) enum KeepSamples {
     Truth,
     States,
 }
@@ -30,39 +30,39 @@ type Seen = [[f64; LANES_MAX]; SEEN];
 
 /// Series of one flight; flown again their memory is used again.
 #[derive(Debug, Default)]
-pub(super) struct Series {
+pub(super) struct SampleSeries {
     pub(super) truth: Truth,
     pub(super) states: Vec<[f64; STATES]>,
 }
 
 /// One flight's results so far.
-pub(super) struct Track<'a> {
+pub(super) struct LaneTrack<'a> {
     order: &'a Order<'a>,
-    keep: Keep,
+    keep: KeepSamples,
     total: usize,
-    pub(super) series: Series,
+    pub(super) series: SampleSeries,
     /// Steps taken.
     pub(super) steps: u64,
     /// How the flight ended, once it has.
     pub(super) end: Option<Result<End, SimError>>,
 }
 
-impl<'a> Track<'a> {
-    pub(super) fn new(order: &'a Order<'a>, keep: Keep, mut series: Series) -> Self {
+impl<'a> LaneTrack<'a> {
+    pub(super) fn new(order: &'a Order<'a>, keep: KeepSamples, mut series: SampleSeries) -> Self {
         let total = samples(order.flight);
         series.states.clear();
         series.truth.clear();
         match keep {
-            Keep::Truth => series.truth.reserve(total),
-            Keep::States => series.states.reserve(total),
+            KeepSamples::Truth => series.truth.reserve(total),
+            KeepSamples::States => series.states.reserve(total),
         }
         Self { order, keep, total, series, steps: 0, end: None }
     }
     /// Samples so far.
     pub(super) fn count(&self) -> usize {
         match self.keep {
-            Keep::Truth => self.series.truth.len(),
-            Keep::States => self.series.states.len(),
+            KeepSamples::Truth => self.series.truth.len(),
+            KeepSamples::States => self.series.states.len(),
         }
     }
 
@@ -79,8 +79,8 @@ impl<'a> Track<'a> {
             }
         }
         match self.keep {
-            Keep::States => self.series.states.push(row(seen, 0, lane)),
-            Keep::Truth => self.push(seen, lane),
+            KeepSamples::States => self.series.states.push(row(seen, 0, lane)),
+            KeepSamples::Truth => self.push(seen, lane),
         }
         if self.count() == self.total {
             self.end = Some(Ok(End::Completed));
@@ -110,8 +110,8 @@ impl<'a> Track<'a> {
     /// Position and velocity at the sample before.
     fn before(&self) -> Option<Vector6<f64>> {
         match self.keep {
-            Keep::States => self.series.states.last().map(|y| Vector6::from_column_slice(&y[..6])),
-            Keep::Truth => {
+            KeepSamples::States => self.series.states.last().map(|y| Vector6::from_column_slice(&y[..6])),
+            KeepSamples::Truth => {
                 let (p, v) = (self.series.truth.p_tunnel_cm.last()?, self.series.truth.v_tunnel_cm.last()?);
                 Some(Vector6::new(p[0], p[1], p[2], v[0], v[1], v[2]))
             }
@@ -145,14 +145,14 @@ fn row<const N: usize>(seen: &Seen, first: usize, lane: usize) -> [f64; N] {
 
 /// The tracks of the lanes, and the roll angles of the sample before, from which the next are unwrapped.
 pub(super) struct Tracks<'a, 't, S: Simd> {
-    pub(super) lanes: &'t mut [Track<'a>],
-    keep: Keep,
+    pub(super) lanes: &'t mut [LaneTrack<'a>],
+    keep: KeepSamples,
     roll: Lanes<S>,
     seen: Seen,
 }
 
 impl<'a, 't, S: Simd> Tracks<'a, 't, S> {
-    pub(super) fn new(simd: S, lanes: &'t mut [Track<'a>], keep: Keep) -> Self {
+    pub(super) fn new(simd: S, lanes: &'t mut [LaneTrack<'a>], keep: KeepSamples) -> Self {
         Self { lanes, keep, roll: Lanes::zero(simd), seen: [[0.0; LANES_MAX]; SEEN] }
     }
     /// True when every flight has ended.
@@ -174,7 +174,7 @@ impl<'a, 't, S: Simd> Tracks<'a, 't, S> {
             x.store(&mut seen[..S::F64_LANES]);
         }
         let mut roll = self.roll;
-        if self.keep == Keep::Truth {
+        if self.keep == KeepSamples::Truth {
             let s = kernel.sight(simd, y, row);
             let derived = Self::derived(kernel, &s, y, roll);
             for (k, x) in derived.iter().enumerate() {
@@ -213,7 +213,7 @@ impl<'a, 't, S: Simd> Tracks<'a, 't, S> {
 
     /// R_x, R_y, R_z, V_W, α_T, airspeed and tether force.
     #[inline(always)]
-    fn derived<const N: usize>(kernel: &Kernel<'_, S>, s: &Sight<S>, y: &[Lanes<S>; N], last: Lanes<S>) -> [Lanes<S>; 7] {
+    fn derived<const N: usize>(kernel: &Kernel<'_, S>, s: &LaneSight<S>, y: &[Lanes<S>; N], last: Lanes<S>) -> [Lanes<S>; 7] {
         let m = &s.m;
         let rx = (-m[1][2]).atan2(m[2][2]);
         let ry = m[0][2].atan2(m[0][0].mul_add(m[0][0], m[0][1] * m[0][1]).sqrt());

@@ -6,7 +6,7 @@
 use crate::common::{REST, flight, lander};
 use windfall_model::frames::Vec3;
 use windfall_model::{
-    ApparentMass, Coefficient, Contact, Factor, Flight, LooseMass, MeanFlow, Method, Numerics, Operator, Plant, Release,
+    ApparentMass, Coefficient, Contact, Factor, Flight, Integrator, LooseMass, MeanFlow, Numerics, Operator, Plant, Release,
     TestSection, TunnelSpeed, Turbulence, Variable, WakeShedding,
 };
 use windfall_sim::{
@@ -29,7 +29,7 @@ fn wandering(duration_s: f64, rate_hz: f64) -> Flight {
     let vw_m_s = (0..=60).map(|k| speed(0.1 * f64::from(k))).collect();
     let mut order = flight(duration_s, rate_hz, 0.0, TILTED);
     order.speed = TunnelSpeed::History { interval_s: 0.1, vw_m_s };
-    order.numerics = Numerics { method: Method::Dop853, relative_tolerance: 1e-13, absolute_tolerance: 1e-14 };
+    order.numerics = Numerics { method: Integrator::Dop853, relative_tolerance: 1e-13, absolute_tolerance: 1e-14 };
     order
 }
 
@@ -306,7 +306,7 @@ fn law_adaptive_steps_as_in_the_single_flight() {
         let loose: Vec<_> = made
             .iter()
             .map(|(plant, flight)| {
-                let method = Method::Dopri5;
+                let method = Integrator::Dopri5;
                 let numerics = Numerics { method, relative_tolerance, absolute_tolerance: 0.01 * relative_tolerance };
                 (plant, Flight { numerics, ..flight.clone() })
             })
@@ -345,7 +345,7 @@ fn law_still_air_and_axial_flow() {
 #[test]
 fn law_a_plant_that_cannot_be_followed_is_given_up() {
     let order = wandering(5.0, 150.0);
-    for method in [Method::Dop853, Method::Dopri5] {
+    for method in [Integrator::Dop853, Integrator::Dopri5] {
         let order = Flight { numerics: Numerics { method, ..Numerics::default() }, ..order.clone() };
         let fly_with = |damping: f64| {
             let mut plant = lander();

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use windfall_model::frames::{EulerXyz, Rotation};
-use windfall_model::{Flight, Method, Numerics, Plant, Release, TunnelSpeed};
+use windfall_model::{Flight, Integrator, Numerics, Plant, Release, TunnelSpeed};
 
 fn exact(test: &str) -> Option<(Plant, Flight, Table)> {
     let folder = shared(test)?.join("data/campaigns/exact");
@@ -48,7 +48,7 @@ fn distances(plant: &Plant, order: &Flight, states: &Table) -> [f64; 7] {
 #[test]
 fn pub_independent_simulator_is_followed_for_15_s() {
     let Some((plant, mut order, states)) = exact("pub_independent_simulator_is_followed_for_15_s") else { return };
-    for method in [Method::Dop853, Method::Dopri5] {
+    for method in [Integrator::Dop853, Integrator::Dopri5] {
         order.numerics = Numerics { method, ..Numerics::default() };
         let far = distances(&plant, &order, &states);
         eprintln!("{method:?}: {far:?}");

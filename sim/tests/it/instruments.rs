@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use windfall_model::frames::{EulerXyz, Vec3};
-use windfall_model::{Flight, Method, Numerics, Plant, Record, Release, Sensors, TunnelSpeed};
+use windfall_model::{Flight, Integrator, Numerics, Plant, Record, Release, Sensors, TunnelSpeed};
 use windfall_sim::{Seed, fly};
 
 /// Table A.3 of the thesis.
@@ -23,7 +23,7 @@ fn order() -> Flight {
     let mut order = flight(4.0, 150.0, 0.0, release);
     order.speed =
         TunnelSpeed::History { interval_s: 0.02, vw_m_s: (0..=250).map(|k| 7.4 + 0.2 * (0.04 * f64::from(k)).sin()).collect() };
-    order.numerics = Numerics { method: Method::Dop853, relative_tolerance: 1e-11, absolute_tolerance: 1e-13 };
+    order.numerics = Numerics { method: Integrator::Dop853, relative_tolerance: 1e-11, absolute_tolerance: 1e-13 };
     order
 }
 

@@ -4,12 +4,12 @@ use crate::common::*;
 use std::f64::consts::{PI, TAU};
 use windfall_model::frames::Vec3;
 use windfall_model::{
-    ApparentMass, Coefficient, Contact, Flight, Inertia, LooseMass, Method, Numerics, Plant, Release, TunnelSpeed,
+    ApparentMass, Coefficient, Contact, Flight, Inertia, Integrator, LooseMass, Numerics, Plant, Release, TunnelSpeed,
 };
 use windfall_sim::{Seed, fly, trim_speed};
 
 fn tight(mut f: Flight) -> Flight {
-    f.numerics = Numerics { method: Method::Dop853, relative_tolerance: 1e-12, absolute_tolerance: 1e-14 };
+    f.numerics = Numerics { method: Integrator::Dop853, relative_tolerance: 1e-12, absolute_tolerance: 1e-14 };
     f
 }
 
@@ -189,7 +189,7 @@ fn exact_contact_pulse() {
         impulse: Vec3::new(0.1, -0.2, 0.3),
         angular_impulse: Vec3::new(0.001, 0.0, 0.0),
     }];
-    for method in [Method::Dop853, Method::Dopri5] {
+    for method in [Integrator::Dop853, Integrator::Dopri5] {
         let mut order = flight(10.0, 10.0, 0.0, REST);
         order.numerics.method = method;
         let truth = flown(&plant, &order);
@@ -288,14 +288,14 @@ fn law_operator_holds_height() {
 fn law_dense_samples_are_as_good_as_the_steps() {
     let plant = lander();
     let release = Release { attitude_rad: [0.0, 0.3, 0.2], rates_rad_s: [0.2, 0.4, 0.0], ..REST };
-    for method in [Method::Dop853, Method::Dopri5] {
+    for method in [Integrator::Dop853, Integrator::Dopri5] {
         for rate_hz in [3.0, 10.0, 150.0] {
             let mut order = flight(15.0, rate_hz, 7.43, release);
             order.numerics = Numerics { method, ..Numerics::default() };
             let reference = flown(
                 &plant,
                 &Flight {
-                    numerics: Numerics { relative_tolerance: 1e-13, absolute_tolerance: 1e-15, method: Method::Dop853 },
+                    numerics: Numerics { relative_tolerance: 1e-13, absolute_tolerance: 1e-15, method: Integrator::Dop853 },
                     ..order.clone()
                 },
             );

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 use windfall_model::frames::Vec3;
 use windfall_model::planet::{
-    Air, Atmosphere, AtmosphereTable, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario, Reference, Spheroid,
-    Start, WindTable, Winds,
+    Air, Atmosphere, AtmosphereTable, FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario,
+    Reference, Spheroid, WindTable, Winds,
 };
 use windfall_model::{Aero, ApparentMass, Coefficient, Contribution, Factor, Inertia, Structure, Term, Variable, Vehicle};
 use windfall_sim::{PlanetEnd, PlanetFlown, SimError, fly_planet};
@@ -41,12 +41,12 @@ fn ball(drag: f64) -> PlanetBody {
     body(Aero::new(Structure::point_mass(), vec![drag]), true)
 }
 
-fn start(latitude_deg: f64, longitude_deg: f64, height_m: f64, v: [f64; 3]) -> Start {
+fn start(latitude_deg: f64, longitude_deg: f64, height_m: f64, v: [f64; 3]) -> FlightStart {
     let place = Geodetic { latitude_rad: latitude_deg.to_radians(), longitude_rad: longitude_deg.to_radians(), height_m };
-    Start { place, v_ground: Vec3::from_array(v), attitude_rad: [0.0; 3], w_inertial_body: Vec3::zero() }
+    FlightStart { place, v_ground: Vec3::from_array(v), attitude_rad: [0.0; 3], w_inertial_body: Vec3::zero() }
 }
 
-fn fly(planet: &Planet, body: &PlanetBody, start: Start, duration_s: f64, rate_hz: f64) -> Result<PlanetFlown, SimError> {
+fn fly(planet: &Planet, body: &PlanetBody, start: FlightStart, duration_s: f64, rate_hz: f64) -> Result<PlanetFlown, SimError> {
     let numerics = PlanetFlight::default_numerics();
     let flight = PlanetFlight { name: "test".to_owned(), duration_s, rate_hz, start, numerics };
     let scenario = PlanetScenario { name: "test".to_owned(), planet: planet.clone(), body: body.clone(), flights: Vec::new() };

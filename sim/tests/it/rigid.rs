@@ -3,7 +3,7 @@
 use crate::common::*;
 use windfall_model::frames::{Body, EulerXyz, Rotation, Tunnel, Vec3};
 use windfall_model::{
-    Aero, Coefficient, Contribution, Factor, Flight, Inertia, Method, Numerics, Plant, Release, Structure, Term, Variable,
+    Aero, Coefficient, Contribution, Factor, Flight, Inertia, Integrator, Numerics, Plant, Release, Structure, Term, Variable,
 };
 use windfall_sim::Truth;
 
@@ -19,7 +19,7 @@ const EARTH_RATE_RAD_S: f64 = 7.292_115e-5;
 const BRICK_RATES_DEG_S: [f64; 3] = [10.0, 20.0, 30.0];
 
 /// Tight enough that what is left is round-off.
-fn tight(mut f: Flight, method: Method) -> Flight {
+fn tight(mut f: Flight, method: Integrator) -> Flight {
     f.numerics = Numerics { method, relative_tolerance: 1e-13, absolute_tolerance: 1e-15 };
     f
 }
@@ -44,7 +44,7 @@ fn differences(truth: &Truth, table: &Table, every: usize) -> (f64, f64) {
 fn pub_tumbling_brick_closed_form() {
     let table = Table::parse(include_str!("../data/closed_form_brick.csv"));
     let order = flight(30.0, 10.0, 0.0, spin(BRICK_RATES_DEG_S.map(f64::to_radians)));
-    for method in [Method::Dop853, Method::Dopri5] {
+    for method in [Integrator::Dop853, Integrator::Dopri5] {
         let truth = flown(&torque_free(BRICK), &tight(order.clone(), method));
         let (rate, angle) = differences(&truth, &table, 5);
         assert!(rate.to_degrees() < 1e-9 && angle < 1e-10, "{method:?}: {} deg/s {angle} rad", rate.to_degrees());
@@ -56,7 +56,7 @@ fn pub_tumbling_brick_closed_form() {
 fn pub_tumbling_brick_nasa_case_2() {
     let table = Table::parse(include_str!("../data/case02_sim01_si.csv"));
     let order = flight(30.0, 10.0, 0.0, spin(BRICK_RATES_DEG_S.map(f64::to_radians)));
-    let truth = flown(&torque_free(BRICK), &tight(order, Method::Dop853));
+    let truth = flown(&torque_free(BRICK), &tight(order, Integrator::Dop853));
     for k in 0..table.rows.len() {
         let rates = truth.w_tunnel_body[5 * k].map(f64::to_degrees);
         let far = worst(&rates, &table.row(k, ["p_dps", "q_dps", "r_dps"]));
@@ -69,7 +69,7 @@ fn pub_tumbling_brick_nasa_case_2() {
 fn pub_fast_top_closed_form() {
     let table = Table::parse(include_str!("../data/closed_form_vanzon_top.csv"));
     let plant = torque_free(Inertia { xx: 1.0, yy: 2.0, zz: 2.6, ..Inertia::default() });
-    for method in [Method::Dop853, Method::Dopri5] {
+    for method in [Integrator::Dop853, Integrator::Dopri5] {
         let truth = flown(&plant, &tight(flight(10.0, 20.0, 0.0, spin([1.0, 15.0, 1.0])), method));
         let (rate, angle) = differences(&truth, &table, 5);
         assert!(rate < 1e-9 && angle < 1e-9, "{method:?}: {rate} rad/s {angle} rad");
@@ -86,7 +86,7 @@ fn law_energy_and_angular_momentum_of_a_free_body() {
     let with_products = Inertia { xy: 0.0004, xz: -0.0007, yz: 0.0009, ..BRICK };
     for inertia in [BRICK, with_products] {
         let order = flight(30.0, 50.0, 0.0, spin([1.0, 2.0, 3.0]));
-        let truth = flown(&torque_free(inertia), &tight(order, Method::Dop853));
+        let truth = flown(&torque_free(inertia), &tight(order, Integrator::Dop853));
         let at = |k: usize| {
             let w = Vec3::<Body>::from_array(truth.w_tunnel_body[k]);
             let h = momentum(&inertia, Rotation::from_quaternion(truth.quaternion[k]), w);
@@ -108,7 +108,7 @@ fn law_products_of_inertia_describe_the_same_brick() {
     let m = turn * BRICK.matrix() * turn.transpose();
     let turned = Inertia { xx: m[(0, 0)], yy: m[(1, 1)], zz: m[(2, 2)], xy: -m[(0, 1)], xz: -m[(0, 2)], yz: -m[(1, 2)] };
     let w = Vec3::<Body>::new(1.0, 2.0, 3.0);
-    let order = |w: Vec3<Body>| tight(flight(10.0, 10.0, 0.0, spin(w.to_array())), Method::Dop853);
+    let order = |w: Vec3<Body>| tight(flight(10.0, 10.0, 0.0, spin(w.to_array())), Integrator::Dop853);
     let a = flown(&torque_free(BRICK), &order(w));
     let b = flown(&torque_free(turned), &order(Vec3::from(turn * w.xyz)));
     for k in 0..a.len() {
@@ -128,7 +128,7 @@ fn order_of_convergence() {
         let flown = windfall_sim::fly(&torque_free(BRICK), &order, Default::default()).expect("flies");
         (differences(&flown.truth, &table, 5).0, flown.steps as f64)
     };
-    for (method, order, tolerances) in [(Method::Dopri5, 5.0, [1e-8, 1e-12]), (Method::Dop853, 8.0, [1e-9, 1e-12])] {
+    for (method, order, tolerances) in [(Integrator::Dopri5, 5.0, [1e-8, 1e-12]), (Integrator::Dop853, 8.0, [1e-9, 1e-12])] {
         let [(e1, n1), (e2, n2)] = tolerances.map(|t| fast(method, t));
         let found = (e1 / e2).ln() / (n2 / n1).ln();
         assert!((found - order).abs() < 1.2, "{method:?}: {found} from {e1} {n1} {e2} {n2}");
@@ -159,7 +159,7 @@ fn falling(mut plant: Plant, gravity: impl Fn(f64) -> f64) -> Vec<(f64, f64, [f6
         let middle = altitude - v * 0.01 - 0.5 * 9.8 * 0.01 * 0.01;
         plant.environment.gravity_m_s2 = gravity(middle);
         plant.environment.gas_constant_j_kg_k = 8.314_32 / 0.028_964_4;
-        let mut order = tight(flight(0.02, 50.0, 0.0, release), Method::Dop853);
+        let mut order = tight(flight(0.02, 50.0, 0.0, release), Integrator::Dop853);
         (order.ps_pa, order.ts_k) = us76(middle);
         let truth = flown(&plant, &order);
         altitude -= truth.p_tunnel_cm[1][0];

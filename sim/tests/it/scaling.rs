@@ -3,7 +3,7 @@
 use crate::common::*;
 use windfall_model::frames::Vec3;
 use windfall_model::{
-    ApparentMass, Contact, Factor, Flight, FroudeScale, LooseMass, Method, Numerics, Operator, Plant, Release, TunnelSpeed,
+    ApparentMass, Contact, Factor, Flight, FroudeScale, Integrator, LooseMass, Numerics, Operator, Plant, Release, TunnelSpeed,
     Turbulence, Variable, WakeShedding,
 };
 use windfall_sim::{Seed, fly, trim_speed};
@@ -57,7 +57,7 @@ fn order(speed: TunnelSpeed) -> Flight {
     let release = Release { attitude_rad: [0.0, 0.314, 0.305], rates_rad_s: [0.2, 0.4, 0.0], ..REST };
     let mut order = flight(10.0, 100.0, 0.0, release);
     order.speed = speed;
-    order.numerics = Numerics { method: Method::Dop853, relative_tolerance: 1e-12, absolute_tolerance: 1e-13 };
+    order.numerics = Numerics { method: Integrator::Dop853, relative_tolerance: 1e-12, absolute_tolerance: 1e-13 };
     order
 }
 

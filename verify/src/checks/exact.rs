@@ -1,35 +1,13 @@
 //! verify: exact checks. In: the lander of Appendix C, stripped until a closed form exists. Out: distances from it.
 
-use super::published::without_roll;
-use super::{Bound, Check, Kind, Setups, first};
+use super::flown::{REST, density, flight, largest, truth, without_roll};
+use super::{Bound, Check, CheckKind, Setups, first};
 use crate::VerifyError;
 use nalgebra::{Matrix4, RowVector4, Vector3, Vector4};
 use windfall_model::frames::Rotation;
 use windfall_model::frames::{Body, Tunnel};
-use windfall_model::{Flight, Inertia, Method, Numerics, Plant, Release, TunnelSpeed};
-use windfall_sim::{Seed, Truth, fly_truth, trim_speed};
-
-/// At the tunnel's origin, at rest, upright.
-pub(super) const REST: Release =
-    Release { position_m: [0.0; 3], velocity_m_s: [0.0; 3], attitude_rad: [0.0; 3], rates_rad_s: [0.0; 3] };
-
-/// Integration tight enough that round-off is what is left.
-const TIGHT: Numerics = Numerics { method: Method::Dop853, relative_tolerance: 1e-13, absolute_tolerance: 1e-15 };
-
-/// A scenario's flight, changed to constant tunnel speed, tight tolerances and no walls.
-pub(super) fn flight(like: &Flight, duration_s: f64, vw_m_s: f64, release: Release) -> Flight {
-    let speed = TunnelSpeed::Constant(vw_m_s);
-    Flight { duration_s, release, speed, section: None, numerics: TIGHT, sensor_noise: false, ..like.clone() }
-}
-
-/// What happens, with nothing left to chance.
-pub(super) fn truth(plant: &Plant, flight: &Flight) -> Result<Truth, VerifyError> {
-    Ok(fly_truth(plant, flight, Seed::default())?.0)
-}
-
-pub(super) fn density(plant: &Plant, flight: &Flight) -> f64 {
-    plant.environment.density_kg_m3(flight.ps_pa, flight.ts_k)
-}
+use windfall_model::{Flight, Inertia, Plant, Release};
+use windfall_sim::trim_speed;
 
 fn torque_free(plant: &Plant, inertia: Inertia) -> Plant {
     let mut p = plant.clone();
@@ -38,10 +16,6 @@ fn torque_free(plant: &Plant, inertia: Inertia) -> Plant {
     p.aero.values.fill(0.0);
     p.environment.gravity_m_s2 = 0.0;
     p
-}
-
-pub(super) fn largest(errors: impl Iterator<Item = f64>) -> f64 {
-    errors.map(f64::abs).fold(0.0, |a, b| if b.is_nan() { f64::NAN } else { a.max(b) })
 }
 
 /// Torque-free bodies.
@@ -69,7 +43,7 @@ fn conserved(plant: &Plant, like: &Flight) -> Result<Vec<Check>, VerifyError> {
     let turn = largest((0..n).map(|k| (momentum(k) - momentum(0)).norm() / momentum(0).norm()));
     Ok(vec![
         Check::new(
-            Kind::Exact,
+            CheckKind::Exact,
             "torque-free-energy",
             "energy of a torque-free body, all products of inertia, 30 s: relative drift",
             (drift, "1"),
@@ -77,7 +51,7 @@ fn conserved(plant: &Plant, like: &Flight) -> Result<Vec<Check>, VerifyError> {
             source,
         ),
         Check::new(
-            Kind::Exact,
+            CheckKind::Exact,
             "torque-free-momentum",
             "its angular momentum in tunnel axes: relative drift",
             (turn, "1"),
@@ -100,7 +74,7 @@ fn symmetric_top(plant: &Plant, like: &Flight) -> Result<Check, VerifyError> {
     }));
     let what = "torque-free symmetric top, 30 s: body rates against the closed form";
     Ok(Check::new(
-        Kind::Exact,
+        CheckKind::Exact,
         "symmetric-top",
         what,
         (error, "rad/s"),
@@ -126,7 +100,7 @@ fn drop(plant: &Plant, like: &Flight) -> Result<Check, VerifyError> {
     let error = largest(t.t_s.iter().zip(&t.v_tunnel_cm).map(|(t, v)| v[0] - terminal * (per_s * t + start).tanh()));
     let what = "fall through still air with drag, 3 s: speed against the closed form";
     Ok(Check::new(
-        Kind::Exact,
+        CheckKind::Exact,
         "fall-with-drag",
         what,
         (error, "m/s"),
@@ -141,7 +115,7 @@ fn hover(plant: &Plant, like: &Flight) -> Result<Check, VerifyError> {
     let t = truth(plant, &flight(like, 10.0, trim, REST))?;
     let error = largest(t.p_tunnel_cm.iter().flatten().copied());
     let what = "at trim speed, upright on the axis, 10 s: distance moved";
-    Ok(Check::new(Kind::Exact, "trim-hover", what, (error, "m"), Bound::at_most(1e-11), "drag and tether carry the weight"))
+    Ok(Check::new(CheckKind::Exact, "trim-hover", what, (error, "m"), Bound::at_most(1e-11), "drag and tether carry the weight"))
 }
 
 /// Roll from rest at zero angle: `p = p_s (1 − exp(−t/τ))`, `τ = −2V I_xx/(q S d² C_lp)`.
@@ -157,7 +131,7 @@ fn roll(plant: &Plant, like: &Flight) -> Result<Check, VerifyError> {
     let error = largest(t.t_s.iter().zip(&t.w_tunnel_body).map(|(t, w)| w[0] - steady * -(-per_s * t).exp_m1()));
     let what = "spin-up by C_l0 against C_lp, 20 s: roll rate against the closed form";
     Ok(Check::new(
-        Kind::Exact,
+        CheckKind::Exact,
         "roll-spin-up",
         what,
         (error, "rad/s"),
@@ -196,7 +170,7 @@ fn froude(setups: &Setups<'_>) -> Result<Check, VerifyError> {
     };
     let what = "the run of Appendix C at model and full scale: largest difference of dimensionless states";
     Ok(Check::new(
-        Kind::Exact,
+        CheckKind::Exact,
         "froude-scaling",
         what,
         (error, "1"),
@@ -224,7 +198,7 @@ fn pitching(plant: &Plant, like: &Flight) -> Result<Check, VerifyError> {
     let hertz = a.complex_eigenvalues().iter().map(|e| e.im).fold(0.0, f64::max) / std::f64::consts::TAU;
     let what = format!("small pitching at trim speed, 6 s: pitch rate against linear theory (mode at {hertz:.4} Hz), relative");
     let source = "linear equations of lift, damping and tether about trim, matrix exponential";
-    Ok(Check::new(Kind::Exact, "pitch-mode-flown", what, (far / largest_q, "1"), Bound::at_most(1e-6), source))
+    Ok(Check::new(CheckKind::Exact, "pitch-mode-flown", what, (far / largest_q, "1"), Bound::at_most(1e-6), source))
 }
 
 /// Matrix of the linear pitch plane; c.m. at the origin, hook and ring on the axis.

@@ -1,13 +1,13 @@
 //! verify: the loop on the program's own noisy campaign (thesis §5.3). In: flights with sensor noise. Out: static curves,
 //! prediction and re-simulation against what was flown.
 
-use super::{Bound, Check, Kind, Setups};
+use super::{Bound, Check, CheckKind, Setups};
 use crate::VerifyError;
 use crate::recovery::campaign_of;
 use crate::resimulate::{HoldOut, hold_out};
 use rayon::prelude::*;
 use windfall_model::{Campaign, Data, Flight, Plant, Record, Use};
-use windfall_pid::coefficients::Row;
+use windfall_pid::coefficients::CoefficientRow;
 use windfall_pid::{DataSet, Method, identify, process};
 use windfall_sim::{Seed, fly};
 
@@ -22,7 +22,7 @@ pub(super) fn checks(setups: &Setups<'_>) -> Result<Vec<Check>, VerifyError> {
     let truth = &setups.combined.plant;
     let campaign = fly_all(setups)?;
     let found = identify(&campaign, Method::EquationError)?;
-    let set = found.data_set("combined").ok_or(VerifyError::NoDataSet)?;
+    let set = found.of_all_runs().ok_or(VerifyError::NoDataSet)?;
     let plant = set.plant(&campaign.plant)?;
     let held_out: Vec<usize> = (0..campaign.runs.len()).filter(|&i| campaign.runs[i].used == Use::HoldOut).collect();
     let mut all = static_curves(truth, &plant, set);
@@ -70,7 +70,7 @@ fn static_curves(truth: &Plant, found: &Plant, set: &DataSet) -> Vec<Check> {
             let what =
                 format!("{name} over alpha_T to 25 deg, off by at most {largest:.2e}: part of what the 95 % intervals allow");
             let source = "thesis §5.3.1; intervals of the identification";
-            Check::new(Kind::Recovered, format!("static-curve-{name}"), what, (worst, "1"), Bound::at_most(1.0), source)
+            Check::new(CheckKind::Recovered, format!("static-curve-{name}"), what, (worst, "1"), Bound::at_most(1.0), source)
         })
         .collect()
 }
@@ -83,7 +83,7 @@ fn half_interval(set: &DataSet, name: &str) -> f64 {
 
 /// §5.3.2: residuals on runs not used, with identified over with true parameters.
 fn prediction(campaign: &Campaign, truth: &Plant, found: &Plant, runs: &[usize]) -> Result<Vec<Check>, VerifyError> {
-    let mut rows: Vec<Row> = Vec::new();
+    let mut rows: Vec<CoefficientRow> = Vec::new();
     for &i in runs {
         let run = &campaign.runs[i];
         let Data::Tunnel(record) = &run.data else { return Err(VerifyError::NotTunnel { run: run.name.clone() }) };
@@ -97,12 +97,12 @@ fn prediction(campaign: &Campaign, truth: &Plant, found: &Plant, runs: &[usize])
             let (own, best) = (residual_std(&rows, found, members), residual_std(&rows, truth, members));
             let what = format!("{name} predicted on held-out runs: residual std {own:.3e}, over that with the true parameters");
             let source = "thesis §5.3.2 (there C_A's is almost twice that of the source runs); 2 % for errors of estimation";
-            Check::new(Kind::Recovered, format!("prediction-{name}"), what, (own / best, "1"), Bound::at_most(1.02), source)
+            Check::new(CheckKind::Recovered, format!("prediction-{name}"), what, (own / best, "1"), Bound::at_most(1.02), source)
         })
         .collect())
 }
 
-fn residual_std(rows: &[Row], plant: &Plant, members: &[usize]) -> f64 {
+fn residual_std(rows: &[CoefficientRow], plant: &Plant, members: &[usize]) -> f64 {
     let sum: f64 = rows
         .iter()
         .map(|row| {
@@ -126,7 +126,8 @@ fn resimulation(campaign: &Campaign, found: &Plant, set: &DataSet, runs: &[usize
         let source = "thesis §5.3.3, Table 5.6; four standard deviations of noise draws, and 1 % for errors of estimation";
         let half = 0.01 + 4.0 * s.simulation_std.unwrap_or(0.0) / s.simulation;
         all.push(
-            Check::new(Kind::Recovered, id, what, (s.simulation / s.test, "1"), Bound::around(1.0, half), source).beside(thesis),
+            Check::new(CheckKind::Recovered, id, what, (s.simulation / s.test, "1"), Bound::around(1.0, half), source)
+                .beside(thesis),
         );
     }
     Ok(all)
@@ -142,7 +143,7 @@ fn trajectories(h: &HoldOut, campaign: &Campaign, found: &Plant, set: &DataSet, 
     let position = (3.0_f64.sqrt() * s.position_std_m).hypot(drift);
     vec![
         Check::new(
-            Kind::Recovered,
+            CheckKind::Recovered,
             "resimulation-attitude",
             "attitude of held-out runs, re-simulated against measured: rms",
             (h.trajectory.attitude_rms_deg, "deg"),
@@ -150,7 +151,7 @@ fn trajectories(h: &HoldOut, campaign: &Campaign, found: &Plant, set: &DataSet, 
             "noise of Table A.3 plus a fifth for errors of estimation",
         ),
         Check::new(
-            Kind::Recovered,
+            CheckKind::Recovered,
             "resimulation-position",
             "position of held-out runs, re-simulated against measured: rms",
             (h.trajectory.position_rms_m, "m"),

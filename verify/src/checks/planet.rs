@@ -3,12 +3,13 @@
 //! Cases of NASA/TM-2015-218675 (NESC), flown by the same code as planet scenarios. NASA states no tolerances; the bounds are those that
 //! an independent solution (an integrator of eighth order at 1e-13) met.
 
-use super::exact::largest;
-use super::{Bound, Check, Kind};
+use super::flown::largest;
+use super::{Bound, Check, CheckKind};
 use crate::VerifyError;
 use windfall_model::frames::Vec3;
 use windfall_model::planet::{
-    Atmosphere, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario, Reference, Spheroid, Start, WindTable, Winds,
+    Atmosphere, FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario, Reference, Spheroid, WindTable,
+    Winds,
 };
 use windfall_model::{Aero, ApparentMass, Coefficient, Contribution, Factor, Inertia, Structure, Term, Variable, Vehicle};
 use windfall_sim::{PlanetTruth, fly_planet};
@@ -121,7 +122,7 @@ fn brick(damping: f64) -> PlanetBody {
 
 /// From rest over the ground at 30 000 ft over the equator, looking north.
 fn truth(planet: Planet, body: PlanetBody, rates: [f64; 3], duration_s: f64, rate_hz: f64) -> Result<PlanetTruth, VerifyError> {
-    let start = Start {
+    let start = FlightStart {
         place: Geodetic { height_m: START_M, ..Geodetic::default() },
         v_ground: Vec3::zero(),
         attitude_rad: [0.0; 3],
@@ -143,7 +144,7 @@ fn tumbling_brick() -> Result<Check, VerifyError> {
     let far = farthest(&known, &t, [1, 2, 3], |k| t.w_inertial_body[k]).to_degrees();
     let what = "tumbling brick over the turning Earth (NESC case 2), 30 s: body rates against the closed form";
     let source = "Jacobi elliptic functions, 30 digits; constants of NASA/TM-2015-218675";
-    Ok(Check::new(Kind::Exact, "nesc-02-rates", what, (far, "deg/s"), Bound::at_most(1e-9), source))
+    Ok(Check::new(CheckKind::Exact, "nesc-02-rates", what, (far, "deg/s"), Bound::at_most(1e-9), source))
 }
 
 fn fast_top() -> Result<Check, VerifyError> {
@@ -153,7 +154,7 @@ fn fast_top() -> Result<Check, VerifyError> {
     let far = farthest(&known, &t, [1, 2, 3], |k| t.w_inertial_body[k]);
     let what = "fast top beside its unstable axis, 15 rad/s, 10 s: body rates against the closed form";
     let source = "Jacobi elliptic functions, 30 digits; after van Zon and Schofield 2007";
-    Ok(Check::new(Kind::Exact, "fast-top-rates", what, (far, "rad/s"), Bound::at_most(1e-9), source))
+    Ok(Check::new(CheckKind::Exact, "fast-top-rates", what, (far, "rad/s"), Bound::at_most(1e-9), source))
 }
 
 fn damped_brick() -> Result<Vec<Check>, VerifyError> {
@@ -162,7 +163,7 @@ fn damped_brick() -> Result<Vec<Check>, VerifyError> {
     let angles = farthest(&known, &t, [1, 2, 3], |k| degrees(t.attitude_rad[k]));
     let rates = farthest(&known, &t, [4, 5, 6], |k| degrees(t.w_inertial_body[k]));
     let source = "NASA/TM-2015-218675 case 3, simulation 4: damping on inertial rates; S, b, c = 2/9 ft², 1/3, 2/3 ft";
-    let published = |id, what, figure, bound| Check::new(Kind::Published, id, what, figure, Bound::at_most(bound), source);
+    let published = |id, what, figure, bound| Check::new(CheckKind::Published, id, what, figure, Bound::at_most(bound), source);
     Ok(vec![
         published("nesc-03-rates", "brick with rate damping (NESC case 3), 30 s: body rates", (rates, "deg/s"), 2e-5),
         published("nesc-03-angles", "its roll, pitch and yaw from north-east-down", (angles, "deg"), 2e-4),
@@ -195,7 +196,7 @@ fn round_earth() -> Result<Vec<Check>, VerifyError> {
     let speed = farthest(&known, &t, [2; 3], |k| [t.v_ground_ned[k][2]; 3]);
     let angles = farthest(&known, &t, [3, 4, 5], |k| degrees(t.attitude_rad[k]));
     let source = "NASA/TM-2015-218675 case 4, simulation 4";
-    let published = |id, what, figure, bound| Check::new(Kind::Published, id, what, figure, Bound::at_most(bound), source);
+    let published = |id, what, figure, bound| Check::new(CheckKind::Published, id, what, figure, Bound::at_most(bound), source);
     Ok(vec![
         published(
             "nesc-04-altitude",
@@ -230,7 +231,7 @@ fn sphere(case: u32, air: &str, wind: Winds, published: &str) -> Result<Vec<Chec
     });
     let source = format!("NASA/TM-2015-218675 case {case}, simulation 4");
     let check = |id: &str, what: String, figure, bound| {
-        Check::new(Kind::Published, format!("nesc-0{case}-{id}"), what, figure, Bound::at_most(bound), &source)
+        Check::new(CheckKind::Published, format!("nesc-0{case}-{id}"), what, figure, Bound::at_most(bound), &source)
     };
     Ok(vec![
         check(

@@ -1,7 +1,7 @@
 //! verify: printed numbers. In: the lander of Appendix C. Out: the program's own figures beside them.
 
-use super::exact::{REST, density, flight, truth};
-use super::{Bound, Check, Kind, Setups, first};
+use super::flown::{REST, density, flight, truth, without_roll};
+use super::{Bound, Check, CheckKind, Setups, first};
 use crate::VerifyError;
 use windfall_model::frames::{EulerXyz, Vec3};
 use windfall_model::{AirState, Coefficient, Flight, Motion, Plant, dynamic_pressure_pa};
@@ -24,7 +24,7 @@ pub(super) fn checks(setups: &Setups<'_>) -> Result<Vec<Check>, VerifyError> {
 }
 
 fn published(id: &str, what: &str, figure: (f64, &str), bound: Bound, source: &str) -> Check {
-    Check::new(Kind::Published, id, what, figure, bound, source)
+    Check::new(CheckKind::Published, id, what, figure, bound, source)
 }
 
 fn tether() -> Vec<Check> {
@@ -65,15 +65,6 @@ fn trim(plant: &Plant, like: &Flight) -> Vec<Check> {
         ),
         published("trim-speed", "airspeed there", (speed, "m/s"), Bound::around(7.43, 0.005), source),
     ]
-}
-
-/// The lander without roll, so that pitch stays pitch.
-pub(super) fn without_roll(plant: &Plant) -> Plant {
-    let mut p = plant.clone();
-    if let Some(i) = p.aero.structure.index("Cl_0") {
-        p.aero.values[i] = 0.0;
-    }
-    p
 }
 
 /// Natural frequency of the static pitch moment about a fixed c.m. at trim speed. The mode that is flown, with lift, damping and

@@ -1,6 +1,6 @@
 //! verify: what was planted is found again (thesis Appendix C). In: the exact run. Out: errors of both methods.
 
-use super::{Bound, Check, Kind, Setups, first};
+use super::{Bound, Check, CheckKind, Setups, first};
 use crate::VerifyError;
 use crate::recovery::{Reconstructed, Recovery, recover};
 use windfall_pid::Method;
@@ -35,7 +35,7 @@ fn parameters(r: &Recovery, bound: Bound, source: &str) -> Vec<Check> {
             let id = format!("appendix-c-{}-{}-{}", r.method, p.coefficient, p.name);
             let what =
                 format!("{} from {}, {}: {:.6} planted, {:.6} found", p.name, p.coefficient, r.method, p.truth, p.estimate);
-            let check = Check::new(Kind::Recovered, id, what, (p.percent_error.abs(), "%"), bound, source);
+            let check = Check::new(CheckKind::Recovered, id, what, (p.percent_error.abs(), "%"), bound, source);
             match p.thesis_percent_error {
                 Some(t) => check.beside(t),
                 None => check,
@@ -50,7 +50,7 @@ fn reconstructed(r: &Recovery) -> Vec<Check> {
     let worst = |of: &[Reconstructed]| of.iter().map(relative).fold(0.0, f64::max);
     vec![
         Check::new(
-            Kind::Recovered,
+            CheckKind::Recovered,
             "appendix-c-states",
             "position, velocity, rates, airspeed and angle from the record alone: largest error over largest value",
             (worst(&r.states), "1"),
@@ -58,7 +58,7 @@ fn reconstructed(r: &Recovery) -> Vec<Check> {
             "Figure C.2; splines of fifth degree at the ends of the run",
         ),
         Check::new(
-            Kind::Recovered,
+            CheckKind::Recovered,
             "appendix-c-coefficients",
             "the six coefficients from the record alone: largest error over largest value",
             (worst(&r.coefficients), "1"),

@@ -1,13 +1,15 @@
 //! verify: series for the figures of a closing. In: a campaign and its closing. Out: plain series: residual spectra against noise,
 //! residual over the variable that it follows, held-out runs flown again before and after, residual tracks of point masses.
 
+use super::balance::{BalanceResidual, BandPowers};
 use super::{Closing, Options, ParameterLine, Verdict, runs_of};
 use crate::VerifyError;
+use crate::residual::LeadTable;
 use crate::resimulate::{Replay, TrajectoryError, estimate_initial, instant_errors};
-use crate::trace::{BIN, Cov, Evidence, LeadTable, PointEvidence, Residual, TunnelEvidence, acts};
+use crate::tracks::{TrackEvidence, TrackResidual};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use windfall_model::{Campaign, Coefficient, Data, Plant, Record, Use, effects};
+use windfall_model::{Campaign, Coefficient, Data, Measured, Plant, Record, Use, effects};
 use windfall_pid::rates_and_angles;
 
 /// What a series is.
@@ -75,8 +77,6 @@ const BANDS: usize = 40;
 const INTERVALS: usize = 12;
 /// Most channels whose residual is shown over a variable.
 const CHANNELS: usize = 3;
-/// Noisy copies for the level of noise in a figure.
-const COPIES: usize = 4;
 
 /// Figures of a closing. Nothing new is estimated but the initial states of held-out runs.
 ///
@@ -85,18 +85,16 @@ const COPIES: usize = 4;
 pub fn figures(campaign: &Campaign, closing: &Closing, options: &Options) -> Result<Vec<Figure>, VerifyError> {
     let used = runs_of(campaign, Use::Identify);
     let held = runs_of(campaign, Use::HoldOut);
-    let before = plant(campaign, &closing.before.parameters, &[]);
-    let added: Vec<(&str, Vec<f64>)> =
-        closing.effects.iter().map(|e| (e.family.as_str(), e.parameters.iter().map(|p| p.estimate).collect())).collect();
-    let after = (!added.is_empty()).then(|| plant(campaign, &closing.after.parameters, &added));
-    let sides = Sides { before, after };
+    let mut sides = sides_of(campaign, closing);
     if campaign.is_point_mass() {
-        let proof = PointEvidence::new(campaign, if held.is_empty() { &used } else { &held }, &sides.before)?;
-        let mut all = tracks(&proof, &sides);
-        all.extend(over_variables(&PointEvidence::new(campaign, &used, &sides.before)?, &sides, closing));
+        sides.after.iter_mut().for_each(|p| set_constants(campaign, closing, p));
+        let evidence = TrackEvidence::new(campaign, if held.is_empty() { &used } else { &held }, &sides.before)?;
+        let mut all = tracks(&evidence, &sides);
+        let evidence = TrackEvidence::new(campaign, &used, &sides.before)?;
+        all.extend(over_variables(&|plant| evidence.lead_table(plant), &sides, closing));
         return Ok(all);
     }
-    let mut proof = TunnelEvidence::new(campaign, &used, &sides.before, COPIES.min(options.copies), options.seed)?;
+    let balance = BalanceResidual::new(campaign, &used, options)?;
     let mut all: Vec<Figure> = held
         .par_iter()
         .map(|&i| flown_again(campaign, i, &sides))
@@ -104,19 +102,33 @@ pub fn figures(campaign: &Campaign, closing: &Closing, options: &Options) -> Res
         .into_iter()
         .flatten()
         .collect();
-    all.extend(over_variables(&proof, &sides, closing));
-    all.extend(spectra(&mut proof, &sides));
+    all.extend(over_variables(&|plant| balance.lead_table(plant), &sides, closing));
+    all.extend(spectra(&balance, &sides));
     Ok(all)
 }
 
+/// The plants that a closing found.
+pub(super) fn sides_of(campaign: &Campaign, closing: &Closing) -> Sides {
+    let before = plant(campaign, &closing.before.parameters, &[]);
+    let added: Vec<(&str, Vec<f64>)> =
+        closing.effects.iter().map(|e| (e.family.as_str(), e.parameters.iter().map(|p| p.estimate).collect())).collect();
+    let after = (!added.is_empty()).then(|| plant(campaign, &closing.after.parameters, &added));
+    Sides { before, after }
+}
+
+/// SignalTracks flown again by each side.
+pub(super) fn runs_flown(evidence: &TrackEvidence, sides: &Sides) -> Vec<(Role, Vec<TrackResidual>)> {
+    sides.each().map(|(role, plant)| (role, evidence.series(plant))).collect()
+}
+
 /// The plant before, and after when effects were added.
-struct Sides {
-    before: Plant,
-    after: Option<Plant>,
+pub(super) struct Sides {
+    pub(super) before: Plant,
+    pub(super) after: Option<Plant>,
 }
 
 impl Sides {
-    fn each(&self) -> impl Iterator<Item = (Role, &Plant)> {
+    pub(super) fn each(&self) -> impl Iterator<Item = (Role, &Plant)> {
         std::iter::once((Role::Before, &self.before)).chain(self.after.iter().map(|p| (Role::After, p)))
     }
 }
@@ -130,11 +142,21 @@ fn plant(campaign: &Campaign, declared: &[ParameterLine], added: &[(&str, Vec<f6
         }
     }
     for (family, values) in added {
-        if let Some(e) = effects::find(family, acts(campaign.is_point_mass())) {
+        if let Some(e) = effects::find(family, campaign.body()) {
             (e.apply)(&mut plant, values);
         }
     }
     plant
+}
+
+/// Uncertain constants as closing estimates them.
+fn set_constants(campaign: &Campaign, closing: &Closing, plant: &mut Plant) {
+    for line in &closing.constants {
+        let constant = campaign.knowledge.constants.iter().find(|c| c.name() == line.key);
+        if let Some(x) = constant.and_then(|c| (c.lens)(plant)) {
+            *x = line.estimate;
+        }
+    }
 }
 
 /// Every so-manieth point, so that a curve has at most [`POINTS`].
@@ -190,53 +212,28 @@ fn theta_deg(record: &Record, replay: &Replay) -> Result<Vec<f64>, VerifyError> 
 }
 
 /// Amplitude spectra of the six residuals, runs joined, in bands of frequency.
-fn spectra(proof: &mut TunnelEvidence, sides: &Sides) -> Vec<Figure> {
-    let frequencies: Vec<f64> = proof.frequencies().into_iter().map(|(_, f)| f).collect();
-    let top = frequencies.iter().fold(0.0, |a: f64, b| a.max(*b));
-    let mut levels: Vec<(Role, Residual, Vec<Cov>)> = Vec::new();
-    for (role, plant) in sides.each() {
-        proof.settle(plant);
-        levels.push((role, proof.residual(plant, 0), proof.noise().to_vec()));
-    }
-    let band = |f: f64| (0..BANDS).rev().find(|b| f >= top * *b as f64 / BANDS as f64).unwrap_or(0);
-    let bands: Vec<usize> = frequencies.iter().map(|f| band(*f)).collect();
-    let curve = |role: Role, power: &dyn Fn(usize) -> f64| {
-        let mut sums = [(0.0, 0.0, 0.0); BANDS];
-        for (k, (b, f)) in bands.iter().zip(&frequencies).enumerate() {
-            let s = &mut sums[*b];
-            *s = (s.0 + power(k), s.1 + f, s.2 + 1.0);
-        }
-        let filled = sums.iter().filter(|s| s.2 > 0.0);
-        // Density per rad/s becomes amplitude per square root of Hz.
-        let (x, y): (Vec<f64>, Vec<f64>) = filled.map(|s| (s.1 / s.2, (std::f64::consts::TAU * s.0 / s.2).sqrt())).unzip();
+fn spectra(balance: &BalanceResidual<'_>, sides: &Sides) -> Vec<Figure> {
+    let all: Vec<(Role, [BandPowers; 6])> = sides.each().map(|(role, plant)| (role, balance.spectra(plant))).collect();
+    let noise = balance.noise(sides.after.as_ref().unwrap_or(&sides.before));
+    let curve = |role: Role, bands: &BandPowers| {
+        let (x, y): (Vec<f64>, Vec<f64>) = bands.iter().map(|(f, power)| (*f, power.sqrt())).unzip();
         thinned(role, &x, &y)
     };
-    Coefficient::ALL
-        .iter()
-        .enumerate()
-        .map(|(c, name)| {
-            let mut series: Vec<Series> = Vec::new();
-            if let Some((_, _, noise)) = levels.last() {
-                series.push(curve(Role::Noise, &|k| noise[k][(c, c)] + noise[k][(6 + c, 6 + c)]));
-            }
-            series
-                .extend(levels.iter().map(|(role, z, _)| curve(*role, &|k| z[k * BIN + c].powi(2) + z[k * BIN + 6 + c].powi(2))));
-            Figure {
-                topic: Topic::Spectrum,
-                title: format!("residual of {}", name.name()),
-                x_label: "frequency (Hz)".to_owned(),
-                y_label: "amplitude (1/√Hz)".to_owned(),
-                log_y: true,
-                series,
-            }
-        })
-        .collect()
+    let one = |(c, name): (usize, &Coefficient)| Figure {
+        topic: Topic::Spectrum,
+        title: format!("residual of {}", name.name()),
+        x_label: "frequency (Hz)".to_owned(),
+        y_label: "amplitude (1/√Hz)".to_owned(),
+        log_y: true,
+        series: std::iter::once(curve(Role::Noise, &noise[c])).chain(all.iter().map(|(role, s)| curve(*role, &s[c]))).collect(),
+    };
+    Coefficient::ALL.iter().enumerate().map(one).collect()
 }
 
 /// The channels beyond noise, highest first, each over the variable that its slow part follows best.
-fn over_variables(proof: &dyn Evidence, sides: &Sides, closing: &Closing) -> Vec<Figure> {
+fn over_variables(of: &dyn Fn(&Plant) -> LeadTable, sides: &Sides, closing: &Closing) -> Vec<Figure> {
     // Of a lander the residual's channels are those of the instruments; forces and moments are shown, the largest share first.
-    let tunnel = closing.residual.per_channel.len() > proof.lead_table(&sides.before).residuals.len();
+    let tunnel = closing.residual.per_channel.len() > of(&sides.before).residuals.len();
     let mut channels: Vec<(usize, f64, String)> = closing
         .residual
         .per_channel
@@ -246,7 +243,7 @@ fn over_variables(proof: &dyn Evidence, sides: &Sides, closing: &Closing) -> Vec
         .map(|(k, c)| (k, c.rms / c.expected_rms, c.channel.clone()))
         .collect();
     if tunnel && closing.verdict != Verdict::Consistent {
-        let table = slow(proof.lead_table(&sides.before));
+        let table = slow(of(&sides.before));
         channels = Coefficient::ALL
             .iter()
             .enumerate()
@@ -258,7 +255,7 @@ fn over_variables(proof: &dyn Evidence, sides: &Sides, closing: &Closing) -> Vec
             .collect();
     }
     channels.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let tables: Vec<(Role, LeadTable)> = sides.each().map(|(role, plant)| (role, slow(proof.lead_table(plant)))).collect();
+    let tables: Vec<(Role, LeadTable)> = sides.each().map(|(role, plant)| (role, slow(of(plant)))).collect();
     let Some((_, first)) = tables.first() else { return Vec::new() };
     channels
         .iter()
@@ -332,9 +329,13 @@ fn means(x: &[f64], y: &[f64]) -> Option<Means> {
 }
 
 /// Residual of point-mass tracks along each axis over time: rms over runs.
-fn tracks(proof: &PointEvidence, sides: &Sides) -> Vec<Figure> {
-    let all: Vec<(Role, Vec<crate::trace::TrackResidual>)> =
-        sides.each().map(|(role, plant)| (role, proof.series(plant))).collect();
+fn tracks(evidence: &TrackEvidence, sides: &Sides) -> Vec<Figure> {
+    let all = runs_flown(evidence, sides);
+    let (names, per_unit, y_label) = match all.iter().flat_map(|(_, r)| r).next().map(|r| r.measured) {
+        Some(Measured::SpecificForce) => (["X (down)", "Y", "Z"], 1.0, "specific force error (m/s²)"),
+        Some(Measured::Angle) => (["angle", "", ""], 1.0_f64.to_degrees(), "angle error (deg)"),
+        _ => (["X (down)", "Y", "Z"], 1e3, "position error (mm)"),
+    };
     let end_s = all.iter().flat_map(|(_, r)| r).filter_map(|r| r.t_s.last().copied()).fold(0.0, f64::max);
     (0..3)
         .filter_map(|axis| {
@@ -350,15 +351,15 @@ fn tracks(proof: &PointEvidence, sides: &Sides) -> Vec<Figure> {
                         }
                     }
                     let filled = sums.iter().filter(|s| s.2 > 0.0);
-                    let (x, y): (Vec<f64>, Vec<f64>) = filled.map(|s| (s.1 / s.2, 1e3 * (s.0 / s.2).sqrt())).unzip();
+                    let (x, y): (Vec<f64>, Vec<f64>) = filled.map(|s| (s.1 / s.2, per_unit * (s.0 / s.2).sqrt())).unzip();
                     Some(thinned(*role, &x, &y))
                 })
                 .collect();
             (!series.is_empty()).then(|| Figure {
                 topic: Topic::Trajectory,
-                title: format!("{}: measured less re-simulated, rms over runs", ["X (down)", "Y", "Z"][axis]),
+                title: format!("{}: measured less re-simulated, rms over runs", names[axis]),
                 x_label: "time in the run (s)".to_owned(),
-                y_label: "position error (mm)".to_owned(),
+                y_label: y_label.to_owned(),
                 log_y: false,
                 series,
             })

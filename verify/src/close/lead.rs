@@ -1,7 +1,7 @@
 //! verify: a lead for the engineer. In: a residual that no family explains. Out: where it is, what it varies with, its frequency.
 
 use super::{ChannelResidual, Options, Unexplained};
-use crate::trace::{Evidence, Fit};
+use crate::tracks::{TrackEvidence, TrackFit};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use windfall_model::Campaign;
 
@@ -11,13 +11,13 @@ const INTERVALS: usize = 10;
 /// Describes every channel beyond noise: the variable whose smooth curve explains most of it, and the strongest frequency.
 pub(super) fn describe(
     campaign: &Campaign,
-    proof: &dyn Evidence,
-    fit: &Fit,
+    evidence: &TrackEvidence,
+    fit: &TrackFit,
     left: &[ChannelResidual],
     options: &Options,
 ) -> Vec<Unexplained> {
     let plant = fit.hypothesis.plant(&campaign.plant);
-    let table = proof.lead_table(&plant);
+    let table = evidence.lead_table(&plant);
     left.iter()
         .enumerate()
         .filter(|(_, c)| c.p_value < options.false_alarm)
@@ -36,7 +36,8 @@ pub(super) fn describe(
                 ),
                 _ => "; no flow variable, position or time explains it".to_owned(),
             };
-            let peak = proof.peak_hz(fit, k).map_or(String::new(), |f| format!("; strongest at {f:.2} Hz against noise"));
+            let peak =
+                evidence.peak_hz(&fit.residual, k).map_or(String::new(), |f| format!("; strongest at {f:.2} Hz against noise"));
             Unexplained { channel: c.channel.clone(), description: format!("{size}{varies}{peak}") }
         })
         .collect()

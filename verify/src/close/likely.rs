@@ -1,13 +1,13 @@
 //! verify: closing on the one likelihood of tunnel runs. In: a campaign. Out: the closing, from what the search over sets of effects found.
 
-use super::result::{Check, ConstantLine, Form, NoiseLine, Residuals, SetLine};
+use super::chance::p_value;
+use super::result::{ConstantLine, Form, FormCheck, NoiseLine, Residuals, SetLine};
 use super::{
-    After, Bound, CandidateLine, ChannelResidual, Closing, EffectLine, HeldOut, Options, ParameterLine, Shift, Unexplained,
+    After, CandidateLine, ChannelResidual, Closing, EffectBound, EffectLine, HeldOut, Options, ParameterLine, Shift, Unexplained,
     Verdict, runs_of,
 };
 use crate::VerifyError;
 use crate::resimulate::hold_out;
-use crate::trace::p_value;
 use statrs::distribution::{ContinuousCDF, Normal};
 use windfall_likelihood::{CHANNEL_NAMES, Discovery, Engine, Fit, Id, Lead, Member, discover};
 use windfall_model::{CATALOGUE, Campaign, Data, Effect, Role, Use};
@@ -50,6 +50,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, V
         residual: Residuals { per_channel: channels(before) },
         residual_after: Residuals { per_channel: channels(after) },
         noise: noise(campaign, &engine, &indices, &found),
+        innovations: super::innovations::lines(&engine, &before.model, &after.model),
         constants: constants(engine.campaign(), after),
         sets: sets(&found),
         candidates: candidates(&found),
@@ -184,7 +185,10 @@ fn effect_line(k: usize, m: &Member, found: &Discovery, unexplained: &[Unexplain
         rivals: rivals(found, family),
         form: Some(Form {
             ok: unexplained.is_empty(),
-            checks: vec![Check { what: "the best of all generic alternatives".to_owned(), p_value: (-strongest).exp().min(1.0) }],
+            checks: vec![FormCheck {
+                what: "the best of all generic alternatives".to_owned(),
+                p_value: (-strongest).exp().min(1.0),
+            }],
         }),
         held_out_gain: None,
         physics: m.effect.physics.to_owned(),
@@ -253,7 +257,7 @@ fn candidates(found: &Discovery) -> Vec<CandidateLine> {
 }
 
 /// How large each strength that was not found could still be, beside the best set: in the form that hides it best.
-fn bounds(found: &Discovery) -> Vec<Bound> {
+fn bounds(found: &Discovery) -> Vec<EffectBound> {
     let named: Vec<&'static str> = found.after.model.members.iter().map(|m| m.effect.family).collect();
     let present: Vec<usize> = found
         .units
@@ -262,7 +266,7 @@ fn bounds(found: &Discovery) -> Vec<Bound> {
         .filter(|(_, (f, form))| form.is_none() && named.contains(&CATALOGUE[*f].family))
         .flat_map(|(u, _)| u.columns.iter().copied())
         .collect();
-    let mut all: Vec<Bound> = Vec::new();
+    let mut all: Vec<EffectBound> = Vec::new();
     for (unit, (family, _)) in found.units.iter().zip(&found.families) {
         let effect: &Effect = CATALOGUE[*family];
         if named.contains(&effect.family) {
@@ -277,7 +281,7 @@ fn bounds(found: &Discovery) -> Vec<Bound> {
             let p = &(effect.parameters)(&[])[parameter];
             match all.iter_mut().find(|b| b.family == effect.family && b.parameter == p.name) {
                 Some(b) => b.upper95 = b.upper95.max(upper95),
-                None => all.push(Bound {
+                None => all.push(EffectBound {
                     family: effect.family.to_owned(),
                     parameter: p.name.clone(),
                     upper95,
@@ -286,7 +290,7 @@ fn bounds(found: &Discovery) -> Vec<Bound> {
             }
         }
     }
-    all.extend(found.random_bounds.iter().map(|(family, parameter, upper95, unit)| Bound {
+    all.extend(found.random_bounds.iter().map(|(family, parameter, upper95, unit)| EffectBound {
         family: (*family).to_owned(),
         parameter: parameter.clone(),
         upper95: *upper95,

@@ -5,19 +5,20 @@
 //! tracker - is part of the covariance, so that an effect must repeat from run to run. A strength beyond what any body can have explains
 //! nothing. Of runs held out nothing is used.
 
+use super::chance::{p_least, p_value, p_value_of_best};
 use super::{
-    After, Bound, CandidateLine, ChannelResidual, Closing, ConstantLine, EffectLine, Form, HeldOut, NoiseLine, Options,
-    ParameterLine, SetLine, Shift, Verdict, lead, p_least, p_value_of_best, parameter_lines, result, runs_of,
+    After, CandidateLine, ChannelResidual, Closing, ConstantLine, EffectBound, EffectLine, Form, HeldOut, NoiseLine, Options,
+    ParameterLine, SetLine, Shift, Verdict, lead, result, runs_of,
 };
 use crate::VerifyError;
-use crate::close::result::Check;
-use crate::trace::{Evidence, Fit, Free, Hypothesis, PointEvidence, Problem, p_value};
+use crate::close::result::FormCheck;
+use crate::tracks::{Free, Problem, TrackEvidence, TrackFit, TrackModel};
 use windfall_model::{Acts, Campaign, Use};
 
 mod contest;
 mod settings;
 
-use contest::{Contest, Scored};
+use contest::{Scored, TrackContest};
 use settings::Settings;
 
 /// Odds below which another family is a rival.
@@ -36,12 +37,12 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, V
     let own = settings.standardised(campaign);
     let other = |used: Use| {
         let runs = runs_of(&own, used);
-        (!runs.is_empty()).then(|| PointEvidence::new(&own, &runs, &own.plant)).transpose()
+        (!runs.is_empty()).then(|| TrackEvidence::new(&own, &runs, &own.plant)).transpose()
     };
     let (held, select) = (other(Use::HoldOut)?, other(Use::Select)?);
-    let found = Contest::new(&own, &settings, &indices, select.as_ref())?.run()?;
+    let found = TrackContest::new(&own, &settings, &indices, select.as_ref())?.run()?;
     let (start, best) = (&found.declared.fit, &found.best.fit);
-    let unexplained_of = |left: &[ChannelResidual], fit: &Fit| {
+    let unexplained_of = |left: &[ChannelResidual], fit: &TrackFit| {
         let beyond = p_least(left) < options.false_alarm;
         if beyond { lead::describe(&own, &found.evidence, fit, left, options) } else { Vec::new() }
     };
@@ -62,6 +63,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, V
         residual: result::Residuals { per_channel: residual },
         noise: noise(&found, campaign, &left),
         residual_after: result::Residuals { per_channel: left },
+        innovations: Vec::new(),
         constants: constants(&own, best),
         sets: sets(&found),
         effects,
@@ -75,9 +77,9 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, V
     })
 }
 
-impl Contest<'_> {
-    fn channels(&self, fit: &Fit) -> Vec<ChannelResidual> {
-        self.evidence.channel_residuals(&fit.residual, &self.problem().explained(&fit.hypothesis), fit.free.len())
+impl TrackContest<'_> {
+    fn channels(&self, fit: &TrackFit) -> Vec<ChannelResidual> {
+        self.evidence.channel_residuals(&fit.residual, fit.free.len())
     }
     /// Every set that was weighed at the end, best first, with its probability among them.
     fn weighed(&self) -> Vec<(&Scored, f64)> {
@@ -90,11 +92,11 @@ impl Contest<'_> {
 }
 
 fn effect_line(
-    found: &Contest<'_>,
+    found: &TrackContest<'_>,
     settings: &Settings,
     k: usize,
     nothing_left: bool,
-    held: Option<&PointEvidence>,
+    held: Option<&TrackEvidence>,
     p_left: f64,
 ) -> EffectLine {
     let fit = &found.best.fit;
@@ -102,8 +104,8 @@ fn effect_line(
     let instance = &fit.hypothesis.effects[place];
     let effect = instance.effect;
     let without = found.without(k);
-    let gain = |h: &PointEvidence| {
-        let problem = Problem { evidence: h, ..found.problem() };
+    let gain = |h: &TrackEvidence| {
+        let problem = problem(found.campaign, h);
         without.map(|w| problem.predict(&fit.hypothesis) - problem.predict(&w.fit.hypothesis))
     };
     EffectLine {
@@ -119,7 +121,7 @@ fn effect_line(
         rivals: rivals(found, k),
         form: Some(Form {
             ok: nothing_left,
-            checks: vec![Check { what: "what is left along the worst axis is noise".to_owned(), p_value: p_left }],
+            checks: vec![FormCheck { what: "what is left along the worst axis is noise".to_owned(), p_value: p_left }],
         }),
         held_out_gain: held.and_then(gain),
         physics: effect.physics.to_owned(),
@@ -129,7 +131,7 @@ fn effect_line(
 }
 
 /// Chance of such a gain of likelihood over the set without a family from noise alone, anywhere in the catalogue, as few runs allow it.
-fn chance(found: &Contest<'_>, k: usize) -> f64 {
+fn chance(found: &TrackContest<'_>, k: usize) -> f64 {
     let Some(without) = found.without(k) else { return f64::NAN };
     let (fit, place) = (&found.best.fit, found.best.place(k));
     let n = fit.free.iter().filter(|f| matches!(f, Free::Effect(e, _) if *e == place)).count();
@@ -138,7 +140,7 @@ fn chance(found: &Contest<'_>, k: usize) -> f64 {
 }
 
 /// Families that take this one's place at odds of less than twenty.
-fn rivals(found: &Contest<'_>, k: usize) -> Vec<String> {
+fn rivals(found: &TrackContest<'_>, k: usize) -> Vec<String> {
     let mut rest = found.best.families.clone();
     let own = rest.remove(k);
     let swapped = |s: &&Scored| {
@@ -155,7 +157,7 @@ fn rivals(found: &Contest<'_>, k: usize) -> Vec<String> {
     all.into_iter().map(|(_, name)| name).collect()
 }
 
-fn sets(found: &Contest<'_>) -> Vec<SetLine> {
+fn sets(found: &TrackContest<'_>) -> Vec<SetLine> {
     let line = |(s, probability): (&Scored, f64)| SetLine {
         families: s.families.iter().map(|f| found.family_name(*f)).collect(),
         probability,
@@ -164,7 +166,7 @@ fn sets(found: &Contest<'_>) -> Vec<SetLine> {
 }
 
 /// What every family alone brings to the declared model.
-fn candidates(found: &Contest<'_>) -> Vec<CandidateLine> {
+fn candidates(found: &TrackContest<'_>) -> Vec<CandidateLine> {
     let mut all: Vec<CandidateLine> = found
         .singles
         .iter()
@@ -183,7 +185,7 @@ fn candidates(found: &Contest<'_>) -> Vec<CandidateLine> {
 }
 
 /// How large each strength that was not found could still be, beside the best set.
-fn bounds(found: &Contest<'_>, settings: &Settings) -> Vec<Bound> {
+fn bounds(found: &TrackContest<'_>, settings: &Settings) -> Vec<EffectBound> {
     let added = found.neighbours.iter().filter(|s| s.families.len() == found.best.families.len() + 1);
     added
         .flat_map(|s| {
@@ -194,7 +196,7 @@ fn bounds(found: &Contest<'_>, settings: &Settings) -> Vec<Bound> {
                 .into_iter()
                 .zip(&instance.parameters)
                 .filter(|((_, std), _)| std.is_finite())
-                .map(|((value, std), p)| Bound {
+                .map(|((value, std), p)| EffectBound {
                     family: instance.effect.family.to_owned(),
                     parameter: p.name.clone(),
                     upper95: (value.abs() + 1.96 * std).min(p.high),
@@ -205,12 +207,17 @@ fn bounds(found: &Contest<'_>, settings: &Settings) -> Vec<Bound> {
         .collect()
 }
 
-fn noise(found: &Contest<'_>, campaign: &Campaign, left: &[ChannelResidual]) -> Vec<NoiseLine> {
+fn noise(found: &TrackContest<'_>, campaign: &Campaign, left: &[ChannelResidual]) -> Vec<NoiseLine> {
     left.iter()
         .map(|c| NoiseLine {
             channel: c.channel.clone(),
-            declared_std: campaign.plant.sensors.position_std_m,
-            learnt_std: ["X", "Y", "Z"].iter().position(|n| *n == c.channel).map_or(f64::NAN, |a| found.evidence.white_m(a)),
+            declared_std: found.evidence.stated_std(),
+            learnt_std: campaign
+                .measured()
+                .names()
+                .iter()
+                .position(|n| *n == c.channel)
+                .map_or(f64::NAN, |a| found.evidence.white_variance(a).sqrt()),
             colour: 0.0,
             coloured_share: 0.0,
             lines_hz: Vec::new(),
@@ -220,7 +227,7 @@ fn noise(found: &Contest<'_>, campaign: &Campaign, left: &[ChannelResidual]) -> 
         .collect()
 }
 
-fn constants(campaign: &Campaign, fit: &Fit) -> Vec<ConstantLine> {
+fn constants(campaign: &Campaign, fit: &TrackFit) -> Vec<ConstantLine> {
     fit.hypothesis
         .constants
         .iter()
@@ -240,26 +247,60 @@ fn constants(campaign: &Campaign, fit: &Fit) -> Vec<ConstantLine> {
 }
 
 /// Parameters and errors on runs held out.
-fn side(campaign: &Campaign, fit: &Fit, held: Option<&PointEvidence>) -> After {
-    let of = |h: &PointEvidence| {
-        let problem = Problem { evidence: h, base: &campaign.plant, declared: &campaign.declared, inputs: &campaign.inputs };
-        HeldOut::of_points(Some(h.rms_m(&fit.hypothesis.plant(&campaign.plant))), Some(problem.predict(&fit.hypothesis)))
+fn side(campaign: &Campaign, fit: &TrackFit, held: Option<&TrackEvidence>) -> After {
+    let of = |h: &TrackEvidence| {
+        let problem = problem(campaign, h);
+        let plant = fit.hypothesis.plant(&campaign.plant);
+        HeldOut::of_points(campaign.measured(), h.rms_m(&plant), plant.point.pivot, Some(problem.predict(&fit.hypothesis)))
     };
     After { parameters: parameter_lines(campaign, fit), hold_out: held.map(of) }
 }
 
 /// Families that a body without attitude may have.
-fn catalogue() -> impl Iterator<Item = &'static windfall_model::Effect> {
-    windfall_model::CATALOGUE.into_iter().filter(|e| e.acts.on(Acts::PointMass))
+fn catalogue(body: Acts) -> impl Iterator<Item = &'static windfall_model::Effect> {
+    windfall_model::CATALOGUE.into_iter().filter(move |e| e.acts.on(body))
 }
 
 /// The declared model, with declared effects and uncertain constants.
-fn declared(campaign: &Campaign, settings: &Settings, generic: usize) -> Hypothesis {
+fn declared(campaign: &Campaign, settings: &Settings, generic: usize) -> TrackModel {
     let effects = campaign.knowledge.effects.iter().map(|(e, v)| settings.inward(settings.null(e, campaign), v)).collect();
-    Hypothesis {
+    TrackModel {
         declared: campaign.plant.aero.values.clone(),
         constants: campaign.knowledge.constants.iter().map(|c| (*c, 0.0)).collect(),
         effects,
         generic: vec![0.0; generic],
     }
+}
+
+fn problem<'a>(campaign: &'a Campaign, evidence: &'a TrackEvidence) -> Problem<'a> {
+    Problem { evidence, base: &campaign.plant, declared: &campaign.declared }
+}
+
+/// A fit, noise measured at it, fitted again.
+fn settled_fit(campaign: &Campaign, evidence: &mut TrackEvidence, start: TrackModel) -> Result<TrackFit, VerifyError> {
+    let mut h = start;
+    for round in 0..3 {
+        let fit = problem(campaign, evidence).fit(&h, false);
+        if !fit.log_likelihood.is_finite() {
+            return Err(VerifyError::Fit { campaign: campaign.name.clone(), reason: fit.stop.words() });
+        }
+        h = fit.hypothesis.clone();
+        if round == 2 {
+            return Ok(fit);
+        }
+        evidence.settle(&h.plant(&campaign.plant));
+    }
+    Err(VerifyError::Fit { campaign: campaign.name.clone(), reason: "no fit was made" })
+}
+
+fn parameter_lines(campaign: &Campaign, fit: &TrackFit) -> Vec<ParameterLine> {
+    let structure = &campaign.plant.aero.structure;
+    (0..structure.parameters.len())
+        .filter(|&i| campaign.declared[i])
+        .map(|i| {
+            let f = Free::Declared(i);
+            let coefficient = structure.contributions.iter().find(|c| c.parameter == i).map_or("", |c| c.coefficient.name());
+            ParameterLine::new(coefficient, &structure.parameters[i], fit.hypothesis.get(f), fit.std_error(f), "-")
+        })
+        .collect()
 }

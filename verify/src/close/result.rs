@@ -1,7 +1,9 @@
 //! verify: the result of closing, in the words of the contract's close.json. In: numbers. Out: serialisable rows.
 
+use crate::residual::ChannelResidual;
 use crate::resimulate::{HoldOut, Statistic, TrajectoryError};
 use serde::{Deserialize, Serialize};
+use windfall_model::{Measured, Pivot};
 use windfall_pid::relative_percent;
 
 /// What closing concludes.
@@ -14,19 +16,6 @@ pub enum Verdict {
     Effect,
     /// A residual beyond noise that no effect of the catalogue accounts for.
     Unexplained,
-}
-
-/// Residual of one channel against noise.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ChannelResidual {
-    /// Coefficient, or axis for a point mass.
-    pub channel: String,
-    /// rms of the residual in the band used.
-    pub rms: f64,
-    /// rms that sensor noise alone would leave.
-    pub expected_rms: f64,
-    /// Probability of as much or more from noise alone.
-    pub p_value: f64,
 }
 
 /// Residuals of all channels.
@@ -103,12 +92,12 @@ pub struct Form {
     /// False where something generic gains beside it.
     pub ok: bool,
     /// What was held against it.
-    pub checks: Vec<Check>,
+    pub checks: Vec<FormCheck>,
 }
 
 /// One check of a form.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Check {
+pub struct FormCheck {
     /// What was tried.
     pub what: String,
     /// Odds of it against nothing, turned over; at most one.
@@ -175,7 +164,7 @@ pub struct CandidateLine {
 
 /// How large a family that was not found could still be.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Bound {
+pub struct EffectBound {
     /// Family.
     pub family: String,
     /// Parameter.
@@ -245,7 +234,8 @@ impl HeldOutTrajectory {
 /// Errors on runs that were not used.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HeldOut {
-    /// Force residual over mass, body axes, m/s².
+    /// Force residual over mass, body axes, m/s². Of a body without attitude whose specific force was measured the rms over all samples and
+    /// axes, in the first place.
     pub specific_force_rms: Option<[f64; 3]>,
     /// Moment residual over inertia, body axes, rad/s².
     pub specific_moment_rms: Option<[f64; 3]>,
@@ -270,13 +260,21 @@ impl HeldOut {
             log_likelihood,
         }
     }
-    pub(crate) fn of_points(rms_m: Option<f64>, log_likelihood: Option<f64>) -> Self {
-        let rms_m = rms_m.filter(|m| m.is_finite());
+    /// Of a body without attitude: `rms` in the unit of what was measured. On a pivot the mass centre's error along its path is the
+    /// angle's times the arm.
+    pub(crate) fn of_points(measured: Measured, rms: f64, pivot: Option<Pivot>, log_likelihood: Option<f64>) -> Self {
+        let rms = Some(rms).filter(|x| x.is_finite());
+        let position_m = match measured {
+            Measured::Position => rms,
+            Measured::Angle => rms.map(|x| x * pivot.map_or(f64::NAN, |p| p.arm_m)),
+            Measured::SpecificForce => None,
+        };
+        let attitude_rms_deg = rms.filter(|_| measured == Measured::Angle).map(f64::to_degrees);
         Self {
-            specific_force_rms: None,
+            specific_force_rms: rms.filter(|_| measured == Measured::SpecificForce).map(|x| [x, 0.0, 0.0]),
             specific_moment_rms: None,
-            trajectory: rms_m.map(|m| HeldOutTrajectory { attitude_rms_deg: None, position_rms_m: m, rate_rms_deg_s: None }),
-            position_rms_m: rms_m,
+            trajectory: position_m.map(|m| HeldOutTrajectory { attitude_rms_deg, position_rms_m: m, rate_rms_deg_s: None }),
+            position_rms_m: position_m,
             statistics: Vec::new(),
             log_likelihood,
         }
@@ -306,6 +304,9 @@ pub struct Closing {
     /// Noise learnt beside noise declared.
     #[serde(default)]
     pub noise: Vec<NoiseLine>,
+    /// Shape of the innovations, before and after; none for tracks of point bodies.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub innovations: Vec<super::InnovationLine>,
     /// Constants found beside constants declared.
     #[serde(default)]
     pub constants: Vec<ConstantLine>,
@@ -317,7 +318,7 @@ pub struct Closing {
     /// Every family as weighed against the declared model.
     pub candidates: Vec<CandidateLine>,
     /// How large what was not found could be.
-    pub bounds: Vec<Bound>,
+    pub bounds: Vec<EffectBound>,
     /// What no family accounts for.
     pub unexplained: Vec<Unexplained>,
     /// How declared parameters moved.
@@ -337,12 +338,12 @@ mod tests {
     /// The contract's `hold_out.trajectory` of a body without attitude: what there is of it, and back; nothing where it cannot be flown.
     #[test]
     fn law_a_point_mass_has_a_trajectory_too() {
-        let held = HeldOut::of_points(Some(0.012), Some(-3.0));
+        let held = HeldOut::of_points(Measured::Position, 0.012, None, Some(-3.0));
         let json = serde_json::to_value(&held).expect("serialises");
         let expected = serde_json::json!({"attitude_rms_deg": null, "position_rms_m": 0.012, "rate_rms_deg_s": null});
         assert_eq!(json["trajectory"], expected);
         assert_eq!(serde_json::from_value::<HeldOut>(json).expect("reads back"), held);
-        assert_eq!(HeldOut::of_points(Some(f64::NAN), None).trajectory, None);
+        assert_eq!(HeldOut::of_points(Measured::Position, f64::NAN, None, None).trajectory, None);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! verify: statistics of simulated records. In: a plant, a flight, run numbers. Out: one row of figures for each run.
 
-use super::{Figure, Moment, Quantity, StatisticsError, StatisticsSetup};
+use super::{FigureQuantity, Moment, StatisticFigure, StatisticsError, StatisticsSetup};
 use rayon::prelude::*;
 use windfall_model::{Plant, Record};
 use windfall_pid::smooth::{Smoother, TABLE_3_1_HZ};
@@ -53,13 +53,13 @@ fn measured(record: &Record) -> Result<Angles, StatisticsError> {
     Ok(rates_and_angles(record, &Smoother::Thesis { cutoffs_hz: TABLE_3_1_HZ })?)
 }
 
-fn figures(a: &Angles, figures: &[Figure]) -> Vec<f64> {
-    let series = |q: Quantity| -> Vec<f64> {
+fn figures(a: &Angles, figures: &[StatisticFigure]) -> Vec<f64> {
+    let series = |q: FigureQuantity| -> Vec<f64> {
         match q {
-            Quantity::Theta => a.theta_rad.iter().map(|x| x.to_degrees()).collect(),
-            Quantity::OmegaQr => a.omega_qr_rad_s.iter().map(|x| x.to_degrees()).collect(),
-            Quantity::PitchRate => a.pqr_rad_s.iter().map(|w| w[1].to_degrees()).collect(),
-            Quantity::YawRate => a.pqr_rad_s.iter().map(|w| w[2].to_degrees()).collect(),
+            FigureQuantity::Theta => a.theta_rad.iter().map(|x| x.to_degrees()).collect(),
+            FigureQuantity::OmegaQr => a.omega_qr_rad_s.iter().map(|x| x.to_degrees()).collect(),
+            FigureQuantity::PitchRate => a.pqr_rad_s.iter().map(|w| w[1].to_degrees()).collect(),
+            FigureQuantity::YawRate => a.pqr_rad_s.iter().map(|w| w[2].to_degrees()).collect(),
         }
     };
     figures.iter().map(|f| moment(f.statistic, series(f.quantity))).collect()

@@ -1,6 +1,6 @@
 //! verify: the closing in words. In: a closing. Out: a text table in the layout of thesis Table 5.6, and conclusions.
 
-use super::{Explanation, FigureOver, Separation, StatisticsClosing};
+use super::{Explanation, FigureOver, FigureSeparation, StatisticsClosing};
 use std::fmt::Write as _;
 use windfall_model::{Acts, effects};
 
@@ -77,7 +77,7 @@ pub(super) fn conclusions(c: &StatisticsClosing) -> Vec<String> {
     }
     if possible.len() > 1 {
         let names: Vec<String> = possible.iter().map(|e| name(e)).collect();
-        let both = |s: &&Separation| possible.iter().filter(|e| e.families == s.truth || e.families == s.other).count() > 1;
+        let both = |s: &&FigureSeparation| possible.iter().filter(|e| e.families == s.truth || e.families == s.other).count() > 1;
         let power = c.separations.iter().filter(both).map(|s| s.power).fold(0.0, f64::max);
         let least = c.separations.iter().filter(both).map(|s| s.power).fold(1.0, f64::min);
         all.push(format!(

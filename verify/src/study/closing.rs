@@ -1,13 +1,18 @@
 //! verify: the loop closed on one draw. In: the draw's campaign and its true effects. Out: verdict, right or wrong, and numbers.
 
 use super::columns::VERDICTS;
-use super::draw::Cells;
+use super::row::Cells;
 use crate::VerifyError;
 use crate::close::{Closing, Options, Verdict, close};
-use windfall_model::study::{Cell, Setting, Study};
+use windfall_model::study::{Cell, Setting, StudyOrder};
 use windfall_model::{Campaign, Role};
 
-pub(super) fn close_draw(campaign: &Campaign, study: &Study, setting: &Setting, out: &mut Cells<'_>) -> Result<(), VerifyError> {
+pub(super) fn close_draw(
+    campaign: &Campaign,
+    study: &StudyOrder,
+    setting: &Setting,
+    out: &mut Cells<'_>,
+) -> Result<(), VerifyError> {
     let closing = close(campaign, &Options::default())?;
     let families: Vec<&str> = closing.effects.iter().map(|e| e.family.as_str()).collect();
     let rivals = closing.effects.first().map_or(&[][..], |e| &e.rivals);
@@ -32,7 +37,7 @@ pub(super) fn close_draw(campaign: &Campaign, study: &Study, setting: &Setting, 
 }
 
 /// Families of which a strength is not zero in this draw.
-fn true_families<'s>(study: &'s Study, setting: &Setting) -> Vec<&'s str> {
+fn true_families<'s>(study: &'s StudyOrder, setting: &Setting) -> Vec<&'s str> {
     let acts = |e: &&windfall_model::study::StudyEffect| {
         let parameters = (e.effect.parameters)(&[]);
         parameters.iter().zip(&setting.effect_values[e.index]).any(|(p, v)| p.role == Role::Strength && *v != 0.0)

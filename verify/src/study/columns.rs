@@ -1,6 +1,6 @@
 //! verify: names of a study's results. In: the order. Out: columns, before any draw is made.
 
-use windfall_model::study::{Column, Kind, Study};
+use windfall_model::study::{CellKind, Column, StudyOrder};
 use windfall_pid::{Method, estimated};
 
 /// Statistics of each flight's truth, in the order of [`super::draw`].
@@ -20,8 +20,8 @@ pub(super) const TRAJECTORY: [&str; 3] = ["attitude_rms_deg", "position_rms_m", 
 pub(super) const VERDICTS: [&str; 3] = ["consistent", "effect", "unexplained"];
 
 /// All columns of a study, in order; the draw's number comes before them.
-pub(super) fn columns(study: &Study, methods: &[Method]) -> Vec<Column> {
-    let mut all = List(vec![Column { name: "failure".to_owned(), kind: Kind::Word }]);
+pub(super) fn columns(study: &StudyOrder, methods: &[Method]) -> Vec<Column> {
+    let mut all = List(vec![Column { name: "failure".to_owned(), kind: CellKind::Word }]);
     for v in &study.vary {
         all.number(format!("vary.{}", v.name));
     }
@@ -50,35 +50,35 @@ pub(super) fn columns(study: &Study, methods: &[Method]) -> Vec<Column> {
 struct List(Vec<Column>);
 
 impl List {
-    fn add(&mut self, name: String, kind: Kind) {
+    fn add(&mut self, name: String, kind: CellKind) {
         self.0.push(Column { name, kind });
     }
     fn number(&mut self, name: String) {
-        self.add(name, Kind::Number);
+        self.add(name, CellKind::Number);
     }
     /// Columns of one estimate.
-    fn estimate(&mut self, stem: &str, study: &Study) {
+    fn estimate(&mut self, stem: &str, study: &StudyOrder) {
         if study.keep.estimates {
             ["estimate", "error", "std_error"].iter().for_each(|s| self.number(format!("{stem}.{s}")));
-            self.add(format!("{stem}.covered"), Kind::Flag);
+            self.add(format!("{stem}.covered"), CellKind::Flag);
         }
         if study.keep.intervals {
             ["low", "high"].iter().for_each(|s| self.number(format!("{stem}.{s}")));
         }
     }
-    fn closing(&mut self, study: &Study) {
+    fn closing(&mut self, study: &StudyOrder) {
         for name in ["close.verdict", "close.families", "close.rivals"] {
-            self.add(name.to_owned(), Kind::Word);
+            self.add(name.to_owned(), CellKind::Word);
         }
         for name in VERDICTS.iter().chain(&["right", "right_or_rival"]) {
-            self.add(format!("close.{name}"), Kind::Flag);
+            self.add(format!("close.{name}"), CellKind::Flag);
         }
         for e in &study.effects {
             for p in (e.effect.parameters)(&[]) {
                 let stem = format!("close.{}.{}", e.effect.family, p.name);
                 self.estimate(&stem, study);
                 self.number(format!("{stem}.upper95"));
-                self.add(format!("{stem}.bounded"), Kind::Flag);
+                self.add(format!("{stem}.bounded"), CellKind::Flag);
             }
         }
     }

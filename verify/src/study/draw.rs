@@ -1,39 +1,39 @@
 //! verify: one draw of a study. In: a study made ready and the draw's number. Out: its row.
 
 use super::closing::close_draw;
-use super::columns::{FLIGHT, TRAJECTORY, columns};
+use super::columns::{TRAJECTORY, columns};
+use super::row::Cells;
 use crate::VerifyError;
-use crate::resimulate::{Replay, estimate, hold_out, mean_median_std};
+use crate::resimulate::{Replay, estimate, hold_out};
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use windfall_model::frames::Rotation;
-use windfall_model::study::{Cell, Column, Distribution, Row, Setting, Study};
+use windfall_model::study::{Cell, Column, Distribution, Row, Setting, StudyOrder};
 use windfall_model::{Campaign, Data, Flight, Plant, Record, Run, Use};
-use windfall_pid::output_error::Options;
-use windfall_pid::{DataSet, Estimate, Method, estimated, identify_by};
-use windfall_sim::{Channel, Seed, Truth, fly};
+use windfall_pid::output_error::EstimateOptions;
+use windfall_pid::{DataSet, Method, estimated, identify_by};
+use windfall_sim::{Channel, Seed, fly};
 
-/// Stream of the histories, after those of [`Study::vary`].
+/// Stream of the histories, after those of [`StudyOrder::vary`].
 const HISTORY_STREAM: u8 = 127;
 
 /// A study ready to draw from.
 #[derive(Debug)]
-pub struct Prepared {
-    study: Study,
+pub struct PreparedStudy {
+    study: StudyOrder,
     columns: Vec<Column>,
     places: HashMap<String, usize>,
     methods: Vec<Method>,
     wanted: Vec<(&'static str, String)>,
 }
 
-impl Prepared {
+impl PreparedStudy {
     /// Makes a study ready. A study of a measured campaign flies each of its runs again: from the initial state that the study's
     /// plant estimates from the run, with the recorded tunnel speed.
     ///
     /// # Errors
     /// A method that does not exist, a campaign of point masses, or a run that cannot be flown.
-    pub fn new(mut study: Study, campaign: Option<&Campaign>) -> Result<Self, VerifyError> {
+    pub fn new(mut study: StudyOrder, campaign: Option<&Campaign>) -> Result<Self, VerifyError> {
         let methods = study
             .steps
             .identify
@@ -50,7 +50,7 @@ impl Prepared {
     }
     /// The order.
     #[must_use]
-    pub fn study(&self) -> &Study {
+    pub fn study(&self) -> &StudyOrder {
         &self.study
     }
     /// What each row holds after the draw's number.
@@ -155,9 +155,9 @@ impl Prepared {
     }
 
     fn identified(&self, method: Method, campaign: &Campaign, setting: &Setting, out: &mut Cells<'_>) -> Result<(), VerifyError> {
-        let options = Options { combined_only: true, ..Options::default() };
+        let options = EstimateOptions { combined_only: true, ..EstimateOptions::default() };
         let found = identify_by(campaign, method, &options)?;
-        let Some(set) = found.data_set("combined") else { return Err(VerifyError::NoDataSet) };
+        let Some(set) = found.of_all_runs() else { return Err(VerifyError::NoDataSet) };
         for (coefficient, name) in &self.wanted {
             if let (Some(p), Some(truth)) = (set.get(coefficient, name), setting.plant.aero.value(name)) {
                 out.parameter(&format!("{}.{coefficient}.{name}", method.name()), p, truth);
@@ -184,59 +184,7 @@ fn resimulated(method: Method, campaign: &Campaign, set: &DataSet, out: &mut Cel
     Ok(())
 }
 
-/// A row under construction. What the study does not keep has no place and is let go.
-pub(super) struct Cells<'p> {
-    cells: Vec<Cell>,
-    places: &'p HashMap<String, usize>,
-}
-
-impl Cells<'_> {
-    pub(super) fn set(&mut self, name: &str, cell: Cell) {
-        if let Some(&i) = self.places.get(name) {
-            self.cells[i] = cell;
-        }
-    }
-    pub(super) fn number(&mut self, name: &str, x: f64) {
-        self.set(name, Cell::Number(x.is_finite().then_some(x)));
-    }
-    pub(super) fn flag(&mut self, name: &str, x: bool) {
-        self.set(name, Cell::Flag(Some(x)));
-    }
-    /// An estimate beside the truth.
-    pub(super) fn estimate(&mut self, stem: &str, estimate: f64, std_error: Option<f64>, ci95: Option<[f64; 2]>, truth: f64) {
-        self.number(&format!("{stem}.estimate"), estimate);
-        self.number(&format!("{stem}.error"), estimate - truth);
-        if let Some(s) = std_error {
-            self.number(&format!("{stem}.std_error"), s);
-        }
-        if let Some([low, high]) = ci95 {
-            self.number(&format!("{stem}.low"), low);
-            self.number(&format!("{stem}.high"), high);
-            self.flag(&format!("{stem}.covered"), low <= truth && truth <= high);
-        }
-    }
-    fn parameter(&mut self, stem: &str, p: &Estimate, truth: f64) {
-        self.estimate(stem, p.estimate, Some(p.std_error), Some(p.ci95), truth);
-    }
-    fn flight(&mut self, name: &str, truth: &Truth) {
-        let theta: Vec<f64> = truth.quaternion.iter().map(|q| off_vertical_rad(*q).to_degrees()).collect();
-        let omega: Vec<f64> = truth.w_tunnel_body.iter().map(|w| w[1].hypot(w[2]).to_degrees()).collect();
-        let flown_s = truth.t_s.last().copied().unwrap_or(0.0);
-        let alpha = truth.alpha_t_rad.iter().copied().fold(0.0, f64::max).to_degrees();
-        let all = [[flown_s, alpha].as_slice(), &mean_median_std(&theta), &mean_median_std(&omega)].concat();
-        for (s, x) in FLIGHT.iter().zip(all) {
-            self.number(&format!("flight.{name}.{s}"), x);
-        }
-    }
-}
-
-/// Angle between the body's x axis and the tunnel's X (thesis eq. 5.1), rad.
-fn off_vertical_rad(quaternion: [f64; 4]) -> f64 {
-    let r: Rotation<windfall_model::frames::Tunnel, windfall_model::frames::Body> = Rotation::from_quaternion(quaternion);
-    r.matrix[(1, 0)].hypot(r.matrix[(2, 0)]).atan2(r.matrix[(0, 0)])
-}
-
-fn with_effects(setting: &Setting, study: &Study) -> Plant {
+fn with_effects(setting: &Setting, study: &StudyOrder) -> Plant {
     let mut plant = setting.plant.clone();
     for e in &study.effects {
         (e.effect.apply)(&mut plant, &setting.effect_values[e.index]);
@@ -245,7 +193,7 @@ fn with_effects(setting: &Setting, study: &Study) -> Plant {
 }
 
 /// The campaign that a draw's records make: the declared plant, without effects.
-fn made_campaign(study: &Study, declared: &Plant, flights: &[Flight], records: Vec<Record>) -> Campaign {
+fn made_campaign(study: &StudyOrder, declared: &Plant, flights: &[Flight], records: Vec<Record>) -> Campaign {
     let runs = flights.iter().zip(records).map(|(flight, record)| Run::of_flight(flight, record)).collect();
     Campaign::of_flights(&study.name, declared, &study.declared, &study.knowledge, runs)
 }
@@ -323,11 +271,5 @@ mod tests {
         }
         let cut = sample(&Distribution::Normal { mean: 0.0, std: 1.0, low: -0.5, high: 0.25 });
         assert!(cut.iter().all(|x| (-0.5..=0.25).contains(x)));
-    }
-
-    #[test]
-    fn law_off_vertical_is_the_angle_of_the_pitch() {
-        let half: f64 = 0.5 * 0.3;
-        assert!((off_vertical_rad([half.cos(), 0.0, half.sin(), 0.0]) - 0.3).abs() < 1e-15);
     }
 }

@@ -1,6 +1,6 @@
 //! verify: draws on all threads. In: a study made ready and draws that are wanted. Out: rows, handed on as they come.
 
-use super::draw::Prepared;
+use super::draw::PreparedStudy;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use windfall_model::study::Row;
@@ -10,7 +10,7 @@ use windfall_model::study::Row;
 ///
 /// # Errors
 /// The first error of `keep`; no further draw is begun after it.
-pub fn run<E, K>(prepared: &Prepared, wanted: impl Iterator<Item = u64> + Send, keep: K) -> Result<(), E>
+pub fn run<E, K>(prepared: &PreparedStudy, wanted: impl Iterator<Item = u64> + Send, keep: K) -> Result<(), E>
 where
     E: Send,
     K: Fn(Row) -> Result<bool, E> + Sync,

@@ -3,7 +3,10 @@
 //! Radix selection on the numbers' bits in their total order: each pass counts the next eleven bits of what agrees with a wanted
 //! order statistic so far, so six passes and a few histograms are enough for any count of numbers.
 
-use super::summary::Read;
+use windfall_model::study::Cell;
+
+/// Shows every cell of a column, each time it is asked.
+pub(super) type Read<'r, E> = &'r dyn Fn(&mut dyn FnMut(Cell)) -> Result<(), E>;
 
 /// Lowest bit of each pass, and the bit above its highest.
 const PASSES: [(u32, u32); 6] = [(53, 64), (42, 53), (31, 42), (20, 31), (9, 20), (0, 9)];
@@ -72,7 +75,6 @@ fn number(key: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use windfall_model::study::Cell;
 
     fn of(x: &[f64], p: &[f64]) -> Vec<f64> {
         let read = |see: &mut dyn FnMut(Cell)| {

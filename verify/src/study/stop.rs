@@ -2,7 +2,7 @@
 //! enough.
 
 use statrs::distribution::{Beta, ContinuousCDF, StudentsT};
-use windfall_model::study::{Kind, Row, Stop};
+use windfall_model::study::{CellKind, Row, StopRule};
 
 /// Half of what the 95 % interval leaves out.
 const TAIL: f64 = 0.025;
@@ -51,11 +51,11 @@ impl Moments {
     }
     /// 95 % interval: of the mean, or of the rate when the numbers are flags.
     #[must_use]
-    pub fn ci95(&self, kind: Kind) -> Option<[f64; 2]> {
+    pub fn ci95(&self, kind: CellKind) -> Option<[f64; 2]> {
         match kind {
-            Kind::Number => self.mean_ci95(),
-            Kind::Flag => (self.n > 0).then(|| clopper_pearson(self.hits(), self.n)),
-            Kind::Word => None,
+            CellKind::Number => self.mean_ci95(),
+            CellKind::Flag => (self.n > 0).then(|| clopper_pearson(self.hits(), self.n)),
+            CellKind::Word => None,
         }
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number of hits, at most n")]
@@ -76,9 +76,9 @@ pub fn clopper_pearson(hits: u64, n: u64) -> [f64; 2] {
 /// The asked-for quantity over whole parts in the order of their index, so that when a study ends depends on nothing else.
 #[derive(Clone, Debug)]
 pub struct Progress {
-    stop: Stop,
+    stop: StopRule,
     place: usize,
-    kind: Kind,
+    kind: CellKind,
     moments: Moments,
     draws: u64,
 }
@@ -86,7 +86,7 @@ pub struct Progress {
 impl Progress {
     /// Nothing seen yet; `place` and `kind` are those of the rule's column.
     #[must_use]
-    pub fn new(stop: Stop, place: usize, kind: Kind) -> Self {
+    pub fn new(stop: StopRule, place: usize, kind: CellKind) -> Self {
         Self { stop, place, kind, moments: Moments::default(), draws: 0 }
     }
     /// What a part says of the quantity; its rows sorted by draw.

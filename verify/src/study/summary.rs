@@ -1,12 +1,12 @@
 //! verify: what all draws of a study say. In: columns of results. Out: bias, scatter, coverage, quantiles, rates, with intervals.
 
-use super::draw::Prepared;
-use super::select::quantiles;
+use super::draw::PreparedStudy;
+use super::select::{Read, quantiles};
 use super::stop::{Moments, clopper_pearson};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::collections::BTreeMap;
-use windfall_model::study::{Cell, Column, Kind};
+use windfall_model::study::{Cell, CellKind, Column};
 
 /// Probabilities of the quantiles.
 const QUANTILES: [f64; 7] = [0.025, 0.05, 0.25, 0.5, 0.75, 0.95, 0.975];
@@ -155,16 +155,13 @@ pub struct Summary {
 /// Most failure messages that are listed.
 const LISTED: usize = 20;
 
-/// Shows every cell of a column, each time it is asked.
-pub(super) type Read<'r, E> = &'r dyn Fn(&mut dyn FnMut(Cell)) -> Result<(), E>;
-
 /// Summarises a study of so many draws; `each` shows every cell of a column of the results, as often as asked. Nothing is held that
 /// grows with the number of draws.
 ///
 /// # Errors
 /// Those of `each`.
 pub fn summarise<E>(
-    prepared: &Prepared,
+    prepared: &PreparedStudy,
     draws: u64,
     each: impl Fn(&Column, &mut dyn FnMut(Cell)) -> Result<(), E>,
 ) -> Result<Summary, E> {
@@ -174,10 +171,10 @@ pub fn summarise<E>(
     for column in prepared.columns() {
         let read: Read<'_, E> = &|see| each(column, see);
         match column.kind {
-            Kind::Number => numbers.extend(number_line(&column.name, read)?),
-            Kind::Flag => rates.push(rate(&column.name, read)?),
-            Kind::Word if column.name == "failure" => failures = failed(&counted(read)?, draws),
-            Kind::Word => words.push(word_line(&column.name, &counted(read)?, draws)),
+            CellKind::Number => numbers.extend(number_line(&column.name, read)?),
+            CellKind::Flag => rates.push(rate(&column.name, read)?),
+            CellKind::Word if column.name == "failure" => failures = failed(&counted(read)?, draws),
+            CellKind::Word => words.push(word_line(&column.name, &counted(read)?, draws)),
         }
     }
     let parameters = prepared.columns().iter().filter_map(|c| parameter(c, &numbers, &rates)).collect();
@@ -305,7 +302,7 @@ mod tests {
         let numbers = vec![number_line("m.C.p.error", &of(cells)).expect("reads").expect("four numbers")];
         let flags = [Cell::Flag(Some(true)), Cell::Flag(Some(false)), Cell::Flag(None), Cell::Flag(Some(true))];
         let rates = vec![rate("m.C.p.covered", &of(flags.to_vec())).expect("reads")];
-        let column = Column { name: "m.C.p.error".to_owned(), kind: Kind::Number };
+        let column = Column { name: "m.C.p.error".to_owned(), kind: CellKind::Number };
         let p = parameter(&column, &numbers, &rates).expect("a parameter");
         assert!((p.bias - 0.5).abs() < 1e-15 && (p.rms_error - 1.5_f64.sqrt()).abs() < 1e-15);
         let [a, b] = p.scatter_ci95.expect("four numbers");

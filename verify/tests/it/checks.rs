@@ -1,7 +1,7 @@
 //! verify tests: the checks of `windfall verify`. In: bundled scenarios. Out: whether all pass, and whether they can fail.
 
 use crate::common::bundled;
-use windfall_verify::{Check, Kind, Setups, Verdict, all_pass, checks};
+use windfall_verify::{Check, CheckKind, CheckVerdict, Setups, all_pass, checks};
 
 fn run(change: impl Fn(&mut [windfall_model::Scenario; 3])) -> Vec<Check> {
     let mut s = ["appendix-c", "full-scale-venus-20km", "sage-combined"].map(bundled);
@@ -17,9 +17,9 @@ fn of<'a>(all: &'a [Check], id: &str) -> &'a Check {
 #[test]
 fn recover_every_check_passes_and_shows_the_thesis_beside() {
     let all = run(|_| ());
-    let failed: Vec<&Check> = all.iter().filter(|c| c.verdict == Verdict::Fail).collect();
+    let failed: Vec<&Check> = all.iter().filter(|c| c.verdict == CheckVerdict::Fail).collect();
     assert!(all_pass(&all), "{failed:?}");
-    for kind in [Kind::Exact, Kind::Published, Kind::Recovered] {
+    for kind in [CheckKind::Exact, CheckKind::Published, CheckKind::Recovered] {
         assert!(all.iter().any(|c| c.kind == kind));
     }
     let mut ids: Vec<&str> = all.iter().map(|c| c.id.as_str()).collect();
@@ -28,7 +28,7 @@ fn recover_every_check_passes_and_shows_the_thesis_beside() {
     assert_eq!(ids.len(), all.len(), "ids are unique");
     // Both methods on the same run, side by side; the thesis' own is a result without a bound.
     let (own, thesis) = (of(&all, "appendix-c-equation-error-CN-CN_sin3"), of(&all, "appendix-c-thesis-CN-CN_sin3"));
-    assert_eq!((own.verdict, thesis.verdict), (Verdict::Pass, Verdict::Shown));
+    assert_eq!((own.verdict, thesis.verdict), (CheckVerdict::Pass, CheckVerdict::Shown));
     assert!(own.figure < 1e-3 && thesis.figure > 100.0, "{} {}", own.figure, thesis.figure);
     assert_eq!((own.thesis, thesis.thesis), (Some(6.84), Some(6.84)));
     assert!(all.iter().filter(|c| c.id.starts_with("appendix-c-equation-error")).count() == 13);
@@ -44,10 +44,10 @@ fn law_checks_fail_on_another_lander() {
     });
     assert!(!all_pass(&all));
     for id in ["trim-pressure", "trim-speed", "froude-scaling"] {
-        assert_eq!(of(&all, id).verdict, Verdict::Fail, "{id}");
+        assert_eq!(of(&all, id).verdict, CheckVerdict::Fail, "{id}");
     }
     // What does not depend on the drag's value still holds.
     for id in ["trim-hover", "fall-with-drag", "torque-free-energy", "appendix-c-equation-error-CA-CA_T0"] {
-        assert_eq!(of(&all, id).verdict, Verdict::Pass, "{id}");
+        assert_eq!(of(&all, id).verdict, CheckVerdict::Pass, "{id}");
     }
 }

@@ -5,7 +5,7 @@
 //! eliminates the jerk of the tunnel speed and the node's state (square-root information, Bierman 1977, run backward so that the
 //! forward pass needs no inverse of a damped motion). The work is linear in the length of the run.
 
-use super::{CHANNELS, Columns, NODE, Nominal, Run, SPEED, split};
+use super::{CHANNELS, FreeColumns, NODE, Nominal, PreparedRun, SPEED, split};
 use crate::equations::{STATES, Transition};
 use nalgebra::{DMatrix, DVector};
 
@@ -33,12 +33,12 @@ pub(crate) struct Step {
     pub(crate) nodes: Vec<DVector<f64>>,
 }
 
-impl Run<'_> {
+impl PreparedRun<'_> {
     /// Linearises about a nominal trajectory; `None` where the flight cannot go on.
     pub(crate) fn linearise(
         &self,
         nominal: &Nominal,
-        c: &Columns<'_>,
+        c: &FreeColumns<'_>,
         std: &[f64; CHANNELS],
         work: &mut Transition,
     ) -> Option<Linearised> {
@@ -81,7 +81,7 @@ impl Run<'_> {
     }
 
     /// `[Φ | Γ | d]` of a piece to the next node.
-    fn forward(&self, next: &[f64; NODE], s: &[f64; SPEED], c: &Columns<'_>, work: &Transition) -> DMatrix<f64> {
+    fn forward(&self, next: &[f64; NODE], s: &[f64; SPEED], c: &FreeColumns<'_>, work: &Transition) -> DMatrix<f64> {
         let width = NODE + c.free;
         let mut f = DMatrix::zeros(NODE, width + 1);
         let (states, slopes) = (&work.states[self.piece - 1], &work.slopes[self.piece - 1]);
@@ -110,7 +110,7 @@ impl Run<'_> {
         &self,
         k: usize,
         nominal: &Nominal,
-        c: &Columns<'_>,
+        c: &FreeColumns<'_>,
         std: &[f64; CHANNELS],
         work: &Transition,
         a: &mut DMatrix<f64>,
@@ -143,7 +143,7 @@ impl Run<'_> {
         &self,
         nominal: &Nominal,
         linear: &Linearised,
-        c: &Columns<'_>,
+        c: &FreeColumns<'_>,
         work: &mut Transition,
     ) -> Option<Vec<Vec<Vec<f64>>>> {
         let width = NODE + c.free;

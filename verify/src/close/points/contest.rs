@@ -1,15 +1,15 @@
 //! verify: the contest of sets of effects on tracks. In: tracks, a declared model. Out: the set that the runs speak for, and all next to it.
 
 use super::settings::Settings;
-use super::{catalogue, declared};
+use super::{catalogue, declared, problem, settled_fit};
 use crate::VerifyError;
-use crate::trace::{Evidence, Fit, Free, Hypothesis, PointEvidence, Problem};
+use crate::tracks::{EffectInstance, Free, Problem, TrackEvidence, TrackFit, TrackModel};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use windfall_model::{Campaign, Effect, Role};
+use windfall_model::{Campaign, Effect, Measured, Role};
 
 /// Log odds by which a larger set must beat a smaller one: gains are held back already by what few runs know of their scatter
-/// ([`Contest::factor`]), and 1 in 100 campaigns without an effect get one all the same (`law_few_false_names` of the tests).
+/// ([`TrackContest::factor`]), and 1 in 100 campaigns without an effect get one all the same (`law_few_false_names` of the tests).
 const SURE: f64 = 1.0;
 /// Prior standard deviations of an effect's strengths, as shares of the most that a body can have: each as likely, for effects are of any
 /// size.
@@ -23,9 +23,9 @@ const MOVES: usize = 12;
 /// A set with its fit.
 #[derive(Clone)]
 pub(super) struct Scored {
-    /// Places in [`Contest::families`], in the order of the fit's effects after those declared.
+    /// Places in [`TrackContest::families`], in the order of the fit's effects after those declared.
     pub(super) families: Vec<usize>,
-    pub(super) fit: Fit,
+    pub(super) fit: TrackFit,
     /// Log marginal likelihood, costs taken off.
     pub(super) score: f64,
 }
@@ -41,11 +41,11 @@ impl Scored {
 }
 
 /// A search and its outcome.
-pub(super) struct Contest<'a> {
-    campaign: &'a Campaign,
+pub(super) struct TrackContest<'a> {
+    pub(super) campaign: &'a Campaign,
     settings: &'a Settings,
-    select: Option<&'a PointEvidence>,
-    pub(super) evidence: PointEvidence,
+    select: Option<&'a TrackEvidence>,
+    pub(super) evidence: TrackEvidence,
     pub(super) families: Vec<&'static Effect>,
     /// The declared model alone, and every family alone beside it, at the evidence of the end.
     pub(super) declared: Scored,
@@ -55,29 +55,18 @@ pub(super) struct Contest<'a> {
     pub(super) neighbours: Vec<Scored>,
 }
 
-impl<'a> Contest<'a> {
+impl<'a> TrackContest<'a> {
     pub(super) fn new(
         campaign: &'a Campaign,
         settings: &'a Settings,
         runs: &[usize],
-        select: Option<&'a PointEvidence>,
+        select: Option<&'a TrackEvidence>,
     ) -> Result<Self, VerifyError> {
-        let mut evidence = PointEvidence::new(campaign, runs, &campaign.plant)?;
-        let mut h = declared(campaign, settings, evidence.generic().len());
-        let mut fit = None;
-        for _ in 0..3 {
-            let problem =
-                Problem { evidence: &evidence, base: &campaign.plant, declared: &campaign.declared, inputs: &campaign.inputs };
-            let f = problem.fit(&h, false);
-            if !f.log_likelihood.is_finite() {
-                return Err(VerifyError::Fit { campaign: campaign.name.clone(), reason: f.stop.words() });
-            }
-            h = f.hypothesis.clone();
-            evidence.settle(&h.plant(&campaign.plant));
-            fit = Some(f);
-        }
-        let fit = fit.ok_or(VerifyError::Fit { campaign: campaign.name.clone(), reason: "no fit was made" })?;
-        let families = catalogue().filter(|e| !campaign.knowledge.effects.iter().any(|(d, _)| d == e)).collect();
+        let mut evidence = TrackEvidence::new(campaign, runs, &campaign.plant)?;
+        let start = declared(campaign, settings, evidence.components());
+        let fit = settled_fit(campaign, &mut evidence, start)?;
+        evidence.settle(&fit.hypothesis.plant(&campaign.plant));
+        let families = catalogue(campaign.body()).filter(|e| !campaign.knowledge.effects.iter().any(|(d, _)| d == e)).collect();
         let start = Scored { families: Vec::new(), fit, score: f64::NEG_INFINITY };
         Ok(Self {
             campaign,
@@ -93,8 +82,7 @@ impl<'a> Contest<'a> {
     }
 
     pub(super) fn problem(&self) -> Problem<'_> {
-        let c = self.campaign;
-        Problem { evidence: &self.evidence, base: &c.plant, declared: &c.declared, inputs: &c.inputs }
+        problem(self.campaign, &self.evidence)
     }
 
     pub(super) fn family_name(&self, place: usize) -> String {
@@ -130,7 +118,7 @@ impl<'a> Contest<'a> {
 
     /// Fits the declared model, the best set and all its neighbours to the evidence as it lies.
     fn weigh(&mut self) {
-        let h = declared(self.campaign, self.settings, self.evidence.generic().len());
+        let h = declared(self.campaign, self.settings, self.evidence.components());
         let fit = self.problem().fit(&h, false);
         self.declared = Scored { families: Vec::new(), score: f64::NEG_INFINITY, fit };
         self.declared.score = self.score(&self.declared.fit, 0);
@@ -162,15 +150,30 @@ impl<'a> Contest<'a> {
         self.neighbours = fitted;
     }
 
+    /// An effect where its fit starts: at null; of specific forces a strength that is never negative at a quarter of the most that a body
+    /// can have, for without drag the initial velocity is not seen, and a step from there leads anywhere.
+    fn started(&self, effect: &'static Effect) -> EffectInstance {
+        let mut instance = self.settings.null(effect, self.campaign);
+        if self.campaign.measured() == Measured::SpecificForce {
+            for (p, v) in instance.parameters.iter().zip(&mut instance.values) {
+                if p.role == Role::Strength && p.low.total_cmp(&0.0).is_eq() {
+                    *v = 0.25 * p.high;
+                }
+            }
+        }
+        instance
+    }
+
     /// A set fitted in full, from the values that its members have in `near`. A strength that would leave what a body can have is held at
     /// null; `None` where a family has none left.
-    fn fitted(&self, set: &[usize], near: &Hypothesis) -> Option<Scored> {
+    fn fitted(&self, set: &[usize], near: &TrackModel) -> Option<Scored> {
         let mut h = declared(self.campaign, self.settings, near.generic.len());
         h.generic.clone_from(&near.generic);
         let own = h.effects.len();
         h.effects.extend(set.iter().map(|&f| {
-            let known = near.effects.iter().find(|e| e.effect == self.families[f]);
-            known.cloned().unwrap_or_else(|| self.settings.null(self.families[f], self.campaign))
+            let from_near = self.campaign.measured() != Measured::SpecificForce;
+            let known = near.effects.iter().find(|e| from_near && e.effect == self.families[f]);
+            known.cloned().unwrap_or_else(|| self.started(self.families[f]))
         }));
         loop {
             let fit = self.problem().fit(&h, true);
@@ -200,7 +203,7 @@ impl<'a> Contest<'a> {
 
     /// Log marginal likelihood by Laplace's approximation with normal priors about null, the mean over their widths, effect by effect, less
     /// what the families cost.
-    fn score(&self, fit: &Fit, families: usize) -> f64 {
+    fn score(&self, fit: &TrackFit, families: usize) -> f64 {
         let own = fit.hypothesis.effects.len() - families;
         let ways = PLAUSIBLE.len().pow(families as u32);
         let each = (0..ways).map(|way| {
@@ -216,7 +219,7 @@ impl<'a> Contest<'a> {
     }
 
     /// What integrating over the free numbers gives beside the likelihood at its maximum, with a prior width for every effect.
-    fn marginal(&self, fit: &Fit, width: &dyn Fn(usize) -> f64) -> f64 {
+    fn marginal(&self, fit: &TrackFit, width: &dyn Fn(usize) -> f64) -> f64 {
         let n = fit.free.len();
         if n == 0 {
             return 0.0;
@@ -235,7 +238,7 @@ impl<'a> Contest<'a> {
         ln(&of_data) - ln(&of_both) - 0.5 * departures.dot(&of_both.solve(&departures))
     }
 
-    fn prior(&self, fit: &Fit, f: Free, width: &dyn Fn(usize) -> f64) -> f64 {
+    fn prior(&self, fit: &TrackFit, f: Free, width: &dyn Fn(usize) -> f64) -> f64 {
         match f {
             Free::Declared(i) => VAGUE * self.campaign.plant.aero.values[i].abs().max(1.0),
             Free::Constant(i) => fit.hypothesis.constants[i].0.std,
@@ -266,7 +269,7 @@ impl<'a> Contest<'a> {
     /// Whether one set says more than a smaller one: more than the tracker's stated error could make, and on the runs kept for choosing.
     fn tells(&self, less: &Scored, more: &Scored) -> bool {
         let chosen = self.select.is_none_or(|s| {
-            let problem = Problem { evidence: s, ..self.problem() };
+            let problem = problem(self.campaign, s);
             problem.predict(&more.fit.hypothesis) > problem.predict(&less.fit.hypothesis)
         });
         chosen && self.evidence.tells(&less.fit.residual, &more.fit.residual)

@@ -5,9 +5,9 @@
 //! any number; what a body can have is the coefficient at the settings that were flown. About their mean, along the
 //! principal axes of their scatter, all are independent, and one range and one prior hold for each.
 
-use crate::trace::{Fit, Free, Instance};
+use crate::tracks::{EffectInstance, Free, TrackFit};
 use nalgebra::{DMatrix, DVector};
-use windfall_model::{Campaign, Effect, Parameter, Role};
+use windfall_model::{Campaign, Data, Effect, Parameter, Role, Run};
 
 /// Means of the inputs of the runs to identify on, and what makes them uncorrelated with unit scatter.
 pub(super) struct Settings {
@@ -19,12 +19,34 @@ pub(super) struct Settings {
 
 /// Share of the inputs' scatter in a direction below which no run differs in it.
 const SAME: f64 = 1e-6;
+/// Rows of a run, evenly taken, by which recorded inputs are judged.
+const ROWS: usize = 64;
+
+/// Inputs of a run that were recorded row by row.
+fn recorded(run: &Run) -> &[(usize, Vec<f64>)] {
+    match &run.data {
+        Data::Point(record) => &record.recorded_inputs,
+        Data::Tunnel(_) => &[],
+    }
+}
 
 impl Settings {
     /// Of these runs: principal axes of the inputs' correlation.
     pub(super) fn of(campaign: &Campaign, runs: &[usize]) -> Self {
-        let (k, n) = (campaign.inputs.len(), runs.len());
-        let inputs = DMatrix::from_fn(k, n, |i, r| campaign.runs[runs[r]].inputs.get(i).copied().unwrap_or(0.0));
+        let k = campaign.inputs.len();
+        if k == 0 {
+            return Self { names: Vec::new(), mean: DVector::zeros(0), to_standard: DMatrix::zeros(0, 0) };
+        }
+        // A run whose inputs were recorded row by row counts as much as one whose inputs are constant.
+        let rows = if runs.iter().any(|&r| !recorded(&campaign.runs[r]).is_empty()) { ROWS } else { 1 };
+        let n = rows * runs.len();
+        let inputs = DMatrix::from_fn(k, n, |i, column| {
+            let run = &campaign.runs[runs[column / rows]];
+            match recorded(run).iter().find(|(place, _)| *place == i) {
+                Some((_, series)) => series[(column % rows) * (series.len() - 1) / (ROWS - 1)],
+                None => run.inputs.get(i).copied().unwrap_or(0.0),
+            }
+        });
         let mean = inputs.column_mean();
         let about = DMatrix::from_fn(k, n, |i, r| inputs[(i, r)] - mean[i]);
         let covariance = &about * about.transpose() / n.max(1) as f64;
@@ -35,6 +57,9 @@ impl Settings {
             })
             .collect();
         let correlation = DMatrix::from_fn(k, k, |i, j| covariance[(i, j)] * scatter[i] * scatter[j]);
+        if k == 0 {
+            return Self { names: Vec::new(), mean, to_standard: correlation };
+        }
         let eigen = correlation.symmetric_eigen();
         let length = |i: usize| if eigen.eigenvalues[i] > SAME { eigen.eigenvalues[i].powf(-0.5) } else { 0.0 };
         let to_standard = DMatrix::from_fn(k, k, |i, j| length(i) * eigen.eigenvectors[(j, i)] * scatter[j]);
@@ -46,9 +71,27 @@ impl Settings {
         let mut own = campaign.clone();
         for run in own.runs.iter_mut().filter(|r| r.inputs.len() == self.mean.len()) {
             let about = DVector::from_column_slice(&run.inputs) - &self.mean;
-            run.inputs = (&self.to_standard * about).as_slice().to_vec();
+            let before = std::mem::replace(&mut run.inputs, (&self.to_standard * about).as_slice().to_vec());
+            if let Data::Point(record) = &mut run.data
+                && !record.recorded_inputs.is_empty()
+            {
+                record.recorded_inputs = self.recorded(&before, &record.recorded_inputs);
+            }
         }
         own
+    }
+
+    /// Every input of a run with recorded ones, row by row, in standard units.
+    fn recorded(&self, constant: &[f64], recorded: &[(usize, Vec<f64>)]) -> Vec<(usize, Vec<f64>)> {
+        let rows = recorded.first().map_or(0, |(_, series)| series.len());
+        let mut all: Vec<(usize, Vec<f64>)> = (0..constant.len()).map(|i| (i, Vec::with_capacity(rows))).collect();
+        for row in 0..rows {
+            let mut inputs = DVector::from_column_slice(constant);
+            recorded.iter().for_each(|(place, series)| inputs[*place] = series[row]);
+            let standard = &self.to_standard * (inputs - &self.mean);
+            all.iter_mut().zip(standard.iter()).for_each(|((_, series), u)| series.push(*u));
+        }
+        all
     }
 
     /// Place of the constant and of the input that a slope belongs to.
@@ -60,8 +103,8 @@ impl Settings {
     }
 
     /// An effect at null, every strength within what a body can have at the settings flown.
-    pub(super) fn null(&self, effect: &'static Effect, campaign: &Campaign) -> Instance {
-        let mut instance = Instance::null(effect, &campaign.plant, &campaign.inputs);
+    pub(super) fn null(&self, effect: &'static Effect, campaign: &Campaign) -> EffectInstance {
+        let mut instance = EffectInstance::null(effect, &campaign.inputs);
         let plain = (effect.parameters)(&[]);
         let range = |name: &str| plain.iter().find(|p| p.name == name).map(|p| (p.low, p.high));
         let ranges: Vec<Option<(f64, f64)>> = (0..instance.parameters.len())
@@ -79,7 +122,7 @@ impl Settings {
     }
 
     /// An effect with values in the campaign's own units.
-    pub(super) fn inward(&self, mut instance: Instance, values: &[f64]) -> Instance {
+    pub(super) fn inward(&self, mut instance: EffectInstance, values: &[f64]) -> EffectInstance {
         let to = self.outward_map(&instance.parameters);
         let standard = to.svd(true, true).solve(&DVector::from_column_slice(values), 1e-12);
         instance.values = standard.map_or_else(|_| values.to_vec(), |v| v.as_slice().to_vec());
@@ -106,7 +149,7 @@ impl Settings {
     }
 
     /// Values and standard errors of a fit's effect in the campaign's own units; an error is infinite where a number was not free.
-    pub(super) fn outward(&self, fit: &Fit, k: usize) -> Vec<(f64, f64)> {
+    pub(super) fn outward(&self, fit: &TrackFit, k: usize) -> Vec<(f64, f64)> {
         let instance = &fit.hypothesis.effects[k];
         let n = instance.values.len();
         let to = self.outward_map(&instance.parameters);

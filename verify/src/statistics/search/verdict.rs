@@ -4,7 +4,9 @@
 use super::super::ensemble::{Rows, quantile, true_runs};
 use super::super::judge::{self, Spread, Tangent};
 use super::super::table::conclusions;
-use super::super::{Estimated, Explanation, Figure, FigureOver, Screened, Separation, StatisticsClosing, StatisticsError};
+use super::super::{
+    Estimated, Explanation, FigureOver, FigureSeparation, Screened, StatisticFigure, StatisticsClosing, StatisticsError,
+};
 use super::{FINAL, Found, Search, WITHIN};
 use nalgebra::DMatrix;
 
@@ -88,14 +90,14 @@ impl Search<'_> {
         Ok(closing)
     }
 
-    fn separations(&self, judged: &[Judged]) -> Vec<Separation> {
+    fn separations(&self, judged: &[Judged]) -> Vec<FigureSeparation> {
         let possible: Vec<&Judged> = judged.iter().filter(|j| j.explanation.possible || j.explanation.closes).collect();
         let mut all = Vec::new();
         for truth in &possible {
             for other in possible.iter().filter(|o| o.explanation.families != truth.explanation.families) {
                 let power = judge::rejected(&other.spread, &other.tangent, &other.rows, &truth.rows, &self.used);
                 let (truth, other) = (truth.explanation.families.clone(), other.explanation.families.clone());
-                all.push(Separation { truth, other, power });
+                all.push(FigureSeparation { truth, other, power });
             }
         }
         all
@@ -135,9 +137,9 @@ fn parameters(f: &Found, std_errors: &[f64]) -> Vec<Estimated> {
 }
 
 /// Figures of a distribution over runs beside the test.
-fn over(figures: &[Figure], rows: &Rows) -> Vec<FigureOver> {
+fn over(figures: &[StatisticFigure], rows: &Rows) -> Vec<FigureOver> {
     let n = rows.len() as f64;
-    let one = |(i, f): (usize, &Figure)| {
+    let one = |(i, f): (usize, &StatisticFigure)| {
         let mut x: Vec<f64> = rows.iter().map(|r| r[i]).collect();
         let mean = x.iter().sum::<f64>() / n;
         let std = (x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();

@@ -1,0 +1,29 @@
+//! cli: `windfall init` and `windfall explain`. In: a run file; words. Out: `campaign.toml`; what the words mean.
+
+use crate::args::{ExplainArgs, InitArgs};
+use crate::session::{Failure, Session};
+use windfall::files::text_atomically;
+
+/// Name of the campaign file.
+const FILE: &str = "campaign.toml";
+
+pub(crate) fn init(args: &InitArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
+    let text = windfall::init(&args.run)?;
+    session.common.out = Some(args.folder.clone());
+    let folder = session.outputs(&[FILE])?;
+    session.write(folder.as_deref(), |stage| Ok(text_atomically(&stage.join(FILE), &text)?))?;
+    let path = args.folder.join(FILE);
+    if session.common.json {
+        session.print_json(&serde_json::json!({ "campaign": path.display().to_string() }))?;
+    } else {
+        session.print(&text)?;
+    }
+    session.say(&format!("written: {0}; next: fill in what is nan, then windfall check {0}", path.display()));
+    Ok(true)
+}
+
+pub(crate) fn explain(args: &ExplainArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
+    let text = windfall::explain(&args.request)?;
+    session.show(&serde_json::json!({ "text": text }), || text.clone())?;
+    Ok(true)
+}

@@ -1,0 +1,158 @@
+//! likelihood: what a measurement does to the filter. In: state, covariance and sensitivities before a node. Out: the same after it.
+
+use super::{Filter, Ready, SETTLED_S, Seen, Work, axpy};
+use crate::columns::{Shown, View};
+use crate::noise::POSE;
+use crate::run::Node;
+use crate::shock::Innovation;
+use windfall_pid::equations::{MOTION, STATES};
+
+/// Step of differences by a state.
+const STEP: f64 = 1e-6;
+
+impl Filter<'_> {
+    /// Measurement update at a node, channel by channel (their white noise is independent).
+    #[expect(clippy::too_many_arguments, reason = "the state of one filter, borrowed in parts")]
+    pub(super) fn update(
+        &self,
+        k: usize,
+        z: &mut [f64],
+        p: &mut [f64],
+        s: &mut [f64],
+        rate: &[f64; MOTION],
+        columns: &[Ready<'_>],
+        view: &View,
+        seen: &mut Seen,
+        rows: &mut Vec<f64>,
+        work: &mut Work,
+    ) {
+        let (n, node) = (self.n, &self.run.nodes[k]);
+        let predicted = self.shown(self.plant, z, rate, k);
+        self.slopes_by_states(k, z, rate, &predicted, work);
+        self.slopes_by_columns(k, z, rate, &predicted, columns, view, work);
+        let mut whitened = [0.0; POSE];
+        let so_far = seen.log_likelihood;
+        let before = z.to_vec();
+        for c in 0..if node.pose.count > 0.0 { POSE } else { 0 } {
+            let (innovation, variance) = self.innovation(c, node, predicted[c], z, &before, p, s, work);
+            let root = variance.sqrt();
+            let w = innovation / root;
+            seen.log_likelihood -= 0.5 * w * w + root.ln();
+            if node.t_s > SETTLED_S {
+                let sums = &mut seen.channels[c];
+                *sums = [sums[0] + innovation * innovation, sums[1] + variance, sums[2] + w * w, sums[3] + 1.0];
+            }
+            whitened[c] = w;
+            rows.extend(work.d.iter().map(|x| x / root));
+            rows.push(w);
+            if let Some(node) = seen.trace.nodes.last_mut() {
+                let slope = work.h[c * n..(c + 1) * n].to_vec();
+                node.channels.push(Innovation {
+                    slope,
+                    covariance: work.ph.clone(),
+                    value: innovation,
+                    variance,
+                    columns: work.d.clone(),
+                });
+            }
+            self.correct(z, p, s, innovation, variance, work);
+        }
+        seen.whitened.push(whitened);
+        seen.nodes.push(seen.log_likelihood - so_far);
+    }
+
+    /// Slopes by the states that a channel shows, by differences.
+    fn slopes_by_states(&self, k: usize, z: &mut [f64], rate: &[f64; MOTION], predicted: &Shown, work: &mut Work) {
+        let n = self.n;
+        let h = &mut work.h;
+        h.fill(0.0);
+        for i in 0..STATES {
+            let kept = z[i];
+            z[i] = kept + STEP;
+            let moved = self.shown(self.plant, z, rate, k);
+            z[i] = kept;
+            (0..POSE).for_each(|c| h[c * n + i] = (moved[c] - predicted[c]) / STEP);
+        }
+        for (j, (channel, ..)) in self.coloured.iter().enumerate() {
+            h[channel * n + n - self.coloured.len() + j] = 1.0;
+        }
+    }
+
+    /// What columns do to the channels at once.
+    #[expect(clippy::too_many_arguments, reason = "the state of one filter, borrowed in parts")]
+    fn slopes_by_columns(
+        &self,
+        k: usize,
+        z: &[f64],
+        rate: &[f64; MOTION],
+        predicted: &Shown,
+        columns: &[Ready<'_>],
+        view: &View,
+        work: &mut Work,
+    ) {
+        let nc = self.nc;
+        let direct = &mut work.direct;
+        direct.fill(0.0);
+        for (j, column) in columns.iter().enumerate() {
+            match column {
+                Ready::Plant { plant, step, shows: true, .. } => {
+                    let moved = self.shown(plant, z, rate, k);
+                    (0..POSE).for_each(|c| direct[c * nc + j] = (moved[c] - predicted[c]) / step);
+                }
+                Ready::Error(channel, basis) => direct[channel * nc + j] = basis.value(view),
+                _ => {}
+            }
+        }
+    }
+
+    /// Innovation of a channel and its variance; the channel's covariance with the states and its slopes by the columns stay in `work`.
+    #[expect(clippy::too_many_arguments, reason = "the state of one filter, borrowed in parts")]
+    fn innovation(
+        &self,
+        c: usize,
+        node: &Node,
+        predicted: f64,
+        z: &[f64],
+        before: &[f64],
+        p: &[f64],
+        s: &[f64],
+        work: &mut Work,
+    ) -> (f64, f64) {
+        let (n, nc) = (self.n, self.nc);
+        let noise = self.white[c] / node.pose.count;
+        let hc = &work.h[c * n..(c + 1) * n];
+        let ph = &mut work.ph;
+        ph.fill(0.0);
+        let mut noise_state = 0.0;
+        let mut carried = 0.0;
+        let d = &mut work.d;
+        d.copy_from_slice(&work.direct[c * nc..(c + 1) * nc]);
+        for i in (0..n).filter(|&i| hc[i] != 0.0) {
+            axpy(hc[i], &p[i * n..(i + 1) * n], ph);
+            axpy(hc[i], &s[i * nc..(i + 1) * nc], d);
+            carried += hc[i] * (z[i] - before[i]);
+            if i >= n - self.coloured.len() {
+                noise_state += hc[i] * before[i];
+            }
+        }
+        let variance = hc.iter().zip(ph.iter()).map(|(a, b)| a * b).sum::<f64>() + noise;
+        (node.y[c] - predicted - noise_state - carried, variance)
+    }
+
+    /// State, covariance and sensitivities after an innovation.
+    fn correct(&self, z: &mut [f64], p: &mut [f64], s: &mut [f64], innovation: f64, variance: f64, work: &Work) {
+        let (n, nc) = (self.n, self.nc);
+        let (ph, d) = (&work.ph, &work.d);
+        pulp::Arch::new().dispatch(|| {
+            for i in 0..n {
+                let gain = ph[i] / variance;
+                if gain == 0.0 {
+                    continue;
+                }
+                z[i] += gain * innovation;
+                axpy(-gain, d, &mut s[i * nc..(i + 1) * nc]);
+                axpy(-gain, ph, &mut p[i * n..(i + 1) * n]);
+            }
+        });
+    }
+}

@@ -1,0 +1,216 @@
+//! likelihood: standard errors that hold where the noise or the gusts are not quite the model's. In: a fit. Out: its numbers' covariance.
+//!
+//! A model whose gusts or noise have another spectrum than the data's leaves innovations that are correlated from node to node; its
+//! information then overstates what was learnt. Estimates of maximum likelihood are still consistent, and their covariance is
+//! `A⁻¹ J A⁻¹` with A the information and J the score's covariance in the long run (Huber 1967; White 1982; Newey and West 1987).
+
+use crate::engine::{Engine, Fit, random_numbers};
+use crate::filter::Seen;
+use crate::model::Model;
+use crate::noise::POSE;
+use nalgebra::{DMatrix, DVector, SMatrix};
+
+/// Time over which innovations may be correlated, s; Bartlett's weights fall to zero there.
+const MEMORY_S: f64 = 1.0;
+/// Time in which a run's first state is found, s.
+const SETTLED_S: f64 = 0.5;
+
+type Correlation = SMatrix<f64, POSE, POSE>;
+
+/// Whitened innovations of a run by node, none where nothing was measured, and the columns' slopes of them.
+struct Whitened {
+    innovations: Vec<Option<[f64; POSE]>>,
+    slopes: Vec<Option<DMatrix<f64>>>,
+}
+
+impl Whitened {
+    fn of(seen: &Seen) -> Self {
+        let taken = seen.trace.nodes.iter().map(|n| (n.channels.len() == POSE && n.t_s > SETTLED_S).then_some(&n.channels));
+        let taken: Vec<_> = taken.collect();
+        let root = |c: &crate::shock::Innovation| c.variance.sqrt();
+        Self {
+            innovations: taken.iter().map(|n| n.map(|n| std::array::from_fn(|c| n[c].value / root(&n[c])))).collect(),
+            slopes: taken
+                .iter()
+                .map(|n| n.map(|n| DMatrix::from_fn(POSE, n[0].columns.len(), |c, j| n[c].columns[j] / root(&n[c]))))
+                .collect(),
+        }
+    }
+}
+
+/// Bartlett's weight of a lag among `most`.
+fn weight(lag: usize, most: usize) -> f64 {
+    1.0 - lag as f64 / (most as f64 + 1.0)
+}
+
+/// Correlation of whitened innovations with those `lag` nodes later, over all runs: for every lag up to `most`, weighted.
+fn correlations(runs: &[Whitened], most: usize) -> Vec<Correlation> {
+    let count = runs.iter().flat_map(|r| &r.innovations).flatten().count().max(1) as f64;
+    (0..=most)
+        .map(|lag| {
+            let mut sum = Correlation::zeros();
+            for run in runs {
+                for pair in run.innovations.windows(lag + 1) {
+                    if let (Some(now), Some(later)) = (pair[0], pair[lag]) {
+                        sum += Correlation::from_fn(|a, b| now[a] * later[b]);
+                    }
+                }
+            }
+            sum * (weight(lag, most) / count)
+        })
+        .collect()
+}
+
+/// The score's covariance in the long run, `Σ Dᵀ(k) R(lag) D(k + lag)` over both signs of the lag.
+fn long_run(runs: &[Whitened], most: usize) -> DMatrix<f64> {
+    let n = runs.iter().flat_map(|r| &r.slopes).flatten().next().map_or(0, DMatrix::ncols);
+    let correlations = correlations(runs, most);
+    let mut all = DMatrix::zeros(n, n);
+    for run in runs {
+        for (k, slope) in run.slopes.iter().enumerate() {
+            let Some(slope) = slope else { continue };
+            let mut later = DMatrix::<f64>::zeros(POSE, n);
+            for (lag, r) in correlations.iter().enumerate() {
+                let share = if lag == 0 { 0.5 } else { 1.0 };
+                if let Some(Some(other)) = run.slopes.get(k + lag) {
+                    later.gemm(share, r, other, 1.0);
+                }
+            }
+            all.gemm_tr(1.0, slope, &later, 1.0);
+        }
+    }
+    &all + all.transpose()
+}
+
+impl Engine {
+    /// The same fit with the covariance that holds whatever the noise's and the gusts' spectra are; as it was where it cannot be had.
+    #[must_use]
+    pub fn robust(&self, fit: &Fit) -> Fit {
+        let covariance = self.sandwich(fit).filter(|c| (0..c.nrows()).all(|i| c[(i, i)].is_finite() && c[(i, i)] > 0.0));
+        Fit { covariance: covariance.unwrap_or_else(|| fit.covariance.clone()), ..fit.clone() }
+    }
+
+    fn sandwich(&self, fit: &Fit) -> Option<DMatrix<f64>> {
+        let seen = self.traced(&fit.model, &fit.numbers).ok()?;
+        let runs: Vec<Whitened> = seen.iter().map(Whitened::of).collect();
+        let mut score = long_run(&runs, self.memory());
+        // What is known beforehand scatters as it says.
+        fit.numbers.iter().enumerate().for_each(|(i, n)| score[(i, i)] += n.prior.powi(-2));
+        let found = &fit.covariance * score * &fit.covariance;
+        // A second's correlations are known to some percent only: errors grow by them, and never fall below the model's own.
+        let own = &fit.covariance;
+        let grown = |i: usize| (found[(i, i)] / own[(i, i)]).max(1.0).sqrt();
+        Some(DMatrix::from_fn(own.nrows(), own.ncols(), |i, k| grown(i) * own[(i, k)] * grown(k)))
+    }
+
+    /// [`MEMORY_S`] in nodes.
+    fn memory(&self) -> usize {
+        let step_s = self.runs.first().map_or(1.0, crate::run::Prepared::step_s);
+        crate::run::whole(MEMORY_S / step_s).max(1)
+    }
+
+    /// Covariance of the logarithms of the random members' numbers. The information is what innovations and their variances say by
+    /// their slopes; the score's covariance is that of what the nodes say in the long run.
+    pub(crate) fn random_covariance(&self, model: &Model) -> Option<DMatrix<f64>> {
+        let places = random_numbers(model);
+        let base = self.traced(model, &[]).ok()?;
+        let moved = places
+            .iter()
+            .map(|&place| {
+                let (next, by) = self.moved(model, place);
+                Some(slopes(&base, &self.traced(&next, &[]).ok()?, by))
+            })
+            .collect::<Option<Vec<_>>>()?;
+        let n = places.len();
+        let each = |a: usize, b: usize| moved[a].iter().zip(&moved[b]).map(|(x, y)| x.information(y)).sum::<f64>();
+        let information = DMatrix::from_fn(n, n, each);
+        let mut score = DMatrix::zeros(n, n);
+        for run in 0..base.len() {
+            let of: Vec<&[f64]> = moved.iter().map(|m| m[run].likelihood.as_slice()).collect();
+            score += autocovariance(&of, self.memory());
+        }
+        let inverse = information.try_inverse()?;
+        Some(&inverse * score * &inverse)
+    }
+}
+
+/// Slopes of a run's innovations (whitened), of the logarithms of their variances, and of its nodes' log-likelihoods.
+struct Slopes {
+    innovations: Vec<f64>,
+    variances: Vec<f64>,
+    likelihood: Vec<f64>,
+}
+
+impl Slopes {
+    /// Expected information of two numbers.
+    fn information(&self, other: &Self) -> f64 {
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        product(&self.innovations, &other.innovations) + 0.5 * product(&self.variances, &other.variances)
+    }
+}
+
+fn slopes(base: &[Seen], moved: &[Seen], by: f64) -> Vec<Slopes> {
+    let one = |(base, moved): (&Seen, &Seen)| {
+        let mut slopes = Slopes { innovations: Vec::new(), variances: Vec::new(), likelihood: Vec::new() };
+        for (a, b) in base.trace.nodes.iter().zip(&moved.trace.nodes) {
+            for (x, y) in a.channels.iter().zip(&b.channels) {
+                slopes.innovations.push((y.value - x.value) / (by * x.variance.sqrt()));
+                slopes.variances.push((y.variance / x.variance).ln() / by);
+            }
+        }
+        slopes.likelihood = base.nodes.iter().zip(&moved.nodes).map(|(a, b)| (b - a) / by).collect();
+        slopes
+    };
+    base.iter().zip(moved).map(one).collect()
+}
+
+/// Covariance of the sums of series that are correlated over `most` steps.
+fn autocovariance(series: &[&[f64]], most: usize) -> DMatrix<f64> {
+    let n = series.len();
+    let length = series.first().map_or(0, |s| s.len());
+    let mut all = DMatrix::zeros(n, n);
+    for k in 0..length {
+        let now = DVector::from_fn(n, |i, _| series[i][k]);
+        let mut later = 0.5 * &now;
+        for lag in 1..=most.min(length - 1 - k) {
+            (0..n).for_each(|i| later[i] += weight(lag, most) * series[i][k + lag]);
+        }
+        all += &now * later.transpose();
+    }
+    &all + all.transpose()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// The mean of a first-order process scatters by (1 + ρ)/(1 - ρ) of what independent values would leave; white ones by one.
+    #[test]
+    fn exact_variance_of_the_mean_of_a_first_order_process() {
+        for (rho, tolerance) in [(0.0_f64, 0.06), (0.6, 0.1)] {
+            let mut rng = ChaCha8Rng::seed_from_u64(3);
+            let mut runs = Vec::new();
+            for _ in 0..4 {
+                let mut x = [0.0; POSE];
+                let innovations = (0..5000).map(|_| {
+                    x.iter_mut().for_each(|x| {
+                        let white: f64 = StandardNormal.sample(&mut rng);
+                        *x = rho * *x + (1.0 - rho * rho).sqrt() * white;
+                    });
+                    Some(x)
+                });
+                let innovations: Vec<_> = innovations.collect();
+                let slopes = (0..innovations.len()).map(|_| Some(DMatrix::from_element(POSE, 1, 1.0))).collect();
+                runs.push(Whitened { innovations, slopes });
+            }
+            let most = 50;
+            let expected = (20_000 * POSE) as f64
+                * (1..=most).fold(1.0, |s, lag| s + 2.0 * weight(lag, most) * rho.powi(i32::try_from(lag).unwrap_or(0)));
+            let found = long_run(&runs, most)[(0, 0)];
+            assert!((found / expected - 1.0).abs() < tolerance, "{rho}: {found} for {expected}");
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! pid: what every interval is made with. In: an estimate and its standard error. Out: factors and percentages.
+
+/// Standard errors on either side of a 95 % interval of a normal estimate.
+pub const NORMAL_95: f64 = 1.959_963_985;
+
+/// Standard error over estimate, percent (thesis eq. 4.21); none where that is no number: of zero, or of what is not finite.
+///
+/// ```
+/// assert_eq!(windfall_pid::relative_percent(0.5, -2.0), Some(25.0));
+/// assert_eq!(windfall_pid::relative_percent(0.5, 0.0), None);
+/// ```
+#[must_use]
+pub fn relative_percent(std_error: f64, estimate: f64) -> Option<f64> {
+    Some(100.0 * std_error / estimate.abs()).filter(|r| r.is_finite())
+}

@@ -1,0 +1,237 @@
+"use strict";
+// Signals over time: one run at a time, every channel with its residual, one time axis and one cursor for all.
+(() => {
+  const { make, number, colour, themed, view } = Windfall;
+  const SIDES = ["measured", "before", "after"];
+  /** A constant line. */
+  const level = (y) => ({ level: y });
+
+  /** Series between two times, at most so many points: of each of `buckets` spans the least and the largest value, in their order.
+   *  A series is an array, or a difference of two; it ends where it ends. */
+  function reduced(t, series, [a, b], buckets) {
+    let from = 0;
+    let to = t.length;
+    // One sample beyond each end, so that lines run to the edge.
+    for (let lo = 0, hi = t.length; lo < hi;) { const m = (lo + hi) >> 1; if (t[m] < a) lo = m + 1; else hi = m; from = Math.max(0, lo - 1); }
+    for (let lo = 0, hi = t.length; lo < hi;) { const m = (lo + hi) >> 1; if (t[m] <= b) lo = m + 1; else hi = m; to = Math.min(t.length, lo + 1); }
+    const per = Math.max(1, Math.ceil((to - from) / buckets));
+    const n = per > 2 ? 2 * Math.ceil((to - from) / per) : to - from;
+    const x = new Float64Array(n);
+    for (let k = 0; k < n; k += 1) {
+      const at = per > 2 ? from + (k >> 1) * per + (k & 1 ? per >> 1 : 0) : from + k;
+      x[k] = t[Math.min(to - 1, at)];
+      if (k && x[k] <= x[k - 1]) x[k] = x[k - 1] + 1e-9;
+    }
+    return [x, ...series.map((s) => one(s, from, to, per, n))];
+  }
+  function one(s, from, to, per, n) {
+    if (s.level !== undefined) return new Float64Array(n).fill(s.level);
+    const { of, less } = s;
+    const end = Math.min(to, less ? Math.min(of.length, less.length) : of.length);
+    const y = new Array(n).fill(null);
+    if (per <= 2) {
+      for (let i = from; i < end; i += 1) y[i - from] = less ? of[i] - less[i] : of[i];
+      return y;
+    }
+    for (let k = 0, i = from; i < end; k += 2) {
+      let [low, high, first] = [Infinity, -Infinity, true];
+      for (const stop = Math.min(end, i + per); i < stop; i += 1) {
+        const v = less ? of[i] - less[i] : of[i];
+        if (v < low) { low = v; first = false; }
+        if (v > high) { high = v; first = true; }
+      }
+      // `first`: the largest came last.
+      y[k] = first ? low : high;
+      y[k + 1] = first ? high : low;
+    }
+    return y;
+  }
+
+  Windfall.Tracks = class {
+    constructor(place, tracks) {
+      Object.assign(this, { place, tracks, plots: [], range: null, t: 0, listeners: [], busy: false });
+      const asked = view.read();
+      const mine = asked.of === tracks.id ? asked : {};
+      const held = tracks.runs.findIndex((r) => r.use === "hold-out");
+      const named = tracks.runs.findIndex((r) => r.name === mine.run);
+      this.run = named >= 0 ? named : Math.max(0, held);
+      const names = tracks.runs[0].channels.map((c) => c.name);
+      const first = names.filter((n) => !["p", "q", "r", "airspeed", "tether pull"].includes(n));
+      const shown = (mine.ch || "").split(",").filter((n) => names.includes(n));
+      this.shown = new Set(shown.length ? shown : first);
+      if (mine.x) this.range = mine.x.split("_").map(Number).slice(0, 2);
+      if (this.range && !(this.range[1] > this.range[0])) this.range = null;
+      if (mine.t) this.t = Number(mine.t) || 0;
+      this.controls(names);
+      this.draw();
+      themed.push(() => this.draw());
+      let last = innerWidth;
+      let timer = 0;
+      addEventListener("resize", () => {
+        clearTimeout(timer);
+        timer = setTimeout(() => { if (innerWidth !== last) { last = innerWidth; this.draw(); } }, 200);
+      });
+    }
+    side(name) { return name === "measured" ? "measured" : this.tracks[name]; }
+    controls(names) {
+      const { tracks } = this;
+      const options = tracks.runs.map((r, i) => make("option", { value: i, selected: i === this.run }, `${r.name} (${r.use})`));
+      const pick = make("select", { "aria-label": "Run", onchange: (e) => this.choose(Number(e.target.value)) }, ...options);
+      this.pick = pick;
+      const boxes = names.map((n) => make("label", { class: "chip" },
+        make("input", { type: "checkbox", checked: this.shown.has(n), onchange: (e) => {
+          if (e.target.checked) this.shown.add(n); else this.shown.delete(n);
+          this.draw();
+          this.save();
+        } }), " " + n));
+      const keys = SIDES.filter((s) => s === "measured" || tracks[s])
+        .map((s) => make("span", { class: "legend" }, make("span", { class: "key " + s }), this.side(s)));
+      const all = make("button", { type: "button", onclick: () => this.zoom(null) }, "Whole run");
+      this.said = make("output", { class: "said", "aria-live": "off" });
+      this.grid = make("div", { class: "channels", tabindex: 0, role: "group",
+        "aria-label": "Signals over time. Arrow keys move the cursor, plus and minus zoom, zero shows the whole run." });
+      this.grid.addEventListener("keydown", (e) => this.key(e));
+      const row = make("div", { class: "controls" }, make("label", {}, "Run ", pick), all, ...keys, this.said);
+      const chips = make("fieldset", { class: "chips" }, make("legend", {}, "Channels"), ...boxes);
+      this.place.replaceChildren(row, chips, this.grid);
+    }
+    key(e) {
+      const [a, b] = this.shownRange();
+      const step = (b - a) / (e.shiftKey ? 10 : 100);
+      const at = Math.min(b, Math.max(a, this.t));
+      const zoomed = (f) => this.zoom([at - (at - a) * f, at + (b - at) * f]);
+      const act = { ArrowLeft: () => this.at(at - step), ArrowRight: () => this.at(at + step), "+": () => zoomed(0.5), "=": () => zoomed(0.5),
+        "-": () => zoomed(2), 0: () => this.zoom(null) }[e.key];
+      if (!act) return;
+      e.preventDefault();
+      this.said.setAttribute("aria-live", "polite");
+      act();
+    }
+    runNow() { return this.tracks.runs[this.run]; }
+    end() { const t = this.runNow().t; return t[t.length - 1] || 1; }
+    shownRange() { return this.range || [0, this.end()]; }
+    choose(run) {
+      this.run = run;
+      this.pick.value = run;
+      this.range = null;
+      this.draw();
+      this.save();
+      this.listeners.forEach((f) => f("run"));
+    }
+    /** The view as an address, once it rests: browsers allow few changes a second. */
+    save() {
+      clearTimeout(this.saving);
+      this.saving = setTimeout(() => {
+        const [a, b] = this.range || [];
+        view.write(this.tracks.id, { run: this.runNow().name, ch: [...this.shown].join(","),
+          ...(this.range ? { x: `${a.toFixed(3)}_${b.toFixed(3)}` } : {}), t: this.t.toFixed(3) });
+      }, 120);
+    }
+    /** The same range on every plot. */
+    zoom(range) {
+      if (range) {
+        const a = Math.max(0, range[0]);
+        const b = Math.min(this.end(), range[1]);
+        this.range = b - a > 1e-3 && (a > 0 || b < this.end()) ? [a, b] : null;
+      } else this.range = null;
+      const [a, b] = this.shownRange();
+      this.busy = true;
+      // What is in sight at once, the rest when the range rests.
+      const hidden = [];
+      for (const u of this.plots) {
+        const { top, bottom } = u.root.getBoundingClientRect();
+        if (bottom > 0 && top < innerHeight) this.show(u, [a, b]); else hidden.push(u);
+      }
+      clearTimeout(this.later);
+      this.later = setTimeout(() => hidden.forEach((u) => this.show(u, this.shownRange())), 60);
+      this.busy = false;
+      this.save();
+    }
+    show(u, [a, b]) {
+      if (!this.plots.includes(u)) return;
+      u.batch(() => {
+        u.setData(reduced(u.full.t, u.full.series, [a, b], u.width), false);
+        u.setScale("x", { min: a, max: b });
+      });
+    }
+    /** Time of the cursor: plots, words and replay follow. */
+    at(t, from) {
+      this.t = Math.min(this.end(), Math.max(0, t));
+      this.busy = true;
+      for (const u of this.plots) if (u !== from) u.setCursor({ left: u.valToPos(this.t, "x"), top: 10 }, false);
+      this.busy = false;
+      this.words();
+      if (from !== "replay") this.listeners.forEach((f) => f("time"));
+    }
+    words() {
+      const t = this.runNow().t;
+      let i = Math.round((this.t / this.end()) * (t.length - 1));
+      while (i > 0 && t[i] > this.t) i -= 1;
+      while (i < t.length - 1 && t[i + 1] <= this.t) i += 1;
+      this.said.textContent = `t = ${this.t.toFixed(2)} s`;
+      for (const { c, out } of this.cells) {
+        const words = SIDES.filter((s) => c[s].length).map((s) => `${this.side(s)} ${number(c[s][i])}`);
+        out.textContent = `${words.join(", ")}${c.unit ? " " + c.unit : ""}`;
+      }
+    }
+    draw() {
+      this.plots.forEach((u) => u.destroy());
+      Object.assign(this, { plots: [], cells: [] });
+      const run = this.runNow();
+      const channels = run.channels.filter((c) => this.shown.has(c.name));
+      const places = channels.map((c) => {
+        const out = make("span", { class: "values" });
+        const place = make("div", { class: "channel" }, make("h3", {}, c.unit ? `${c.name} (${c.unit})` : c.name), out);
+        this.cells.push({ c, out });
+        return [c, place];
+      });
+      this.grid.replaceChildren(...places.map(([, p]) => p));
+      for (const [c, place] of places) this.channel(run, c, place);
+      const still = document.querySelector(`[data-still="${this.tracks.id}"]`);
+      if (still) still.hidden = true;
+      this.at(this.t, "replay");
+    }
+    channel(run, c, place) {
+      const sides = SIDES.filter((s) => c[s].length);
+      const lines = sides.map((s) => ({ ...Windfall.stroke(s), width: s === "measured" ? 3 : 1.4 }));
+      this.plot(place, c.name, 150, run.t, sides.map((s) => ({ of: c[s] })), lines, "", c.unit);
+      const models = sides.filter((s) => s !== "measured");
+      if (!c.measured.length || !models.length) return;
+      const left = models.map((s) => ({ of: c.measured, less: c[s] }));
+      const noise = c.noise ? [-2, 2].map((k) => level(k * c.noise)) : [];
+      const strokes = [...models.map((s) => ({ ...Windfall.stroke(s), width: 1.1 })), ...noise.map(() => Windfall.stroke("noise"))];
+      const unit = `residual${c.unit ? ` (${c.unit})` : ""}`;
+      this.plot(place, `residual of ${c.name}`, 125, run.t, [...left, ...noise], strokes, "time in the run (s)", unit);
+    }
+    plot(place, title, height, t, series, lines, x, y) {
+      const holder = make("div", { role: "img", "aria-label": `${title} over time` });
+      place.append(holder);
+      const [a, b] = this.shownRange();
+      const options = {
+        width: Math.max(240, place.clientWidth), height, series: [{}, ...lines.map((l) => ({ ...l, spanGaps: false }))],
+        scales: { x: { time: false, min: a, max: b, range: (u, min, max) => [min, max] } }, axes: Windfall.axes(x, y), legend: { show: false },
+        cursor: { drag: { x: true, y: false, setScale: false }, y: false, points: { size: 5 }, bind: { dblclick: () => () => { this.zoom(null); return null; } } },
+        hooks: {
+          setSelect: [(u) => {
+            if (u.select.width > 4) this.zoom([u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x")]);
+            u.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
+          }],
+          setCursor: [(u) => {
+            if (this.busy || u.cursor.left < 0 || !u.cursor.event) return;
+            this.pending = { t: u.posToVal(u.cursor.left, "x"), u };
+            if (!this.asked) {
+              this.asked = true;
+              requestAnimationFrame(() => { this.asked = false; this.at(this.pending.t, this.pending.u); });
+            }
+          }],
+        },
+      };
+      if (!x) options.axes[0].values = (u, all) => all.map(() => "");
+      if (!x) options.axes[0].size = 8;
+      const u = new uPlot(options, reduced(t, series, [a, b], options.width), holder);
+      u.full = { t, series };
+      this.plots.push(u);
+      Windfall.charts += 1;
+    }
+  };
+})();

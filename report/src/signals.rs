@@ -1,0 +1,52 @@
+//! report: measured against model over time, and the replay. In: tracks. Out: places that the page's program fills, with still figures
+//! of the first held-out run for readers without it.
+
+use crate::chart::{SIZE, chart};
+use crate::html::{escape, section};
+use crate::story::thinned;
+use crate::svg;
+use windfall_verify::close::{Figure, Role, RunTracks, SignalTracks, Topic};
+
+/// Sections of tracks; `id` tells several of one page apart. Nothing without runs.
+pub(crate) fn signals(id: &str, t: &SignalTracks) -> String {
+    let Some(run) = t.runs.iter().find(|r| r.used == "hold-out").or(t.runs.first()) else { return String::new() };
+    let coefficients = t.runs.iter().all(|r| !r.channels.iter().any(|c| c.name.starts_with('X')));
+    let still: String = still(run);
+    let body = format!(
+        "<div class=\"tracks\" data-tracks=\"{id}\"></div>\n<div class=\"still\" data-still=\"{id}\"><p class=\"note\">Run {}; with \
+         JavaScript every run and channel can be chosen.</p><div class=\"grid\">{still}</div></div>\n",
+        escape(&run.name)
+    );
+    if coefficients {
+        let lead = "Look for a blue curve inside the grey one, and for a residual without shape: the coefficient that the record's motion \
+                    needs (grey), and the identified model at the same states (blue). Drag to zoom, all channels follow; double click \
+                    shows all.";
+        return section("Coefficients over time", lead, &body);
+    }
+    let replay = format!(
+        "<div class=\"replay\" data-replay=\"{id}\"><p class=\"note\">The replay needs JavaScript and WebGL; the figures below show the same runs.</p></div>\n"
+    );
+    let lead = "Look whether both bodies swing together: the measured one at the left, the simulated one at the right, on one clock with the \
+                curves below.";
+    let signals = "Look for the colours on the grey curve, and for a residual as narrow as the noise. Drag to zoom, all channels follow; \
+                   double click shows all; hover reads values and moves the replay.";
+    section("Replay", lead, &replay) + &section("Measured against model", signals, &body)
+}
+
+/// Each channel of a run.
+fn still(run: &RunTracks) -> String {
+    let one = |c: &windfall_verify::close::TrackSignal| {
+        let sides = [(Role::Measured, &c.measured), (Role::Before, &c.before), (Role::After, &c.after)];
+        let unit = if c.unit.is_empty() { c.name.clone() } else { format!("{} ({})", c.name, c.unit) };
+        let figure = Figure {
+            topic: Topic::Trajectory,
+            title: format!("{}: {}", run.name, c.name),
+            x_label: "time in the run (s)".to_owned(),
+            y_label: unit,
+            log_y: false,
+            series: sides.into_iter().filter(|(_, y)| !y.is_empty()).map(|(r, y)| thinned(r, &run.t_s, y)).collect(),
+        };
+        chart(&figure, SIZE).map_or_else(String::new, |d| svg::figure(&d))
+    };
+    run.channels.iter().map(one).collect()
+}

@@ -1,0 +1,328 @@
+//! verify: measured and modelled signals over time, for the page and whoever plots them. In: a campaign, models. Out: a series per
+//! channel and run: `tracks.json`, `coefficients.json`, `flights.json`.
+
+use super::figures::{Sides, runs_flown, sides_of};
+use super::{Closing, Role};
+use crate::VerifyError;
+use crate::resimulate::{Replay, estimate_initial};
+use crate::tracks::{TrackEvidence, stated_std};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use windfall_model::{Campaign, Coefficient, Data, Measured, Plant, Record, Run};
+use windfall_pid::coefficients::coefficients;
+use windfall_pid::{Identification, rates_and_angles};
+use windfall_sim::Flown;
+
+/// Most samples of all runs together: longer campaigns are thinned.
+const SAMPLES: usize = 20_000;
+/// Most samples of coefficients, which are smooth.
+const COEFFICIENT_SAMPLES: usize = 6_000;
+
+/// What is drawn of the body.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BodyShape {
+    /// True for a body with attitude; a point body is drawn as a sphere.
+    pub rigid: bool,
+    /// Reference diameter, m.
+    pub diameter_m: f64,
+    /// Centre of mass from the geometric origin, body axes, m.
+    pub center_of_mass_m: [f64; 3],
+    /// Tether's attachment, body axes, m; none in free flight.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub attachment_m: Option<[f64; 3]>,
+    /// Tether's ring, tunnel axes, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ring_m: Option<[f64; 3]>,
+}
+
+/// Signals of some runs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SignalTracks {
+    /// Campaign.
+    #[serde(default)]
+    pub campaign: String,
+    /// What is drawn of the body.
+    #[serde(default)]
+    pub body: BodyShape,
+    /// What the model of role `before` is called; empty where there is none.
+    #[serde(default)]
+    pub before: String,
+    /// What the model of role `after` is called; empty where there is none.
+    #[serde(default)]
+    pub after: String,
+    /// Each run.
+    pub runs: Vec<RunTracks>,
+}
+
+/// Signals of one run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunTracks {
+    /// Name.
+    pub name: String,
+    /// Kind.
+    pub kind: String,
+    /// `identify`, `select` or `hold-out`.
+    #[serde(rename = "use")]
+    pub used: String,
+    /// Times from the first sample, s.
+    pub t_s: Vec<f64>,
+    /// Signals.
+    pub channels: Vec<TrackSignal>,
+    /// What reading the file bridged, removed or split.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
+}
+
+/// One signal. A series that ends early was flown no further; an empty one is not known.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrackSignal {
+    /// Name.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// Standard deviation of its sensor's noise as declared; none where it is no raw signal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise_std: Option<f64>,
+    /// Measured.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub measured: Vec<f64>,
+    /// With the declared model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub before: Vec<f64>,
+    /// With the effects added, or with the identified model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub after: Vec<f64>,
+}
+
+impl TrackSignal {
+    fn new(name: &str, unit: &str, noise_std: Option<f64>) -> Self {
+        let none = Vec::new;
+        Self { name: name.to_owned(), unit: unit.to_owned(), noise_std, measured: none(), before: none(), after: none() }
+    }
+    fn side(&mut self, role: Role) -> &mut Vec<f64> {
+        match role {
+            Role::Measured | Role::Noise => &mut self.measured,
+            Role::Before => &mut self.before,
+            Role::After => &mut self.after,
+        }
+    }
+}
+
+/// Measured pose, rates and tunnel speed of every run beside flights from its own initial state, with the declared model and with the
+/// effects added. Of point bodies the position.
+///
+/// # Errors
+/// As closing itself. A run that cannot be flown again has its measurement alone.
+pub fn tracks(campaign: &Campaign, closing: &Closing) -> Result<SignalTracks, VerifyError> {
+    let sides = sides_of(campaign, closing);
+    let after = if sides.after.is_some() { "with the effects added" } else { "" };
+    let runs = of_runs(campaign, &sides)?;
+    Ok(SignalTracks { before: "declared model".to_owned(), after: after.to_owned(), runs, ..empty(campaign) })
+}
+
+/// The same with an identified model, whose series are those of role `after`.
+///
+/// # Errors
+/// No data set, or an identification of another structure.
+pub fn flight_tracks(campaign: &Campaign, found: &Identification) -> Result<SignalTracks, VerifyError> {
+    let plant = identified(campaign, found)?;
+    let thin = thinning(campaign, SAMPLES);
+    let one = |(i, run): (usize, &Run)| -> Option<RunTracks> {
+        let Data::Tunnel(record) = &run.data else { return None };
+        Some(tunnel_run(run, record, &[(Role::After, campaign.plant_for(&plant, i))], thin))
+    };
+    let runs = campaign.runs.par_iter().enumerate().filter_map(one).collect();
+    Ok(SignalTracks { after: "identified model".to_owned(), runs, ..empty(campaign) })
+}
+
+/// Coefficients that the record's motion needs, about the geometric origin, beside those of an identified model at the same states.
+///
+/// # Errors
+/// No data set, or an identification of another structure.
+pub fn coefficient_tracks(campaign: &Campaign, found: &Identification) -> Result<SignalTracks, VerifyError> {
+    let plant = identified(campaign, found)?;
+    let thin = thinning(campaign, COEFFICIENT_SAMPLES);
+    let one = |(i, run): (usize, &Run)| -> Option<RunTracks> {
+        let Data::Tunnel(record) = &run.data else { return None };
+        let own = campaign.plant_for(&plant, i);
+        let replay = Replay::new(record, &own).ok()?;
+        let rows = coefficients(replay.states(), &own);
+        let mut all: Vec<TrackSignal> = Coefficient::ALL.iter().map(|c| TrackSignal::new(c.name(), "", None)).collect();
+        let mut angle = TrackSignal::new("α_T", "deg", None);
+        for (row, state) in rows.iter().zip(replay.states()).step_by(thin) {
+            let model = own.aero.coefficients(&row.flow);
+            for (c, channel) in all.iter_mut().enumerate() {
+                channel.measured.push(short(row.exp_origin[c]));
+                channel.after.push(short(model[c]));
+            }
+            angle.measured.push(short(state.alpha_t.to_degrees()));
+        }
+        all.push(angle);
+        Some(RunTracks { t_s: times(&record.t_s, thin), channels: all, ..named(run) })
+    };
+    let runs = campaign.runs.par_iter().enumerate().filter_map(one).collect();
+    Ok(SignalTracks { after: "identified model".to_owned(), runs, ..empty(campaign) })
+}
+
+fn identified(campaign: &Campaign, found: &Identification) -> Result<Plant, VerifyError> {
+    let set = found.combined().ok_or(VerifyError::NoDataSet)?;
+    Ok(set.plant(&campaign.plant)?)
+}
+
+fn empty(campaign: &Campaign) -> SignalTracks {
+    let plant = &campaign.plant;
+    let tether = plant.tether.as_ref().filter(|_| !campaign.is_point_mass());
+    let body = BodyShape {
+        rigid: !campaign.is_point_mass(),
+        diameter_m: plant.vehicle.diameter_m,
+        center_of_mass_m: plant.vehicle.p_origin_cm.to_array(),
+        attachment_m: tether.map(|t| t.p_origin_hook.to_array()),
+        ring_m: tether.map(|t| t.ring().to_array()),
+    };
+    SignalTracks { campaign: campaign.name.clone(), body, ..SignalTracks::default() }
+}
+
+fn of_runs(campaign: &Campaign, sides: &Sides) -> Result<Vec<RunTracks>, VerifyError> {
+    let thin = thinning(campaign, SAMPLES);
+    if campaign.is_point_mass() {
+        return points(campaign, sides, thin);
+    }
+    let one = |(i, run): (usize, &Run)| -> Option<RunTracks> {
+        let Data::Tunnel(record) = &run.data else { return None };
+        let plants: Vec<(Role, Plant)> = sides.each().map(|(role, p)| (role, campaign.plant_for(p, i))).collect();
+        Some(tunnel_run(run, record, &plants, thin))
+    };
+    Ok(campaign.runs.par_iter().enumerate().filter_map(one).collect())
+}
+
+/// Every so-manieth sample, so that all runs together have at most so many.
+fn thinning(campaign: &Campaign, most: usize) -> usize {
+    let samples = |r: &Run| match &r.data {
+        Data::Tunnel(t) => t.t_s.len(),
+        Data::Point(p) => p.t_s.len(),
+    };
+    campaign.runs.iter().map(samples).sum::<usize>().div_ceil(most).max(1)
+}
+
+fn named(run: &Run) -> RunTracks {
+    RunTracks {
+        name: run.name.clone(),
+        kind: run.kind.clone(),
+        used: run.used.name().to_owned(),
+        t_s: Vec::new(),
+        channels: Vec::new(),
+        notes: run.notes.clone(),
+    }
+}
+
+/// Times from the first sample.
+fn times(t_s: &[f64], thin: usize) -> Vec<f64> {
+    t_s.iter().step_by(thin).map(|t| short(t - t_s[0])).collect()
+}
+
+/// Six digits: more cannot be seen.
+fn short(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
+}
+
+/// The channels of a tunnel run, empty: pose, swing and body rates, tunnel speed, airspeed, the tether's pull.
+fn tunnel_channels(plant: &Plant) -> Vec<TrackSignal> {
+    let s = &plant.sensors;
+    let (at, roll, turn) = (Some(s.position_std_m), Some(s.roll_std_rad.to_degrees()), Some(s.pitch_yaw_std_rad.to_degrees()));
+    let mut all = vec![
+        TrackSignal::new("X", "m", at),
+        TrackSignal::new("Y", "m", at),
+        TrackSignal::new("Z", "m", at),
+        TrackSignal::new("Rx", "deg", roll),
+        TrackSignal::new("Ry", "deg", turn),
+        TrackSignal::new("Rz", "deg", turn),
+        TrackSignal::new("Θ", "deg", None),
+        TrackSignal::new("p", "deg/s", None),
+        TrackSignal::new("q", "deg/s", None),
+        TrackSignal::new("r", "deg/s", None),
+        TrackSignal::new("V_W", "m/s", Some(s.wind_std_m_s)),
+        TrackSignal::new("airspeed", "m/s", None),
+    ];
+    if plant.tether.is_some() {
+        all.push(TrackSignal::new("tether pull", "N", None));
+    }
+    all
+}
+
+fn tunnel_run(run: &Run, record: &Record, plants: &[(Role, Plant)], thin: usize) -> RunTracks {
+    let mut channels = plants.first().map_or_else(Vec::new, |(_, p)| tunnel_channels(p));
+    let mut put = |role: Role, series: Vec<Vec<f64>>| {
+        for (channel, values) in channels.iter_mut().zip(series) {
+            *channel.side(role) = values.iter().step_by(thin).map(|v| short(*v)).collect();
+        }
+    };
+    for (k, (role, plant)) in plants.iter().enumerate() {
+        let Ok(replay) = Replay::new(record, plant) else { continue };
+        if k == 0 {
+            let airspeed = replay.states().iter().map(|s| s.speed).collect();
+            put(Role::Measured, series(record, &replay, record.vw_m_s.clone(), airspeed));
+        }
+        let flown: Option<Flown> =
+            estimate_initial(record, plant).ok().and_then(|i| replay.fly_as_far_as_it_goes(i.release).ok());
+        if let Some(flown) = flown {
+            let mut all = series(&flown.record, &replay, Vec::new(), flown.truth.airspeed_m_s);
+            all.push(flown.truth.tether_n);
+            put(*role, all);
+        }
+    }
+    RunTracks { t_s: times(&record.t_s, thin), channels, ..named(run) }
+}
+
+/// A record's series in the order of [`tunnel_channels`], degrees of angles.
+fn series(record: &Record, replay: &Replay, vw: Vec<f64>, airspeed: Vec<f64>) -> Vec<Vec<f64>> {
+    let degrees = |s: &[f64]| s.iter().map(|x| x.to_degrees()).collect::<Vec<f64>>();
+    let mut all: Vec<Vec<f64>> = record.position_m.to_vec();
+    all.extend(record.attitude_rad.iter().map(|s| degrees(s)));
+    // Flights and records go through the same smoothing.
+    match rates_and_angles(record, replay.smoother()) {
+        Ok(a) => {
+            all.push(degrees(&a.theta_rad));
+            all.extend((0..3).map(|k| a.pqr_rad_s.iter().map(|w| w[k].to_degrees()).collect::<Vec<f64>>()));
+        }
+        Err(_) => all.extend(vec![Vec::new(); 4]),
+    }
+    all.extend([vw, airspeed]);
+    all
+}
+
+/// What was measured of bodies without attitude.
+fn points(campaign: &Campaign, sides: &Sides, thin: usize) -> Result<Vec<RunTracks>, VerifyError> {
+    let indices: Vec<usize> = (0..campaign.runs.len()).collect();
+    let evidence = TrackEvidence::new(campaign, &indices, &sides.before)?;
+    let kind = campaign.measured();
+    let (names, unit, per_unit) = match kind {
+        Measured::Position => (["X (down)", "Y", "Z"], "m", 1.0),
+        Measured::SpecificForce => (kind.names(), "m/s2", 1.0),
+        Measured::Angle => (kind.names(), "deg", 1.0_f64.to_degrees()),
+    };
+    let noise = Some(per_unit * stated_std(&campaign.plant, kind)).filter(|s| *s > 0.0);
+    let mut all: Vec<RunTracks> = Vec::new();
+    for run in &campaign.runs {
+        let Data::Point(track) = &run.data else { continue };
+        let channel = |axis: usize| -> Option<TrackSignal> {
+            let measured = track.position_m[axis].as_ref()?.iter().step_by(thin).map(|v| short(per_unit * v)).collect();
+            Some(TrackSignal { measured, ..TrackSignal::new(names[axis], unit, noise) })
+        };
+        let channels = (0..3).filter_map(channel).collect();
+        all.push(RunTracks { t_s: times(&track.t_s, thin), channels, ..named(run) });
+    }
+    for (role, flown) in runs_flown(&evidence, sides) {
+        for r in flown {
+            let Data::Point(track) = &campaign.runs[r.run].data else { continue };
+            let measured = track.position_m.iter().flatten();
+            let left = r.residual_m.iter().flatten();
+            for (channel, (m, e)) in all[r.run].channels.iter_mut().zip(measured.zip(left)) {
+                // A track may begin before the times that its residual has.
+                if m.len() == e.len() {
+                    *channel.side(role) = m.iter().zip(e).step_by(thin).map(|(m, e)| short(per_unit * (m - e))).collect();
+                }
+            }
+        }
+    }
+    Ok(all)
+}

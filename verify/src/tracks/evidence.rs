@@ -1,0 +1,347 @@
+//! verify: evidence from flights of a body without attitude. In: tracks and a plant. Out: residuals in bins, their noise.
+//!
+//! A run's residual is its measured track (positions, specific forces or an angle) less the simulated one, with the initial position and velocity along the measured axes
+//! estimated inside (variable projection, Golub and Pereyra 1973). What is left is written in an orthonormal basis that is
+//! orthogonal to a change of initial state and runs from slow to fast: cosines of time, orthogonalised in that order, and before them
+//! what a steady push leaves, where that is a part of the unmodelled residual. Bins are runs of twelve neighbouring basis functions, each with the full covariance of any noise in it.
+//!
+//! Sensor noise is white, of the stated standard deviation or what the fast half of the orders shows, if that is less: a stated
+//! value that covers drift as well would hide the drift. The unmodelled residual has parts per axis whose sizes are fitted: more white noise; a random walk (what
+//! a drifting tracker leaves: variance falls with the square of the order); and, where there are runs enough to tell, what a
+//! steady push and a random slow force leave, different in every run. Without the second, tracks with correlated errors give intervals that are
+//! several times too short; without the third, scatter between launches counts as an effect. What the tracker is
+//! stated to err may be the same in every run: no repetition tells that from an effect, so an effect must take more than the
+//! stated variance out of the tracks along some axis.
+
+use super::bins::{BIN, Cov};
+use super::drift::AxisNoise;
+use super::track::Track;
+use super::witnesses::Witnesses;
+use crate::VerifyError;
+use crate::residual::{ChannelResidual, LeadTable};
+use nalgebra::DVector;
+use rayon::prelude::*;
+use windfall_model::{Campaign, Data, Measured, Plant};
+
+/// Smallest sensor noise assumed, in the unit of what was measured: simulated tracks may be free of it.
+const FLOOR: f64 = 1e-6;
+/// Runs from which the scatter of slow forces between runs is part of the unmodelled residual; fewer cannot tell it from an
+/// effect.
+const RUNS_FOR_SCATTER: usize = 5;
+
+/// Residual positions of one run.
+#[derive(Clone, Debug)]
+pub struct TrackResidual {
+    /// Index of the run in its campaign.
+    pub run: usize,
+    /// What was measured: residuals are in its unit.
+    pub measured: Measured,
+    /// Times from the first sample, s.
+    pub t_s: Vec<f64>,
+    /// Measured less simulated along tunnel X, Y, Z, in the unit of what was measured; absent for an axis that was not.
+    pub residual_m: [Option<Vec<f64>>; 3],
+    /// Estimated position at the first sample, m, tunnel axes (zero along an axis that was not measured).
+    pub position_m: [f64; 3],
+    /// Estimated velocity at the first sample, m/s, tunnel axes.
+    pub velocity_m_s: [f64; 3],
+}
+
+/// Evidence of flights of a point mass.
+pub struct TrackEvidence {
+    tracks: Vec<Track>,
+    kind: Measured,
+    /// Of one sample, as stated, in the unit of what was measured.
+    variance: f64,
+    inputs: Vec<String>,
+    noise: Vec<Cov>,
+    generic: Vec<Vec<Cov>>,
+}
+
+impl TrackEvidence {
+    /// Prepares the runs of a campaign whose indices are given. The basis is laid around the flights of `around`, usually the
+    /// declared plant; intervals are sharpest when it is laid around the fitted one.
+    ///
+    /// # Errors
+    /// Tunnel runs; tracks with fewer than four samples; tracks that `around` cannot fly.
+    pub fn new(campaign: &Campaign, indices: &[usize], around: &Plant) -> Result<Self, VerifyError> {
+        let kind = campaign.measured();
+        let pushed = recordings(campaign, indices) >= RUNS_FOR_SCATTER;
+        let tracks = indices
+            .par_iter()
+            .map(|&i| match &campaign.runs[i].data {
+                Data::Point(record) => Track::new(record, &campaign.runs[i].inputs, i, around, pushed),
+                Data::Tunnel(_) => Err(VerifyError::NotPoint { run: campaign.runs[i].name.clone() }),
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let variance = super::track::stated_std(&campaign.plant, kind).max(FLOOR).powi(2);
+        let inputs = campaign.inputs.clone();
+        let mut evidence = Self { tracks, kind, variance, inputs, noise: Vec::new(), generic: Vec::new() };
+        evidence.measure();
+        Ok(evidence)
+    }
+
+    /// Covariances in the bases as they lie.
+    fn measure(&mut self) {
+        let tracks = &self.tracks;
+        let white: [f64; 3] = std::array::from_fn(|axis| self.white_variance(axis));
+        let noise =
+            tracks.iter().flat_map(|t| t.blocks(|a, s, r| if same(s, r) { white[a] / t.group } else { 0.0 }, 1.0)).collect();
+        let scatter = self.recordings() >= RUNS_FOR_SCATTER;
+        let generic = self
+            .axes()
+            .into_iter()
+            .flat_map(|axis| {
+                let variance = white[axis];
+                let extra = parts(tracks, variance, |a, s, r| if a == axis && same(s, r) { 1.0 } else { 0.0 });
+                let walk = parts(tracks, variance, |a, s, r| if a == axis { s.min(r) } else { 0.0 });
+                let force = parts(tracks, variance, |a, s, r| if a == axis { smooth(s, r) } else { 0.0 });
+                let mut all = vec![extra, walk];
+                if scatter {
+                    all.push(force);
+                }
+                if scatter && self.kind == Measured::Position {
+                    all.push(pushes(tracks, variance, axis));
+                }
+                all
+            })
+            .collect();
+        (self.noise, self.generic) = (noise, generic);
+    }
+
+    /// Variance of one sample's white noise along an axis: as stated, or the median square of the fast half of the orders over that of
+    /// a unit normal (0.4549), if that is less.
+    pub(crate) fn white_variance(&self, axis: usize) -> f64 {
+        let fast = |t: &Track| -> Vec<f64> {
+            let m = t.axes.len();
+            let Some(k) = t.axes.iter().position(|a| *a == axis) else { return Vec::new() };
+            t.laid.iter().skip(k).step_by(m).skip(t.laid.len() / m / 2).map(|z| t.group * z * z).collect()
+        };
+        let mut squares: Vec<f64> = self.tracks.iter().flat_map(fast).collect();
+        squares.sort_by(f64::total_cmp);
+        let median = squares.get(squares.len() / 2).map_or(f64::INFINITY, |m| m / 0.4549);
+        self.variance.min(median).max(FLOOR * FLOOR)
+    }
+
+    /// Standard deviation of one sample as the campaign states it.
+    pub(crate) fn stated_std(&self) -> f64 {
+        self.variance.sqrt()
+    }
+
+    /// Recordings that its runs are of.
+    fn recordings(&self) -> usize {
+        let mut all: Vec<String> = self.tracks.iter().map(Track::recording).collect();
+        all.sort();
+        all.dedup();
+        all.len()
+    }
+
+    /// Axes that any run has measured.
+    fn axes(&self) -> Vec<usize> {
+        (0..3).filter(|axis| self.tracks.iter().any(|t| t.axes.contains(axis))).collect()
+    }
+
+    /// Where the numbers of an axis stand among all numbers of the bins: place, order from slow (0) to fast, and frequency, Hz.
+    fn places(&self, axis: usize) -> Vec<(usize, usize, f64)> {
+        let mut all = Vec::new();
+        let mut start = 0;
+        for t in &self.tracks {
+            let m = t.axes.len();
+            if let Some(k) = t.axes.iter().position(|a| *a == axis) {
+                let orders = t.basis.ncols() / m;
+                all.extend((0..orders).map(|o| (start + o * m + k, o, 0.5 * (o + 2) as f64 / t.duration_s())));
+            }
+            start += t.bins() * BIN;
+        }
+        all
+    }
+
+    /// Root mean square of the residual over all samples and measured axes, in the unit of what was measured (m of positions), with every
+    /// run's initial state estimated from that run; NaN when a flight is not finite.
+    #[must_use]
+    pub fn rms_m(&self, plant: &Plant) -> f64 {
+        let square = |t: &Track| self.least(t, plant).map(|(_, e)| (e.norm_squared(), t.measured.len() as f64));
+        let all: Vec<_> = self.tracks.par_iter().map(square).collect();
+        let (sum, n) = all.iter().fold((0.0, 0.0), |(s, n), x| x.map_or((f64::NAN, n), |(q, m)| (s + q, n + m)));
+        (sum / n).sqrt()
+    }
+
+    /// Residual series of every run, in the order of its indices; runs that the plant cannot fly are left out.
+    #[must_use]
+    pub fn series(&self, plant: &Plant) -> Vec<TrackResidual> {
+        self.tracks.par_iter().filter_map(|t| self.series_of(t, plant)).collect()
+    }
+
+    fn series_of(&self, t: &Track, plant: &Plant) -> Option<TrackResidual> {
+        let (theta, e) = self.least(t, plant)?;
+        let n = t.t_s.len();
+        let mut residual_m = [None, None, None];
+        for (k, &axis) in t.axes.iter().enumerate() {
+            residual_m[axis] = Some(e.as_slice()[k * n..(k + 1) * n].to_vec());
+        }
+        let (position_m, velocity_m_s) = t.state(&theta);
+        Some(TrackResidual { run: t.index, measured: t.kind(), t_s: t.t_s.clone(), residual_m, position_m, velocity_m_s })
+    }
+
+    /// Residual track with the initial state of least squares, what re-simulation is judged by.
+    fn least(&self, t: &Track, plant: &Plant) -> Option<(DVector<f64>, DVector<f64>)> {
+        let (start, _) = t.estimated(plant)?;
+        t.least_squares(&t.own(plant), start)
+    }
+
+    fn residuals<T: Send>(&self, plant: &Plant, of: impl Fn(&Track, &DVector<f64>) -> T + Sync) -> Vec<Option<T>> {
+        self.tracks.par_iter().map(|t| t.estimated(plant).map(|(_, e)| of(t, &e))).collect()
+    }
+}
+
+impl TrackEvidence {
+    /// Real numbers in use over all bins (the sample size of the likelihood).
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.tracks.iter().map(|t| t.basis.ncols()).sum()
+    }
+    /// Residual under a plant. A run whose state the plant makes non-finite gives NaN.
+    #[must_use]
+    pub fn residual(&self, plant: &Plant) -> Vec<f64> {
+        let all = self.residuals(plant, Track::binned);
+        let nan = |t: &Track| vec![f64::NAN; t.bins() * BIN];
+        all.into_iter().zip(&self.tracks).flat_map(|(z, t)| z.unwrap_or_else(|| nan(t))).collect()
+    }
+    /// Covariance that sensor noise leaves, per bin.
+    pub(crate) fn noise(&self) -> &[Cov] {
+        &self.noise
+    }
+    /// Unit covariance components of an unmodelled residual, to be scaled: each a matrix per bin.
+    pub(crate) fn generic(&self) -> &[Vec<Cov>] {
+        &self.generic
+    }
+    /// How many components the unmodelled residual has.
+    #[must_use]
+    pub fn components(&self) -> usize {
+        self.generic.len()
+    }
+    /// Measures noise again at a better plant.
+    pub fn settle(&mut self, plant: &Plant) {
+        let laid: Vec<bool> = self.tracks.par_iter_mut().map(|t| t.lay(plant).is_some()).collect();
+        if laid.iter().any(|ok| *ok) {
+            self.measure();
+        }
+    }
+    /// Residual per measured axis against what noise leaves, with `fitted` parameters.
+    #[must_use]
+    pub fn channel_residuals(&self, z: &[f64], fitted: usize) -> Vec<ChannelResidual> {
+        let axes = self.axes();
+        let share = fitted as f64 / axes.len().max(1) as f64;
+        axes.iter()
+            .enumerate()
+            .map(|(c, &axis)| {
+                let per_axis = self.generic.len() / axes.len();
+                let own =
+                    AxisNoise { noise: &self.noise, parts: [&self.generic[per_axis * c], &self.generic[per_axis * c + 1]], z };
+                own.judge(self.kind.names()[axis], &self.places(axis), share)
+            })
+            .collect()
+    }
+    /// Residual in time beside what it may vary with.
+    pub(crate) fn lead_table(&self, plant: &Plant) -> LeadTable {
+        let axes = self.axes();
+        let names = match self.kind {
+            Measured::Angle => ["time in the run (s)", "angle (rad)", "rate (rad/s)"],
+            _ => ["time in the run (s)", "velocity along X (m/s)", "speed (m/s)"],
+        };
+        let mut variables: Vec<(String, Vec<f64>)> =
+            names.map(str::to_owned).into_iter().chain(self.inputs.clone()).map(|n| (n, Vec::new())).collect();
+        let mut residuals = vec![Vec::new(); axes.len()];
+        for t in &self.tracks {
+            let Some((theta, e)) = self.least(t, plant) else { continue };
+            let Some(states) = t.states(&t.own(plant), &theta) else { continue };
+            let n = t.t_s.len();
+            for (c, axis) in axes.iter().enumerate() {
+                let place = t.axes.iter().position(|a| a == axis);
+                residuals[c].extend(place.map_or_else(|| vec![0.0; n], |k| e.as_slice()[k * n..(k + 1) * n].to_vec()));
+            }
+            for (i, s) in states.iter().enumerate() {
+                let v = s.velocity;
+                let values = match self.kind {
+                    Measured::Angle => [t.t_s[i], s.position[0], v[0]],
+                    _ => [t.t_s[i], v[0], v[0].hypot(v[1]).hypot(v[2])],
+                };
+                let mut inputs = t.inputs.clone();
+                t.recorded_inputs().iter().for_each(|(place, series)| inputs[*place] = series[i]);
+                variables.iter_mut().zip(values.iter().chain(&inputs)).for_each(|((_, s), x)| s.push(*x));
+            }
+        }
+        LeadTable { residuals, variables }
+    }
+    /// Frequency at which the residual along a measured axis stands highest over its noise, Hz.
+    pub(crate) fn peak_hz(&self, residual: &[f64], channel: usize) -> Option<f64> {
+        let axis = *self.axes().get(channel)?;
+        self.places(axis)
+            .into_iter()
+            .map(|(i, _, f)| (residual[i].powi(2) / self.noise[i / BIN][(i % BIN, i % BIN)], f))
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, f)| f)
+    }
+    /// Whether one residual is smaller than another by more than an error of the tracker that all runs share could make.
+    #[must_use]
+    pub fn tells(&self, before: &[f64], after: &[f64]) -> bool {
+        self.axes().into_iter().any(|axis| {
+            let places = self.places(axis);
+            let square = |z: &[f64]| places.iter().map(|(i, ..)| z[*i] * z[*i]).sum::<f64>();
+            square(before) - square(after) > self.variance * places.len() as f64
+        })
+    }
+    /// The runs as witnesses, where there are enough for an effect to repeat in them.
+    #[must_use]
+    pub fn witnesses(&self) -> Option<Witnesses> {
+        let runs = self.recordings();
+        (runs >= RUNS_FOR_SCATTER).then(|| Witnesses { runs, axes: self.axes().len() })
+    }
+}
+
+/// One component of the unmodelled residual over all runs, scaled so that its mean variance where it acts is `variance`.
+fn parts(tracks: &[Track], variance: f64, kernel: impl Fn(usize, f64, f64) -> f64) -> Vec<Cov> {
+    let all: Vec<Cov> = tracks.iter().flat_map(|t| t.blocks(&kernel, 0.0)).collect();
+    scaled(all, tracks, variance, |a, end| kernel(a, end, end) > 0.0)
+}
+
+/// The component of a steady push along `axis`, different in every run, scaled likewise.
+fn pushes(tracks: &[Track], variance: f64, axis: usize) -> Vec<Cov> {
+    let all: Vec<Cov> = tracks.iter().flat_map(|t| t.push_blocks(axis)).collect();
+    scaled(all, tracks, variance, |a, _| a == axis)
+}
+
+fn scaled(mut all: Vec<Cov>, tracks: &[Track], variance: f64, acts: impl Fn(usize, f64) -> bool) -> Vec<Cov> {
+    let trace: f64 = all.iter().map(nalgebra::Matrix::trace).sum();
+    let used: f64 = tracks
+        .iter()
+        .flat_map(|t| t.axes.iter().map(move |&a| (t, a)))
+        .filter(|(t, a)| acts(*a, t.duration_s()))
+        .map(|(t, _)| t.t_s.len() as f64 - 2.0)
+        .sum();
+    let scale = variance * used / trace.max(f64::MIN_POSITIVE);
+    all.iter_mut().for_each(|m| *m *= scale);
+    all
+}
+
+/// One sample.
+fn same(s: f64, r: f64) -> bool {
+    s.total_cmp(&r).is_eq()
+}
+
+/// Covariance of the position that a force of white noise leaves (the prior of cubic splines, Wahba 1978).
+fn smooth(s: f64, r: f64) -> f64 {
+    let (low, high) = (s.min(r), s.max(r));
+    low * low * (3.0 * high - low) / 6.0
+}
+
+/// Recordings that these runs are of.
+fn recordings(campaign: &Campaign, indices: &[usize]) -> usize {
+    let name = |i: &usize| match &campaign.runs[*i].data {
+        Data::Point(record) => record.recording.clone().unwrap_or_else(|| format!("run {i}")),
+        Data::Tunnel(_) => String::new(),
+    };
+    let mut all: Vec<String> = indices.iter().map(name).collect();
+    all.sort();
+    all.dedup();
+    all.len()
+}

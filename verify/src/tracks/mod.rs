@@ -1,0 +1,18 @@
+//! verify: fits to tracks of bodies without attitude. In: tracks, a declared plant, effects. Out: estimates, covariance, likelihood.
+
+mod bins;
+mod drift;
+mod evidence;
+mod fit;
+mod force;
+mod likelihood;
+mod model;
+mod normal;
+mod track;
+mod witnesses;
+
+pub use evidence::{TrackEvidence, TrackResidual};
+pub use fit::{Problem, TrackFit};
+pub use model::{EffectInstance, Free, TrackModel};
+pub(crate) use track::stated_std;
+pub use witnesses::Witnesses;

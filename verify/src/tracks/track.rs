@@ -1,0 +1,410 @@
+//! verify: one track of a body without attitude. In: a record and a plant. Out: residual with the initial state taken out, in a fixed basis.
+//!
+//! Long records are averaged over groups of neighbouring samples. What is predicted of a group is its value at the group's mean time and
+//! half the second derivative times the scatter of the group's times; the next term is of fourth order, below 1e-8 of a swing of 1 Hz at
+//! groups of 20 ms.
+
+use super::bins::{BIN, Cov, Residual};
+use crate::VerifyError;
+use nalgebra::{DMatrix, DVector};
+use windfall_model::frames::Vec3;
+use windfall_model::{Measured, Plant, PointRecord};
+use windfall_sim::{PointState, fly_point_states};
+
+/// Largest last step of an initial state over its unit (velocities times the duration), of tracks up to a hundred units long; in
+/// proportion beyond.
+const TOLERANCE: f64 = 1e-11;
+/// Most samples of a track; longer records are averaged.
+const MOST: usize = 256;
+/// Share of a swing's samples that its start is guessed from.
+const FIRST_SHARE: usize = 25;
+/// Steps of the search for an initial state.
+pub(super) const STEPS: usize = 40;
+
+/// One run ready for any plant.
+pub(super) struct Track {
+    pub(super) index: usize,
+    pub(super) inputs: Vec<f64>,
+    /// The record, averaged.
+    record: PointRecord,
+    /// Samples in a group.
+    pub(super) group: f64,
+    /// Variance of the times of a group, s², for each group.
+    scatter_s2: Vec<f64>,
+    /// Length of the track over a hundred units, one at least: what steps and tolerances grow with.
+    size: f64,
+    /// Standard deviation of one sample as stated.
+    pub(super) std: f64,
+    /// Whether `basis` starts with what a steady push leaves.
+    pushed: bool,
+    /// Times from the first sample, s.
+    pub(super) t_s: Vec<f64>,
+    /// Measured tunnel axes; the first alone for an angle.
+    pub(super) axes: Vec<usize>,
+    /// What was measured, in its unit: one axis after the other.
+    pub(super) measured: DVector<f64>,
+    /// Initial state under the plant that the evidence was made with: positions, then velocities times the duration; for specific forces
+    /// velocities times the duration, then offsets.
+    pub(super) start: DVector<f64>,
+    /// Orthonormal columns that a change of the initial state spans there.
+    pub(super) state_basis: DMatrix<f64>,
+    /// Orthonormal columns of what is left, slow to fast.
+    pub(super) basis: DMatrix<f64>,
+    /// What a steady push of 1 m/s² along each measured axis leaves in as many first columns of `basis`, m, if it starts so.
+    pub(super) push: DMatrix<f64>,
+    /// Residual in `basis` there.
+    pub(super) laid: DVector<f64>,
+    /// Inverse of the change of `state_basisᵀ · position` with the initial state.
+    pub(super) state_inverse: DMatrix<f64>,
+}
+
+impl Track {
+    pub(super) fn new(
+        record: &PointRecord,
+        inputs: &[f64],
+        index: usize,
+        around: &Plant,
+        pushed: bool,
+    ) -> Result<Self, VerifyError> {
+        let axes: Vec<usize> = (0..3).filter(|&a| record.series()[a].is_some()).collect();
+        let samples = record.t_s.len();
+        if axes.is_empty() || samples < 4 {
+            return Err(VerifyError::ShortTrack { run: index, samples: if axes.is_empty() { 0 } else { samples }, needed: 4 });
+        }
+        let group = samples.div_ceil(MOST);
+        let (record, scatter_s2) = averaged(record, group);
+        let n = record.t_s.len();
+        let t0 = record.t_s[0];
+        let measured = DVector::from_iterator(axes.len() * n, record.series().iter().flatten().flatten().copied());
+        let reach = measured.iter().map(|x| (x - measured[0]).abs()).fold(0.0, f64::max);
+        let empty = DMatrix::zeros(0, 0);
+        let mut track = Self {
+            index,
+            group: group as f64,
+            scatter_s2,
+            size: (reach / 100.0).max(1.0),
+            std: stated_std(around, record.measured),
+            pushed: pushed && record.measured == Measured::Position,
+            inputs: inputs.to_vec(),
+            t_s: record.t_s.iter().map(|t| t - t0).collect(),
+            start: DVector::zeros(2 * axes.len()),
+            record,
+            axes,
+            measured,
+            state_basis: empty.clone(),
+            basis: empty.clone(),
+            laid: DVector::zeros(0),
+            push: empty.clone(),
+            state_inverse: empty,
+        };
+        track.lay(around).ok_or(VerifyError::NotFlown { run: index })?;
+        Ok(track)
+    }
+
+    /// What it is a series of.
+    pub(super) fn kind(&self) -> Measured {
+        self.record.measured
+    }
+
+    /// Run inputs that were recorded row by row, averaged.
+    pub(super) fn recorded_inputs(&self) -> &[(usize, Vec<f64>)] {
+        &self.record.recorded_inputs
+    }
+
+    /// Recording that it is a window of; its own where it is not.
+    pub(super) fn recording(&self) -> String {
+        self.record.recording.clone().unwrap_or_else(|| format!("run {}", self.index))
+    }
+
+    /// The plant in this run, flying along the measured axes: what is not measured stays still.
+    pub(super) fn own(&self, plant: &Plant) -> Plant {
+        let mut own = self.record.plant(plant, self.index, &self.inputs);
+        let a = own.point.acceleration.to_array();
+        if self.axes.len() < 3 {
+            own.point.side_per_input.clear();
+            own.point.side_constant = 0.0;
+        }
+        own.point.acceleration = Vec3::from_array(std::array::from_fn(|i| if self.axes.contains(&i) { a[i] } else { 0.0 }));
+        own
+    }
+
+    pub(super) fn duration_s(&self) -> f64 {
+        self.t_s.last().copied().unwrap_or(0.0)
+    }
+
+    /// Finds the initial state under a plant by Gauss-Newton, and lays the bases there.
+    pub(super) fn lay(&mut self, around: &Plant) -> Option<()> {
+        let own = self.own(around);
+        if self.kind() == Measured::SpecificForce {
+            return self.lay_forces(&own);
+        }
+        let (theta, e) = self.least_squares(&own, self.guess()?)?;
+        let (_, jacobian) = self.linearised(&own, &theta)?;
+        let pushed = self.push_columns(&own, &theta)?;
+        self.lay_bases(&jacobian, self.pushed.then_some(&pushed));
+        self.state_inverse = (self.state_basis.transpose() * jacobian).try_inverse()?;
+        self.start = theta;
+        self.laid = self.basis.tr_mul(&e);
+        self.push = self.basis.columns(0, self.axes.len()).tr_mul(&pushed);
+        Some(())
+    }
+
+    /// Orthonormal bases: of the initial state, and of what is left, first what a push leaves and then cosines from slow to fast.
+    pub(super) fn lay_bases(&mut self, of_state: &DMatrix<f64>, of_push: Option<&DMatrix<f64>>) {
+        let states = of_state.ncols();
+        let mut columns = DMatrix::zeros(self.measured.len(), self.measured.len());
+        columns.columns_mut(0, states).copy_from(of_state);
+        let (n, end) = (self.t_s.len(), self.duration_s());
+        let first = usize::from(of_push.is_some());
+        if let Some(pushed) = of_push {
+            columns.columns_mut(states, self.axes.len()).copy_from(pushed);
+        }
+        for k in 2..n - first {
+            for a in 0..self.axes.len() {
+                let mut column = columns.column_mut(states + (k - 2 + first) * self.axes.len() + a);
+                for (i, t) in self.t_s.iter().enumerate() {
+                    column[a * n + i] = (std::f64::consts::PI * k as f64 * t / end).cos();
+                }
+            }
+        }
+        let q = columns.qr().q();
+        self.state_basis = q.columns(0, states).into_owned();
+        self.basis = q.columns(states, q.ncols() - states).into_owned();
+    }
+
+    /// Initial state of least squares by Gauss-Newton from a start, and its residual.
+    pub(super) fn least_squares(&self, own: &Plant, start: DVector<f64>) -> Option<(DVector<f64>, DVector<f64>)> {
+        if self.kind() == Measured::SpecificForce {
+            return self.launched(own);
+        }
+        let mut theta = start;
+        for _ in 0..STEPS {
+            let (flown, jacobian) = self.linearised(own, &theta)?;
+            let step = jacobian.svd(true, true).solve(&(&self.measured - flown), 1e-12).ok()?;
+            theta += &step;
+            if step.amax() < 1e-9 {
+                break;
+            }
+        }
+        let e = &self.measured - self.flown(own, &theta)?;
+        Some((theta, e))
+    }
+
+    /// Initial state of the best parabola per axis; of an angle, which swings, of the best cubic over its first samples.
+    fn guess(&self) -> Option<DVector<f64>> {
+        let (all, end) = (self.t_s.len(), self.duration_s());
+        let swings = self.kind() == Measured::Angle;
+        let (n, terms) = if swings { ((all / FIRST_SHARE).max(8).min(all), 4) } else { (all, 3) };
+        let powers = DMatrix::from_fn(n, terms, |i, k| (self.t_s[i] / end).powi(k as i32));
+        let svd = powers.svd(true, true);
+        let mut theta = DVector::zeros(2 * self.axes.len());
+        for a in 0..self.axes.len() {
+            let c = svd.solve(&self.measured.rows(a * all, n), 1e-12).ok()?;
+            theta[a] = c[0];
+            theta[self.axes.len() + a] = c[1];
+        }
+        Some(theta)
+    }
+
+    /// Position and velocity (tunnel axes, or angle and rate) of an initial state.
+    pub(super) fn state(&self, theta: &DVector<f64>) -> ([f64; 3], [f64; 3]) {
+        let (mut p, mut v) = ([0.0; 3], [0.0; 3]);
+        let m = self.axes.len();
+        let of_force = self.kind() == Measured::SpecificForce;
+        for (k, &axis) in self.axes.iter().enumerate() {
+            p[axis] = if of_force { 0.0 } else { theta[k] };
+            v[axis] = theta[if of_force { k } else { m + k }] / self.duration_s();
+        }
+        (p, v)
+    }
+
+    /// States at the samples from an initial state.
+    pub(super) fn states(&self, own: &Plant, theta: &DVector<f64>) -> Option<Vec<PointState>> {
+        let (p, v) = self.state(theta);
+        let ticks = 1.0 + own.sensors.time_base;
+        let t_s: Vec<f64> = self.t_s.iter().map(|t| t / ticks).collect();
+        fly_point_states(own, &t_s, self.recorded_inputs(), p, v).ok()
+    }
+
+    /// What would be recorded along the measured axes, one axis after the other, from an initial state.
+    pub(super) fn flown(&self, own: &Plant, theta: &DVector<f64>) -> Option<DVector<f64>> {
+        let states = self.states(own, theta)?;
+        let longer = 1.0 + own.sensors.length_scale;
+        let m = self.axes.len();
+        let mut out = DVector::zeros(self.measured.len());
+        let mut own = own.clone();
+        for (k, &axis) in self.axes.iter().enumerate() {
+            for (i, s) in states.iter().enumerate() {
+                let mean = s.position[axis] + 0.5 * s.acceleration[axis] * self.scatter_s2[i];
+                out[k * states.len() + i] = match self.kind() {
+                    Measured::Position if axis == 0 && own.point.altimeter => {
+                        for (place, series) in self.recorded_inputs() {
+                            own.point.inputs[*place] = series[i];
+                        }
+                        longer * mean - own.altimeter_error_m(Vec3::from_array(s.velocity))
+                    }
+                    Measured::Position => longer * mean,
+                    Measured::Angle => mean,
+                    Measured::SpecificForce => {
+                        let gravity = if axis == 0 { own.environment.gravity_m_s2 } else { 0.0 };
+                        s.acceleration[axis] - gravity + theta[m + k]
+                    }
+                };
+            }
+        }
+        Some(out)
+    }
+
+    /// What would be recorded and its change with the initial state. With the place exact where nothing depends on it; central differences
+    /// otherwise, and for velocities, of a tenth of a millimetre at the end.
+    pub(super) fn linearised(&self, own: &Plant, theta: &DVector<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
+        let (n, m) = (self.t_s.len(), self.axes.len());
+        let placeless = self.kind() == Measured::Position && own.point.atmosphere.is_none();
+        let mut jacobian = DMatrix::zeros(self.measured.len(), 2 * m);
+        for a in 0..2 * m {
+            if a < m && placeless {
+                jacobian.column_mut(a).rows_mut(a * n, n).fill(1.0 + own.sensors.length_scale);
+                continue;
+            }
+            let h = 1e-4 * self.size;
+            let mut moved = theta.clone();
+            moved[a] += h;
+            let up = self.flown(own, &moved)?;
+            moved[a] -= 2.0 * h;
+            let down = self.flown(own, &moved)?;
+            jacobian.set_column(a, &((up - down) / (2.0 * h)));
+        }
+        Some((self.flown(own, theta)?, jacobian))
+    }
+
+    /// Change of positions with a steady push along each measured axis, per m/s²: central differences of a tenth.
+    fn push_columns(&self, own: &Plant, theta: &DVector<f64>) -> Option<DMatrix<f64>> {
+        let at = |axis: usize, by: f64| {
+            let mut moved = own.clone();
+            moved.point.acceleration += Vec3::from_array(std::array::from_fn(|a| if a == axis { by } else { 0.0 }));
+            self.flown(&moved, theta)
+        };
+        let columns = self.axes.iter().map(|&axis| Some((at(axis, 0.1)? - at(axis, -0.1)?) / 0.2)).collect::<Option<Vec<_>>>()?;
+        Some(DMatrix::from_columns(&columns))
+    }
+
+    /// Initial state under a plant, and the residual that it leaves, orthogonal to the state basis; Broyden's (1965) method
+    /// from the state under the plant of the bases, so that the answer depends on the plant alone.
+    pub(super) fn estimated(&self, plant: &Plant) -> Option<(DVector<f64>, DVector<f64>)> {
+        let own = self.own(plant);
+        if self.kind() == Measured::SpecificForce {
+            return self.launched(&own);
+        }
+        let mut theta = self.start.clone();
+        let mut inverse = self.state_inverse.clone();
+        let mut e = &self.measured - self.flown(&own, &theta)?;
+        let mut g = self.state_basis.tr_mul(&e);
+        for _ in 0..STEPS {
+            let step = &inverse * &g;
+            theta += &step;
+            e = &self.measured - self.flown(&own, &theta)?;
+            if step.amax() < TOLERANCE * self.size {
+                return Some((theta, e));
+            }
+            let next = self.state_basis.tr_mul(&e);
+            // inverse += (step − inverse·y) stepᵀ·inverse / (stepᵀ·inverse·y), y the change of position along the basis.
+            let by = &inverse * (&g - &next);
+            let scale = step.dot(&by);
+            if scale.abs() > 0.0 {
+                let row = inverse.tr_mul(&step);
+                inverse += (&step - by) * row.transpose() / scale;
+            }
+            g = next;
+        }
+        let nonlinear = self.kind() == Measured::Angle || own.point.atmosphere.is_some();
+        if nonlinear { self.estimated_by_newton(&own) } else { None }
+    }
+
+    /// The same by Newton's method with a Jacobian at every step, for swings and long climbs that Broyden's does not follow.
+    fn estimated_by_newton(&self, own: &Plant) -> Option<(DVector<f64>, DVector<f64>)> {
+        let mut theta = self.start.clone();
+        for _ in 0..STEPS {
+            let (flown, jacobian) = self.linearised(own, &theta)?;
+            let e = &self.measured - flown;
+            let step = (self.state_basis.transpose() * jacobian).try_inverse()? * self.state_basis.tr_mul(&e);
+            theta += &step;
+            if step.amax() < 1e-9 * self.size {
+                let e = &self.measured - self.flown(own, &theta)?;
+                return Some((theta, e));
+            }
+        }
+        None
+    }
+
+    pub(super) fn bins(&self) -> usize {
+        self.basis.ncols().div_ceil(BIN)
+    }
+
+    /// A residual track in the basis, padded to whole bins.
+    pub(super) fn binned(&self, e: &DVector<f64>) -> Residual {
+        let mut z = self.basis.tr_mul(e).as_slice().to_vec();
+        z.resize(self.bins() * BIN, 0.0);
+        z
+    }
+
+    /// Covariance per bin of a steady push of 1 m/s² (standard deviation) along an axis.
+    pub(super) fn push_blocks(&self, axis: usize) -> Vec<Cov> {
+        let mut all = vec![Cov::zeros(); self.bins()];
+        if let Some(k) = self.axes.iter().position(|a| *a == axis) {
+            let c = self.push.column(k);
+            let m = c.len();
+            all[0].view_mut((0, 0), (m, m)).copy_from(&(c * c.transpose()));
+        }
+        all
+    }
+
+    /// Covariance per bin of noise that is independent between axes, from its kernel (axis, time, time) in time; entries that
+    /// pad the last bin get `unused` on the diagonal.
+    pub(super) fn blocks(&self, kernel: impl Fn(usize, f64, f64) -> f64, unused: f64) -> Vec<Cov> {
+        let n = self.t_s.len();
+        let mut time = DMatrix::zeros(self.measured.len(), self.measured.len());
+        for (k, &axis) in self.axes.iter().enumerate() {
+            time.view_mut((k * n, k * n), (n, n))
+                .copy_from(&DMatrix::from_fn(n, n, |i, j| kernel(axis, self.t_s[i], self.t_s[j])));
+        }
+        let right = time * &self.basis;
+        (0..self.bins())
+            .map(|bin| {
+                let used = (self.basis.ncols() - bin * BIN).min(BIN);
+                let (b, r) = (self.basis.columns(bin * BIN, used), right.columns(bin * BIN, used));
+                let block = b.tr_mul(&r);
+                let mut m = Cov::identity() * unused;
+                for i in 0..used {
+                    for j in 0..used {
+                        m[(i, j)] = 0.5 * (block[(i, j)] + block[(j, i)]);
+                    }
+                }
+                m
+            })
+            .collect()
+    }
+}
+
+/// Standard deviation of one sample as the campaign states it, in the unit of what was measured.
+pub(crate) fn stated_std(plant: &Plant, kind: Measured) -> f64 {
+    match kind {
+        Measured::Position => plant.sensors.position_std_m,
+        Measured::SpecificForce => plant.sensors.specific_force_std_m_s2,
+        Measured::Angle => plant.sensors.angle_std_rad,
+    }
+}
+
+/// Means over groups of so many neighbouring samples, and the variance of each group's times, s²; samples that fill no group at the end
+/// are left out.
+fn averaged(record: &PointRecord, group: usize) -> (PointRecord, Vec<f64>) {
+    if group < 2 {
+        return (record.clone(), vec![0.0; record.t_s.len()]);
+    }
+    let mean = |x: &[f64]| x.chunks_exact(group).map(|c| c.iter().sum::<f64>() / group as f64).collect::<Vec<f64>>();
+    let t_s = mean(&record.t_s);
+    let scatter = |(c, m): (&[f64], &f64)| c.iter().map(|t| (t - m).powi(2)).sum::<f64>() / group as f64;
+    let scatter_s2 = record.t_s.chunks_exact(group).zip(&t_s).map(scatter).collect();
+    let position_m = record.series().each_ref().map(|s| s.as_deref().map(mean));
+    let recorded_inputs = record.recorded_inputs.iter().map(|(i, u)| (*i, mean(u))).collect();
+    (PointRecord { t_s, position_m, recorded_inputs, ..record.clone() }, scatter_s2)
+}
