@@ -301,6 +301,25 @@ pub(crate) struct ExplainArgs {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::CommandFactory as _;
+
+    /// A verb without its function in Python is a verb forgotten there. Completions are a shell's alone.
+    #[test]
+    fn law_python_has_every_verb() {
+        let python = include_str!("../../python/py/windfall/__init__.py");
+        let all = python.split_once("__all__ = [").and_then(|(_, rest)| rest.split_once(']')).expect("a list of names").0;
+        let command = Cli::command();
+        let verbs: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).filter(|v| *v != "completions").collect();
+        assert!(verbs.len() > 10, "{verbs:?}");
+        for verb in verbs {
+            let there = python.contains(&format!("\ndef {verb}(")) && all.contains(&format!("\"{verb}\""));
+            assert!(there, "windfall.{verb}: lacks its function, or its name in __all__");
+        }
+        let many = command.find_subcommand("many").expect("a verb");
+        for each in many.get_subcommands().map(clap::Command::get_name) {
+            assert!(python.contains(&format!("\ndef {each}(")), "windfall.many(\"{each}\")");
+        }
+    }
 
     /// A default is written once: what no flag says is what the request's `Default` says.
     #[test]

@@ -81,8 +81,7 @@ fn table(s: &ManySummary) -> String {
         let mean = half.map_or_else(|| mean.clone(), |h| format!("{mean} ± {h}"));
         let next = q.prediction95.map_or_else(|| "-".to_owned(), |[a, b]| format!("[{}, {}]", number(a), number(b)));
         let name = format!("{} {}", p.of, p.name);
-        let _ =
-            writeln!(text, "{name:<34}{:>4}{mean:>26}{:>12}{next:>26}{:>9}", q.n, number(q.tau), p_value(q.p_value));
+        let _ = writeln!(text, "{name:<34}{:>4}{mean:>26}{:>12}{next:>26}{:>9}", q.n, number(q.tau), p_value(q.p_value));
     }
     text
 }

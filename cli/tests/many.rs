@@ -117,10 +117,9 @@ fn law_every_campaign_is_a_row_and_a_failure_ends_nothing() {
     assert!(rows[5]["status"] == "failed" && rows[5]["reason"].as_str().is_some_and(|r| r.contains("mas_kg")), "{}", rows[5]);
     assert!(!rows[5].to_string().contains(&b.dir.path().display().to_string()), "no place of this machine: {}", rows[5]);
     for (row, name) in rows.iter().zip(["a", "b", "d", "deep/er/c", "e"]) {
-        let own: Value = serde_json::from_slice(
-            &fs::read(b.path(&format!("out/results/{name}/identification.json"))).expect("kept"),
-        )
-        .expect("JSON");
+        let own: Value =
+            serde_json::from_slice(&fs::read(b.path(&format!("out/results/{name}/identification.json"))).expect("kept"))
+                .expect("JSON");
         let sets = own["data_sets"].as_array().expect("a list");
         let combined = sets.iter().find(|d| d["name"] == "combined").or(sets.last()).expect("a data set");
         let (mine, theirs) = (&row["parameters"][0], &combined["parameters"][0]);

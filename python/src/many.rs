@@ -41,6 +41,12 @@ impl PyMany {
         let campaigns = py.detach(|| Campaigns::find(&paths, each)).map_err(Raised::from)?;
         Ok(Self { inner: Arc::new(Inner { campaigns, open: Mutex::new(None) }) })
     }
+    /// Campaigns whose files are known, by their paths below a folder.
+    #[staticmethod]
+    fn at(root: PathBuf, paths: Vec<String>, each: &str) -> PyResult<Self> {
+        let each = serde_json::from_str(each).map_err(Raised::from)?;
+        Ok(Self { inner: Arc::new(Inner { campaigns: Campaigns::at(&root, &paths, each), open: Mutex::new(None) }) })
+    }
     /// What was not searched, and why.
     #[getter]
     fn warnings(&self) -> Vec<String> {

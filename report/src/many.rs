@@ -39,7 +39,7 @@ pub(crate) fn many_body(s: &ManySummary, plots: &mut Plots) -> String {
 }
 
 const POOLED: &str = "Random effects: mean with 95 % interval (Hartung and Knapp 2001), standard deviation τ between campaigns \
-    (restricted maximum likelihood; interval by the profile of Q), where one more campaign would lie with 95 %, and the chance of so \
+    (Paule and Mandel 1982; interval by the profile of Q), where one more campaign would lie with 95 %, and the chance of so \
     large a spread from the stated errors alone. Campaigns without a result, with a residual that nothing explains, or without a standard \
     error are left out; an effect's numbers are of the campaigns in which it was found.";
 
@@ -109,7 +109,11 @@ fn pooled(s: &ManySummary) -> String {
 
 fn heterogeneity(p: &PooledParameter) -> String {
     let q = &p.pooled;
-    let word = if q.p_value < 0.05 { "campaigns differ by more than their errors" } else { "campaigns differ by no more than their errors" };
+    let word = if q.p_value < 0.05 {
+        "campaigns differ by more than their errors"
+    } else {
+        "campaigns differ by no more than their errors"
+    };
     format!("Q = {} of {} degrees of freedom, p = {}: {word}.", number(q.q), q.n - 1, p_value(q.p_value))
 }
 
@@ -147,7 +151,8 @@ fn forest(s: &ManySummary, p: &PooledParameter, plots: &mut Plots) -> String {
         look: Look::Before,
     });
     let few = if total > FOREST { format!("; the {FOREST} of {total} with the smallest errors") } else { String::new() };
-    let x_label = format!("{} ({unit}): estimate and 95 %; mean: thick 95 %, thin where one more campaign would lie{few}", p.name);
+    let x_label =
+        format!("{} ({unit}): estimate and 95 %; mean: thick 95 %, thin where one more campaign would lie{few}", p.name);
     let title = format!("{} {} over campaigns", p.of, p.name);
     plots.put(Plot::Ranges { title, x_label, marks: vec![q.mean], ranges })
 }
@@ -175,8 +180,12 @@ mod tests {
     fn law_a_page_of_many_campaigns_has_its_rows_and_forests() {
         let s = summary();
         let page = many_page(&s);
-        for text in ["3 campaigns; 2 with a result: 2 effect; 1 failed. Effects named: 2 swirl.", "no &lt;run&gt;", "c/&lt;x&gt;/campaign.toml", "p = 2e-12"]
-        {
+        for text in [
+            "3 campaigns; 2 with a result: 2 effect; 1 failed. Effects named: 2 swirl.",
+            "no &lt;run&gt;",
+            "c/&lt;x&gt;/campaign.toml",
+            "p = 2e-12",
+        ] {
             assert!(page.contains(text), "{text} in {page}");
         }
         assert!(!page.contains("<run>"));

@@ -149,13 +149,7 @@ impl CampaignStore {
     ///
     /// # Errors
     /// A full disk and the like; files in the way that are no results of this order.
-    pub fn put<T: Serialize>(
-        &self,
-        result: &str,
-        input: &str,
-        outcome: &T,
-        file: Option<&ResultFile>,
-    ) -> Result<(), StoreError> {
+    pub fn put<T: Serialize>(&self, result: &str, input: &str, outcome: &T, file: Option<&ResultFile>) -> Result<(), StoreError> {
         let folder = self.of(result);
         fs::create_dir_all(&folder).map_err(|e| StoreError::write(&folder, e))?;
         let before = folder.join(OUTCOME).is_file();

@@ -20,8 +20,11 @@ pub enum FindError {
         reason: std::io::Error,
     },
     /// No campaign.
-    #[error("{paths}: no {FILE} in it, nor in its subfolders down to {} below; links and hidden folders are not followed; try: the folder that \
-             holds the campaigns' folders, or the campaign files themselves", limits::SEARCH_DEPTH)]
+    #[error(
+        "{paths}: no {FILE} in it, nor in its subfolders down to {} below; links and hidden folders are not followed; try: the folder that \
+             holds the campaigns' folders, or the campaign files themselves",
+        limits::SEARCH_DEPTH
+    )]
     None {
         /// What was searched.
         paths: String,
@@ -68,6 +71,16 @@ pub struct FoundCampaigns {
     pub campaigns: Vec<FoundCampaign>,
     /// What was not searched, and why.
     pub notes: Vec<String>,
+}
+
+impl FoundCampaigns {
+    /// Campaigns whose files are known: their paths below a folder, with `/`. Nothing is searched.
+    #[must_use]
+    pub fn at(root: &Path, paths: &[String]) -> Self {
+        let mut campaigns: Vec<FoundCampaign> = paths.iter().map(|p| found(root, &root.join(p))).collect();
+        campaigns.sort();
+        Self { root: root.to_owned(), campaigns, notes: Vec::new() }
+    }
 }
 
 /// Finds every `campaign.toml` in folders and below them, and takes files as they are given. Links and hidden folders are not followed.

@@ -66,7 +66,8 @@ impl ResultsFolder {
         let study = there(folder, "summary.json").map(|p| read_json(&p)).transpose()?;
         let many = there(folder, "many.json").map(|p| read_json(&p)).transpose()?;
         if closing.is_none() && study.is_none() && many.is_none() && others.is_empty() {
-            let known: Vec<&str> = ["close.json", "summary.json", "many.json"].into_iter().chain(OTHERS.map(|(f, ..)| f)).collect();
+            let known: Vec<&str> =
+                ["close.json", "summary.json", "many.json"].into_iter().chain(OTHERS.map(|(f, ..)| f)).collect();
             return Err(Error::NoResult { folder: folder.display().to_string(), known: known.join(", ") });
         }
         let title = folder.canonicalize().ok().and_then(|p| Some(p.file_name()?.to_string_lossy().into_owned()));

@@ -99,6 +99,11 @@ impl Campaigns {
         }
         Ok(Self { found: find_campaigns(paths)?, each })
     }
+    /// Campaigns whose files are known, by their paths below a folder, with `/`: as another process found them.
+    #[must_use]
+    pub fn at(root: &Path, paths: &[String], each: Each) -> Self {
+        Self { found: FoundCampaigns::at(root, paths), each }
+    }
     /// Campaign files relative to [`Campaigns::root`], in the order of the rows.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.found.campaigns.iter().map(|c| c.path.as_str())
@@ -270,7 +275,8 @@ mod tests {
         let text = serde_json::to_string(&each).expect("JSON");
         assert_eq!(serde_json::from_str::<Each>(&text).expect("back"), each);
         assert_eq!(serde_json::from_str::<Each>(r#"{"close": {}}"#).expect("nothing said"), Each::Close(Close::default()));
-        for (text, word) in [(r#"{"plan": {}}"#, "expected `close` or `identify`"), (r#"{"close": {"sed": 1}}"#, "unknown field")] {
+        for (text, word) in [(r#"{"plan": {}}"#, "expected `close` or `identify`"), (r#"{"close": {"sed": 1}}"#, "unknown field")]
+        {
             assert!(serde_json::from_str::<Each>(text).is_err_and(|e| e.to_string().contains(word)), "{text}");
         }
     }

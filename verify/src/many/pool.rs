@@ -19,7 +19,7 @@ pub struct Pooled {
     pub std_error: f64,
     /// Its 95 % interval, Student with n − 1 degrees of freedom (Hartung and Knapp 2001).
     pub ci95: [f64; 2],
-    /// Standard deviation between campaigns, by restricted maximum likelihood (Viechtbauer 2005).
+    /// Standard deviation between campaigns: that with which Q is n − 1 (Paule and Mandel 1982), zero where it is less without.
     pub tau: f64,
     /// Its 95 % interval by the profile of Q (Viechtbauer 2007).
     pub tau_ci95: [f64; 2],
@@ -52,12 +52,13 @@ pub fn pool(estimates: &[(f64, f64)]) -> Option<Pooled> {
     let unit = estimates.iter().map(|(y, s)| (y - origin).abs().max(*s)).fold(0.0, f64::max);
     let all = Sample(estimates.iter().map(|(y, s)| [(y - origin) / unit, (s / unit).powi(2)]).collect());
     let free = (n - 1) as f64;
-    let tau2 = all.restricted_likelihood();
+    // Q is then what is expected of it.
+    let tau2 = all.where_q_is(free);
     let at = all.at(tau2);
-    let std_error = (at.squares / free).max(1.0).sqrt() * at.weights.sqrt().recip();
+    let std_error = (at.q / free).max(1.0).sqrt() * at.weights.sqrt().recip();
     let reach = StudentsT::new(0.0, 1.0, free).ok()?.inverse_cdf(0.975) * std_error;
     let chi = ChiSquared::new(free).ok()?;
-    let q = all.at(0.0).squares;
+    let q = all.at(0.0).q;
     Some(Pooled {
         n,
         mean: origin + unit * at.mean,
@@ -78,64 +79,29 @@ struct Sample(Vec<[f64; 2]>);
 struct At {
     /// Σw.
     weights: f64,
-    /// Σw².
-    weights2: f64,
     /// Weighted mean.
     mean: f64,
-    /// Σw(y − mean)².
-    squares: f64,
-    /// Σw²(y − mean)².
-    squares2: f64,
+    /// Q = Σw(y − mean)².
+    q: f64,
 }
 
-/// Steps of the search over τ², evenly in its logarithm.
-const STEPS: i32 = 400;
 /// Quantiles by which the confidence distribution of τ² is taken, evenly in probability.
-const QUANTILES: u32 = 200;
+const QUANTILES: u32 = 100;
 
 impl Sample {
     fn at(&self, tau2: f64) -> At {
-        let w = |s2: f64| 1.0 / (s2 + tau2);
-        let weights: f64 = self.0.iter().map(|[_, s2]| w(*s2)).sum();
-        let mean = self.0.iter().map(|[y, s2]| w(*s2) * y).sum::<f64>() / weights;
-        let sum = |power: i32| self.0.iter().map(|[y, s2]| w(*s2).powi(power) * (y - mean).powi(2)).sum::<f64>();
-        let weights2 = self.0.iter().map(|[_, s2]| w(*s2).powi(2)).sum();
-        At { weights, weights2, mean, squares: sum(1), squares2: sum(2) }
-    }
-    /// Logarithm of the restricted likelihood, up to a constant (Viechtbauer 2005, eq. 12).
-    fn log_likelihood(&self, tau2: f64) -> f64 {
-        let at = self.at(tau2);
-        let spread: f64 = self.0.iter().map(|[_, s2]| (s2 + tau2).ln()).sum();
-        -0.5 * (spread + at.weights.ln() + at.squares)
-    }
-    /// Twice its derivative by τ².
-    fn score(&self, tau2: f64) -> f64 {
-        let at = self.at(tau2);
-        at.squares2 - at.weights + at.weights2 / at.weights
+        let (weights, sum) = self.0.iter().fold((0.0, 0.0), |(n, x), [y, s2]| (n + 1.0 / (s2 + tau2), x + y / (s2 + tau2)));
+        let mean = sum / weights;
+        At { weights, mean, q: self.0.iter().map(|[y, s2]| (y - mean) * (y - mean) / (s2 + tau2)).sum() }
     }
     /// Largest distance of two estimates, squared.
     fn range2(&self) -> f64 {
         let ends = self.0.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [y, _]| [a.min(*y), b.max(*y)]);
         (ends[1] - ends[0]).powi(2)
     }
-    /// τ² of the largest restricted likelihood: the best of a grid from far below the smallest variance to far above the estimates'
-    /// spread, then the root of the score beside it. The grid is there because the likelihood may have more than one top.
-    fn restricted_likelihood(&self) -> f64 {
-        let least = self.0.iter().map(|[_, s2]| *s2).fold(f64::INFINITY, f64::min);
-        let [low, high] = [1e-8 * least, 10.0 * (self.range2() + least)];
-        let step = (high / low).powf(1.0 / f64::from(STEPS));
-        let grid: Vec<f64> = [0.0].into_iter().chain((0..=STEPS).map(|k| low * step.powi(k))).collect();
-        let best = (0..grid.len()).max_by(|a, b| self.log_likelihood(grid[*a]).total_cmp(&self.log_likelihood(grid[*b])));
-        let best = best.unwrap_or(0);
-        let (below, above) = (grid[best.saturating_sub(1)], grid[(best + 1).min(grid.len() - 1)]);
-        if best <= 1 && self.score(0.0) <= 0.0 {
-            return 0.0;
-        }
-        bisect([below, above], |t| self.score(t))
-    }
     /// τ² at which Q = Σw(y − mean)², which falls with τ², has come down to this; zero where it begins below.
     fn where_q_is(&self, wanted: f64) -> f64 {
-        let beyond = |t: f64| self.at(t).squares - wanted;
+        let beyond = |t: f64| self.at(t).q - wanted;
         if beyond(0.0) <= 0.0 {
             return 0.0;
         }
@@ -152,17 +118,17 @@ impl Sample {
         };
         let normals: Vec<[f64; 2]> = (0..QUANTILES).map(one).collect();
         let below = |x: f64| normals.iter().map(|[mean, std]| 0.5 * erfc((mean - x) / (std * SQRT_2))).sum::<f64>();
-        let ends = normals.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [mean, std]| {
-            [a.min(mean - 8.0 * std), b.max(mean + 8.0 * std)]
-        });
+        let ends = normals
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [mean, std]| [a.min(mean - 8.0 * std), b.max(mean + 8.0 * std)]);
         [0.025, 0.975].map(|p| bisect(ends, |x| p * f64::from(QUANTILES) - below(x)))
     }
 }
 
-/// Root of a function that is positive at the first end and not at the second, to a few of the last bits.
+/// Root of a function that is positive at the first end and not at the second, to 1e-12 of the ends' size.
 fn bisect([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
-    let widest = high - low;
-    while high - low > 4.0 * f64::EPSILON * low.abs().max(high.abs()) && high - low > f64::MIN_POSITIVE.max(1e-40 * widest) {
+    let least = 1e-30 * (high - low);
+    while high - low > (1e-12 * low.abs().max(high.abs())).max(least) {
         let middle = 0.5 * (low + high);
         if f(middle) > 0.0 { low = middle } else { high = middle }
     }
@@ -194,8 +160,8 @@ mod tests {
         [27.0, 16_886.0, 29.0, 17_825.0],
     ];
 
-    /// Viechtbauer 2010 (Journal of Statistical Software 36, number 3), section 3: logarithms of relative risks by restricted maximum
-    /// likelihood. The tolerance is half the last printed digit.
+    /// Viechtbauer 2010 (Journal of Statistical Software 36, number 3), section 3, prints Q, the interval of τ² by the profile of Q and, with
+    /// τ² = 0.3132 of the restricted likelihood, the mean with the standard error of known weights. The tolerance is half the last digit.
     #[test]
     fn pub_bcg_vaccine_trials() {
         let one = |[a, b, c, d]: [f64; 4]| {
@@ -204,11 +170,10 @@ mod tests {
         };
         let estimates = BCG.map(one);
         let p = pool(&estimates).expect("thirteen sound estimates");
-        let weights: f64 = estimates.iter().map(|(_, s)| 1.0 / (s * s + p.tau * p.tau)).sum();
+        let at = Sample(estimates.map(|(y, s)| [y, s * s]).to_vec()).at(0.3132);
         let printed = [
-            ("mean", p.mean, -0.7145),
-            ("tau2", p.tau.powi(2), 0.3132),
-            ("standard error of known weights", weights.sqrt().recip(), 0.1798),
+            ("mean", at.mean, -0.7145),
+            ("standard error", at.weights.sqrt().recip(), 0.1798),
             ("Q", p.q, 152.2330),
             ("tau2, lower", p.tau_ci95[0].powi(2), 0.1197),
             ("tau2, upper", p.tau_ci95[1].powi(2), 1.1115),
@@ -216,10 +181,11 @@ mod tests {
         for (what, x, text) in printed {
             assert!((x - text).abs() <= 0.5001e-4, "{what}: {x}, printed {text}");
         }
-        assert!(p.p_value < 1e-4, "{}", p.p_value);
+        // The empirical Bayes estimate is the same; 0.3181 is what the author's program metafor prints of it.
+        assert!(p.p_value < 1e-4 && (p.tau.powi(2) - 0.3181).abs() < 0.5001e-4, "{p:?}");
     }
 
-    /// Equal errors s: restricted likelihood, like the moments, gives τ² = variance − s² where that is positive, and the mean's error is
+    /// Equal errors s: Q is n − 1 where τ² = variance − s², and the mean's error is
     /// the scatter over √n; Student's 97.5 % point of two degrees of freedom is 4.302653.
     #[test]
     fn exact_equal_errors() {
@@ -231,7 +197,7 @@ mod tests {
     }
 
     /// Errors that are nothing beside the spread: one more draw of a normal lies within Student's t·S·√(1 + 1/n) of the mean (any textbook);
-    /// 2.364624 of seven degrees of freedom. τ² by 200 quantiles leaves out the last quarter of a percent at either end: 1 % is allowed.
+    /// 2.364624 of seven degrees of freedom. τ² by 100 quantiles leaves out the last half percent at either end: 1 % is allowed.
     #[test]
     fn exact_one_more_campaign_without_errors() {
         let p = pool(&[1.0, 2.0, 4.0, 4.0, 5.0, 7.0, 8.0, 9.0].map(|y| (y, 1e-6))).expect("sound");
@@ -245,7 +211,9 @@ mod tests {
     fn exact_agreeing_estimates() {
         let p = pool(&[(5.0, 0.2), (5.0, 0.2)]).expect("sound");
         assert!(p.tau.abs() < 1e-300 && (p.std_error - 0.2 / 2_f64.sqrt()).abs() < 1e-15 && p.prediction95.is_none(), "{p:?}");
-        for bad in [&[(1.0, 0.1)][..], &[(1.0, 0.1), (2.0, 0.0)], &[(1.0, 0.1), (f64::NAN, 0.1)], &[(1.0, 0.1), (2.0, f64::INFINITY)]] {
+        for bad in
+            [&[(1.0, 0.1)][..], &[(1.0, 0.1), (2.0, 0.0)], &[(1.0, 0.1), (f64::NAN, 0.1)], &[(1.0, 0.1), (2.0, f64::INFINITY)]]
+        {
             assert!(pool(bad).is_none(), "{bad:?}");
         }
     }
@@ -285,13 +253,14 @@ mod tests {
     }
 
     /// Drawn with a known spread τ = 1 and without one. A rate over 4000 draws is known to √(0.95·0.05/4000) = 0.0034: bounds are four of
-    /// them. τ's interval is exact; the mean's is close to it and may hold more where τ comes out as zero; that of one more campaign
-    /// is so where τ cannot be zero, and holds a little more or less otherwise: 0.01 is allowed.
+    /// them. τ's interval and p are exact. The mean's interval is exact for equal errors only, that of one more campaign where τ is large
+    /// beside the errors: 0.01 more is allowed (measured 0.938 and 0.943); without spread the mean's holds more, as no error below that of
+    /// known weights is stated (measured 0.987).
     #[test]
     fn recover_intervals_hold_what_was_drawn() {
         let bound = 4.0 * (0.95 * 0.05 / 4000_f64).sqrt();
         let [mean, tau, next, _] = held(1.0, 4000);
-        assert!((mean - 0.95).abs() < bound, "mean {mean}");
+        assert!((mean - 0.95).abs() < bound + 0.01, "mean {mean}");
         assert!((tau - 0.95).abs() < bound, "tau {tau}");
         assert!((next - 0.95).abs() < bound + 0.01, "next {next}");
         let [mean, _, _, alarms] = held(0.0, 4000);

@@ -115,8 +115,7 @@ fn pooled(outcomes: &[Outcome]) -> Vec<PooledParameter> {
     }
     keys.sort_by_key(|k| k.3);
     let one = |(of, name, unit, effect): Key<'_>| {
-        let estimates: Vec<(f64, f64)> =
-            of_key(outcomes, (of, name, unit, effect)).into_iter().map(|(_, y, s)| (y, s)).collect();
+        let estimates: Vec<(f64, f64)> = of_key(outcomes, (of, name, unit, effect)).into_iter().map(|(_, y, s)| (y, s)).collect();
         let pooled = pool(&estimates)?;
         Some(PooledParameter { of: of.to_owned(), name: name.to_owned(), unit: unit.to_owned(), effect, pooled })
     };
