@@ -5,7 +5,7 @@ use crate::args::{ManyArgs, ManyVerb};
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use windfall::report::{number, p_value, with_interval};
+use windfall::report::{interval, number, p_value, with_interval};
 use windfall::results::{ManySummary, Status, Tally};
 use windfall::{Campaigns, Each, Many};
 
@@ -79,7 +79,7 @@ fn table(s: &ManySummary) -> String {
         let q = &p.pooled;
         let (mean, half) = with_interval(q.mean, Some(0.5 * (q.ci95[1] - q.ci95[0])));
         let mean = half.map_or_else(|| mean.clone(), |h| format!("{mean} ± {h}"));
-        let next = q.prediction95.map_or_else(|| "-".to_owned(), |[a, b]| format!("[{}, {}]", number(a), number(b)));
+        let next = q.prediction95.map_or_else(|| "-".to_owned(), interval);
         let name = format!("{} {}", p.of, p.name);
         let _ = writeln!(text, "{name:<34}{:>4}{mean:>26}{:>12}{next:>26}{:>9}", q.n, number(q.tau), p_value(q.p_value));
     }

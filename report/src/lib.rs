@@ -28,4 +28,4 @@ pub use closing::closing_page;
 pub use folder::{FolderResults, folder_figures, folder_page};
 pub use many::many_page;
 pub use paper::{PaperFigure, WIDTH_MM};
-pub use words::{number, p_value, sentence, with_interval};
+pub use words::{interval, number, p_value, sentence, with_interval};

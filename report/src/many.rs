@@ -5,7 +5,7 @@ use crate::data::data;
 use crate::draw::Look;
 use crate::html::{Cell, escape, page, section, table};
 use crate::plot::{Plot, Plots};
-use crate::words::{number, p_value, with_interval};
+use crate::words::{interval, number, p_value, with_interval};
 use windfall_verify::many::{ManySummary, Outcome, PooledParameter, Status};
 
 /// Title of the page.
@@ -79,10 +79,6 @@ fn failures(failed: &[&Outcome]) -> String {
     let row = |o: &&Outcome| vec![Cell::text(&o.path), Cell::Number(o.exit_code.to_string()), Cell::text(&o.reason)];
     let rows: Vec<Vec<Cell>> = failed.iter().map(row).collect();
     if rows.is_empty() { String::new() } else { table(&["campaign", "exit code", "reason"], &rows) }
-}
-
-fn interval([a, b]: [f64; 2]) -> String {
-    format!("[{}, {}]", number(a), number(b))
 }
 
 fn pooled(s: &ManySummary) -> String {

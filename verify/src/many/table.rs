@@ -26,12 +26,11 @@ pub fn campaign_table(outcomes: &[Outcome]) -> (Vec<Column>, Vec<Row>) {
     let mut columns: Vec<Column> = FIXED.iter().map(|(name, kind)| Column { name: (*name).to_owned(), kind: *kind }).collect();
     let mut places: HashMap<String, usize> = HashMap::new();
     for stem in outcomes.iter().flat_map(|o| o.parameters.iter().map(super::OutcomeParameter::stem)) {
-        if !places.contains_key(&stem) {
-            let number = |what: &str| Column { name: format!("{stem}.{what}"), kind: CellKind::Number };
-            let place = columns.len();
-            columns.extend(["estimate", "std_error"].map(number));
-            places.insert(stem, place);
-        }
+        let names = ["estimate", "std_error"].map(|what| format!("{stem}.{what}"));
+        places.entry(stem).or_insert_with(|| {
+            columns.extend(names.map(|name| Column { name, kind: CellKind::Number }));
+            columns.len() - 2
+        });
     }
     let row = |(k, o): (usize, &Outcome)| {
         let mut cells = fixed(o);
