@@ -41,7 +41,8 @@ pub(crate) fn many_body(s: &ManySummary, plots: &mut Plots) -> String {
 const POOLED: &str = "Random effects: mean with 95 % interval (Hartung and Knapp 2001), standard deviation τ between campaigns \
     (Paule and Mandel 1982; interval by the profile of Q), where one more campaign would lie with 95 %, and the chance of so \
     large a spread from the stated errors alone. Campaigns without a result, with a residual that nothing explains, or without a standard \
-    error are left out; an effect's numbers are of the campaigns in which it was found.";
+    error are left out; an effect's numbers are of the campaigns in which it was found. In \
+    the figures each campaign has its 95 % interval; the mean's is thick, and thin where one more campaign would lie.";
 
 fn lead(s: &ManySummary) -> String {
     let list = |all: &[windfall_verify::many::Tally]| {
@@ -147,8 +148,7 @@ fn forest(s: &ManySummary, p: &PooledParameter, plots: &mut Plots) -> String {
         look: Look::Before,
     });
     let few = if total > FOREST { format!("; the {FOREST} of {total} with the smallest errors") } else { String::new() };
-    let x_label =
-        format!("{} ({unit}): estimate and 95 %; mean: thick 95 %, thin where one more campaign would lie{few}", p.name);
+    let x_label = format!("{} ({unit}){few}", p.name);
     let title = format!("{} {} over campaigns", p.of, p.name);
     plots.put(Plot::Ranges { title, x_label, marks: vec![q.mean], ranges })
 }
@@ -165,7 +165,8 @@ mod tests {
                 "families": ["swirl"], "probability": 0.75, "worst_channel": "X_m", "p_value": 0.25, "parameters": [parameter]})
         };
         let mut failed = one("c/<x>/campaign.toml", 0.0, 0.0);
-        let other = json!({"status": "failed", "exit_code": 2, "reason": "no <run>", "verdict": null, "parameters": []});
+        let other =
+            json!({"status": "failed", "exit_code": 2, "reason": "no <run>", "verdict": null, "families": [], "parameters": []});
         other.as_object().expect("a record").iter().for_each(|(k, v)| failed[k] = v.clone());
         let outcomes = [one("a/campaign.toml", 6.0, 0.1), one("b.toml", 7.0, 0.1), failed];
         let outcomes = outcomes.map(|o| serde_json::from_value(o).expect("an outcome")).to_vec();
