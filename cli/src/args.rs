@@ -38,6 +38,11 @@ pub(crate) enum Command {
     ///
     /// The same bits on any number of threads, in shards, or resumed after a kill. Parts are kept in DIR/parts until all are there.
     Study(StudyArgs),
+    /// One verb over every campaign of a folder: a table, parameters pooled over campaigns, a page
+    ///
+    /// A campaign that is refused or fails is a row with its reason. The same bytes on any number of threads, in shards, or resumed after a
+    /// kill.
+    Many(ManyArgs),
     /// The page for a folder of results
     Report(ReportArgs),
     /// Every check of the program's own truth; figure beside bound
@@ -66,6 +71,7 @@ impl Command {
             Self::Resimulate(a) => Some(&a.common),
             Self::Close(a) => Some(&a.common),
             Self::Study(a) => Some(&a.common),
+            Self::Many(a) => Some(a.verb.common()),
             Self::Report(a) => Some(&a.common),
             Self::Verify(a) => Some(&a.common),
             Self::Check(a) => Some(&a.common),
@@ -190,10 +196,49 @@ pub(crate) struct StudyArgs {
     pub(crate) common: Common,
 }
 
+/// `many`.
+#[derive(Args, Debug)]
+pub(crate) struct ManyArgs {
+    #[command(subcommand)]
+    pub(crate) verb: ManyVerb,
+}
+
+/// What is done to each campaign.
+#[derive(Debug, Subcommand)]
+pub(crate) enum ManyVerb {
+    /// Close the loop of each
+    Close(ManyOf<windfall::Close>),
+    /// Identify each
+    Identify(ManyOf<windfall::Identify>),
+}
+
+impl ManyVerb {
+    fn common(&self) -> &Common {
+        match self {
+            Self::Close(a) => &a.common,
+            Self::Identify(a) => &a.common,
+        }
+    }
+}
+
+/// `many close`, `many identify`.
+#[derive(Args, Debug)]
+pub(crate) struct ManyOf<R: Args> {
+    /// Folders, searched for campaign.toml in them and their subfolders; or campaign files (.toml)
+    #[arg(required = true, value_name = "FOLDER|CAMPAIGN")]
+    pub(crate) paths: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) request: R,
+    #[command(flatten)]
+    pub(crate) many: windfall::Many,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
 /// `report`.
 #[derive(Args, Debug)]
 pub(crate) struct ReportArgs {
-    /// Folder with close.json, identification.json, resimulation.json or verify.json
+    /// Folder with close.json, identification.json, resimulation.json, verify.json, summary.json or many.json
     pub(crate) folder: PathBuf,
     /// Also write every figure into this folder as SVG and PDF, and its data as CSV
     #[arg(long, value_name = "DIR")]
@@ -256,6 +301,25 @@ pub(crate) struct ExplainArgs {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::CommandFactory as _;
+
+    /// A verb without its function in Python is a verb forgotten there. Completions are a shell's alone.
+    #[test]
+    fn law_python_has_every_verb() {
+        let python = include_str!("../../python/py/windfall/__init__.py");
+        let all = python.split_once("__all__ = [").and_then(|(_, rest)| rest.split_once(']')).expect("a list of names").0;
+        let command = Cli::command();
+        let verbs: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).filter(|v| *v != "completions").collect();
+        assert!(verbs.len() > 10, "{verbs:?}");
+        for verb in verbs {
+            let there = python.contains(&format!("\ndef {verb}(")) && all.contains(&format!("\"{verb}\""));
+            assert!(there, "windfall.{verb}: lacks its function, or its name in __all__");
+        }
+        let many = command.find_subcommand("many").expect("a verb");
+        for each in many.get_subcommands().map(clap::Command::get_name) {
+            assert!(python.contains(&format!("\ndef {each}(")), "windfall.many(\"{each}\")");
+        }
+    }
 
     /// A default is written once: what no flag says is what the request's `Default` says.
     #[test]
@@ -273,6 +337,10 @@ mod tests {
         assert_eq!(a.request, windfall::Resimulate::default());
         let Command::Study(a) = parse(&["study", "x"]) else { unreachable!("as typed") };
         assert_eq!(a.request, windfall::Study::default());
+        let Command::Many(ManyArgs { verb: ManyVerb::Identify(a) }) = parse(&["many", "identify", "x", "y"]) else {
+            unreachable!("as typed")
+        };
+        assert_eq!((a.request, a.many, a.paths.len()), (windfall::Identify::default(), windfall::Many::default(), 2));
         let Command::Identify(a) = parse(&["identify", "x", "--method", "filter-error"]) else { unreachable!("as typed") };
         assert_eq!(a.request.method, Some(windfall::Method::FilterError));
     }

@@ -10,6 +10,7 @@ mod close;
 mod first;
 mod identify;
 mod interrupt;
+mod many;
 mod plan;
 mod planet;
 mod report;
@@ -70,6 +71,7 @@ fn dispatch(command: &Command, session: &mut Session<'_>) -> Result<bool, Failur
         Command::Resimulate(a) => resimulate::run(a, session),
         Command::Close(a) => close::run(a, session),
         Command::Study(a) => study::run(a, session),
+        Command::Many(a) => many::run(a, session),
         Command::Report(a) => report::run(a, session),
         Command::Verify(a) => verify::run(a, session),
         Command::Check(a) => check::run(a, session),

@@ -17,7 +17,7 @@ create_exception!(windfall, WriteError, WindfallError, "A file cannot be written
 create_exception!(windfall, SimulateError, WindfallError, "A flight cannot be flown, or failed.");
 create_exception!(windfall, IdentifyError, WindfallError, "A campaign cannot be identified.");
 create_exception!(windfall, LoopError, WindfallError, "The loop cannot be closed on this campaign.");
-create_exception!(windfall, StudyError, WindfallError, "A study's folder is in the way: changed, corrupt, busy, incomplete.");
+create_exception!(windfall, StudyError, WindfallError, "A folder of results is in the way: changed, corrupt, busy, incomplete.");
 
 /// An error on its way to Python.
 pub(crate) enum Raised {
@@ -63,7 +63,7 @@ impl From<Raised> for PyErr {
             Of::Flight { .. } | Of::Simulate(_) => SimulateError::new_err(text),
             Of::Identify(_) => IdentifyError::new_err(text),
             Of::Verify(_) => LoopError::new_err(text),
-            Of::Request(_) => pyo3::exceptions::PyValueError::new_err(text),
+            Of::Request(_) | Of::Find(_) => pyo3::exceptions::PyValueError::new_err(text),
             Of::Store(_) | Of::NoColumn { .. } | Of::NoPart { .. } | Of::Interrupted => StudyError::new_err(text),
             _ => WindfallError::new_err(text),
         }

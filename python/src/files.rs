@@ -1,4 +1,5 @@
-//! python: verbs on files alone: check, verify, closing against statistics, the page of a folder. In: paths. Out: JSON and HTML.
+//! python: verbs on files alone: check, verify, closing against statistics, the page of a folder, a first campaign file,
+//! what a word means. In: paths, words. Out: JSON, HTML, text.
 
 use crate::errors::Raised;
 use crate::threads::on_threads;
@@ -34,4 +35,16 @@ pub(crate) fn close_statistics(py: Python<'_>, word: PathBuf, request: &str, thr
 #[pyfunction]
 pub(crate) fn page(py: Python<'_>, folder: PathBuf) -> PyResult<String> {
     on_threads(py, 1, move || Ok(windfall::ResultsFolder::read(&folder)?.page()))
+}
+
+/// A commented campaign for a run file, as TOML.
+#[pyfunction]
+pub(crate) fn init(py: Python<'_>, run: PathBuf) -> PyResult<String> {
+    on_threads(py, 1, move || Ok(windfall::init(&run)?))
+}
+
+/// What a family of effects, a key or a warning means.
+#[pyfunction]
+pub(crate) fn explain(words: Vec<String>) -> PyResult<String> {
+    Ok(windfall::explain(&windfall::Explain { words }).map_err(Raised::from)?)
 }

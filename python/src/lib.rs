@@ -6,6 +6,7 @@
 mod campaign;
 mod errors;
 mod files;
+mod many;
 mod study;
 mod threads;
 
@@ -18,10 +19,13 @@ fn _windfall(m: &Bound<'_, PyModule>) -> PyResult<()> {
     errors::register(m)?;
     m.add_class::<campaign::PyCampaign>()?;
     m.add_class::<study::PyStudy>()?;
+    m.add_class::<many::PyMany>()?;
     m.add_function(wrap_pyfunction!(campaign::simulate, m)?)?;
     m.add_function(wrap_pyfunction!(files::check, m)?)?;
     m.add_function(wrap_pyfunction!(files::verify, m)?)?;
     m.add_function(wrap_pyfunction!(files::close_statistics, m)?)?;
     m.add_function(wrap_pyfunction!(files::page, m)?)?;
+    m.add_function(wrap_pyfunction!(files::init, m)?)?;
+    m.add_function(wrap_pyfunction!(files::explain, m)?)?;
     m.add_function(wrap_pyfunction!(study::read_runs, m)?)
 }

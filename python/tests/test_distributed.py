@@ -1,4 +1,4 @@
-"""A study on a cluster of three worker processes, one of them killed midway, gives the one-machine result byte for byte."""
+"""Studies and many campaigns on a cluster of three worker processes, one of them killed midway: the one-machine result byte for byte."""
 
 import os
 import signal
@@ -7,8 +7,8 @@ import time
 
 import pytest
 import windfall
-from test_windfall import files, study_file
-from windfall.distributed import _pack, run
+from test_windfall import campaigns, files, study_file, tree
+from windfall.distributed import _campaign_pack, _pack, many, run
 
 distributed = pytest.importorskip("distributed")
 pytestmark = pytest.mark.filterwarnings("default")
@@ -63,3 +63,42 @@ def test_law_a_pack_has_every_file_that_the_study_reads(tmp_path):
     moved.write_text(path.read_text().replace("short.toml", "../short.toml"))
     _, packed = _pack(moved)
     assert [name for name, _ in packed] == ["below/study.toml", "short.toml"]
+
+
+def test_law_many_campaigns_on_a_cluster(tmp_path, client):
+    """A worker killed midway changes nothing; what came back is not done again, and what cannot be read is a row."""
+    found = campaigns(tmp_path, 40)
+    request = {"method": "output-error", "combined": True}
+    summary = windfall.many("identify", found, tmp_path / "one", **request)
+    pids = list(client.run(os.getpid).values())
+    results, killed = tmp_path / "many" / "results", threading.Event()
+
+    def kill():
+        while len(list(results.glob("*/outcome.json"))) < 4:
+            time.sleep(0.002)
+        os.kill(pids[0], signal.SIGKILL)
+        # Forty-one campaigns: when it was killed there was still work.
+        if len(list(results.glob("*/outcome.json"))) < 36:
+            killed.set()
+
+    killer = threading.Thread(target=kill, daemon=True)
+    killer.start()
+    assert many("identify", found, client, tmp_path / "many", **request) == summary
+    killer.join(timeout=10)
+    assert killed.is_set()
+    assert tree(tmp_path / "many") == tree(tmp_path / "one")
+    written = {p: p.stat().st_mtime_ns for p in (tmp_path / "many").glob("results/c*/outcome.json")}
+    assert many("identify", found, client, tmp_path / "many", resume=True, **request) == summary
+    assert all(p.stat().st_mtime_ns == t for p, t in written.items()) and len(written) == 40
+
+
+def test_law_a_campaigns_pack_has_every_file_that_it_names(tmp_path):
+    (tmp_path / "all/a").mkdir(parents=True)
+    (tmp_path / "shared").mkdir()
+    (tmp_path / "shared/run.csv").write_text("t_s\n")
+    (tmp_path / "shared/terms.toml").write_text('other = "run.csv"\n')
+    text = '[aero.x]\nstructure = "../../shared/terms.toml"\n[[run]]\nfile = "../../shared/run.csv"\nnote = "no file"\n'
+    (tmp_path / "all/a/campaign.toml").write_text(text)
+    root, name, files = _campaign_pack(tmp_path / "all", "a/campaign.toml")
+    assert (root, name) == ("all", "a/campaign.toml")
+    assert [path for path, _ in files] == ["all/a/campaign.toml", "shared/terms.toml", "shared/run.csv"]

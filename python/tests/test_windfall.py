@@ -259,3 +259,73 @@ def test_law_verbs_on_files(tmp_path):
     assert windfall.report(tmp_path).startswith("<!DOCTYPE html>")
     with pytest.raises(windfall.WindfallError):
         windfall.report(tmp_path / "empty")
+
+
+def program(*words):
+    """Runs the program beside the package, or skips."""
+    target = Path(os.environ.get("CARGO_TARGET_DIR", Path(__file__).parents[2] / "target"))
+    path = target / "debug" / "windfall"
+    if not path.exists():
+        pytest.skip("no program beside the package: cargo build")
+    return subprocess.run([path, *words, "--quiet"], check=True, capture_output=True)
+
+
+def campaigns(folder: Path, count: int) -> Path:
+    """So many campaigns of one flight of 2 s, with other masses declared; one that cannot be read."""
+    study_file(folder)
+    program("simulate", folder / "short.toml", "--out", folder / "flown")
+    text = (folder / "flown/campaign.toml").read_text()
+    (run,) = (p for p in (folder / "flown").glob("*.csv") if "truth" not in p.name)
+    for k in range(count):
+        own = folder / "all" / f"c{k:02}"
+        own.mkdir(parents=True)
+        (own / run.name).write_bytes(run.read_bytes())
+        (own / "campaign.toml").write_text(text.replace("mass_kg = 0.7", f"mass_kg = 0.7{k:02}"))
+    (folder / "all/bad").mkdir()
+    (folder / "all/bad/campaign.toml").write_text(text.replace("mass_kg", "mas_kg"))
+    return folder / "all"
+
+
+def tree(folder: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+
+def test_law_many_campaigns_give_the_programs_bytes(tmp_path):
+    found = campaigns(tmp_path, 4)
+    program("many", "identify", found, "--out", tmp_path / "told", "--method", "equation-error", "--hold", "Cl_0=0.0125")
+    request = {"method": "equation-error", "hold": {"Cl_0": 0.0125}}
+    summary = windfall.many("identify", found, tmp_path / "own", **request)
+    assert summary is not None and (summary["ok"], summary["failed"]) == (4, 1)
+    assert tree(tmp_path / "own") == tree(tmp_path / "told") and "results/c03/identification.json" in tree(tmp_path / "own")
+    assert summary == json.loads((tmp_path / "own/many.json").read_text())
+    for i in (2, 1):
+        assert windfall.many("identify", found, tmp_path / "shards", shard=(i, 2), **request) is None
+    assert windfall.many("identify", found, tmp_path / "shards", resume=True, **request) == summary
+    assert tree(tmp_path / "shards") == tree(tmp_path / "own")
+    masses = [o["parameters"][0]["estimate"] for o in summary["outcomes"][1:]]
+    # The same accelerations of larger masses are larger coefficients: C_A grows with the mass, and the pooled mean lies between.
+    assert masses == sorted(masses) and masses[0] < summary["pooled"][0]["mean"] < masses[-1]
+    with pytest.raises(windfall.StudyError, match="--resume"):
+        windfall.many("identify", found, tmp_path / "own", **request)
+    with pytest.raises(ValueError, match="no campaign.toml"):
+        windfall.many("close", tmp_path / "own", tmp_path / "none")
+    with pytest.raises(ValueError, match="expected `close` or `identify`"):
+        windfall.many("plan", found, tmp_path / "none")
+    files_alone = [found / "c00/campaign.toml", found / "c01/campaign.toml"]
+    two = windfall.many("identify", files_alone, tmp_path / "two", **request)
+    assert two is not None and [o["path"] for o in two["outcomes"]] == ["c00/campaign.toml", "c01/campaign.toml"]
+    assert windfall.report(tmp_path / "two").encode() == (tmp_path / "two/report.html").read_bytes()
+
+
+def test_law_first_minutes_are_the_programs(tmp_path):
+    flown = program("simulate", "sage-perturbed", "--out", tmp_path)
+    assert flown.returncode == 0
+    (run,) = (p for p in tmp_path.glob("*.csv") if "truth" not in p.name)
+    program("init", tmp_path / "mine", run)
+    assert windfall.init(run) == (tmp_path / "mine/campaign.toml").read_text()
+    text = windfall.explain("center-of-mass", "mass_kg")
+    assert text == json.loads(program("explain", "center-of-mass", "mass_kg", "--json").stdout)["text"] and "kg" in text
+    with pytest.raises(ValueError, match="no family of effects and no key"):
+        windfall.explain("nothing-of-ours")
+    with pytest.raises(windfall.ReadError):
+        windfall.init(tmp_path / "none.csv")

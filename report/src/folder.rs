@@ -6,6 +6,7 @@ use crate::data::data;
 use crate::html::{escape, page, section};
 use crate::identification::{identification, resimulation};
 use crate::laid_out::laid_out;
+use crate::many::{TITLE, many_body};
 use crate::paper::{PaperFigure, paper};
 use crate::plot::Plots;
 use crate::signals::signals;
@@ -13,6 +14,7 @@ use crate::statistics::statistics;
 use crate::study::study_body;
 use serde_json::Value;
 use windfall_verify::close::{Closing, Figure, SignalTracks};
+use windfall_verify::many::ManySummary;
 use windfall_verify::study::Summary;
 
 /// What a folder holds.
@@ -30,6 +32,8 @@ pub struct FolderResults<'a> {
     pub flights: Option<&'a SignalTracks>,
     /// A study.
     pub study: Option<&'a Summary>,
+    /// Many campaigns.
+    pub many: Option<&'a ManySummary>,
     /// Any other results: title, then the JSON.
     pub others: &'a [(String, Value)],
 }
@@ -59,7 +63,7 @@ fn heading(title: &str, r: &FolderResults<'_>) -> String {
         named.into_iter().find(|n| !n.is_empty())
     });
     let named = r.others.iter().find_map(|(_, v)| v.get("name")?.as_str());
-    campaign.or(r.study.map(|s| s.study.as_str())).or(named).unwrap_or(title).to_owned()
+    campaign.or(r.study.map(|s| s.study.as_str())).or(r.many.map(|_| TITLE)).or(named).unwrap_or(title).to_owned()
 }
 
 fn body(title: &str, results: &FolderResults<'_>, plots: &mut Plots) -> String {
@@ -69,6 +73,9 @@ fn body(title: &str, results: &FolderResults<'_>, plots: &mut Plots) -> String {
     }
     if let Some(s) = results.study {
         body += &study_body(s, plots);
+    }
+    if let Some(m) = results.many {
+        body += &many_body(m, plots);
     }
     if body.is_empty() {
         body = format!("<h1>{}</h1>\n", escape(&heading(title, results)));

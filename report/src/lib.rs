@@ -11,6 +11,7 @@ mod html;
 mod identification;
 mod laid_out;
 mod legend;
+mod many;
 mod paper;
 mod pdf;
 mod plot;
@@ -25,5 +26,6 @@ mod words;
 
 pub use closing::closing_page;
 pub use folder::{FolderResults, folder_figures, folder_page};
+pub use many::many_page;
 pub use paper::{PaperFigure, WIDTH_MM};
-pub use words::{number, p_value, sentence, with_interval};
+pub use words::{interval, number, p_value, sentence, with_interval};

@@ -43,6 +43,17 @@ pub fn with_interval(estimate: f64, half: Option<f64>) -> (String, Option<String
     (format!("{estimate:.places$}"), Some(format!("{half:.places$}")))
 }
 
+/// Ends of an interval in as many places as half of it needs.
+///
+/// ```
+/// assert_eq!(windfall_report::interval([6.661_931, 6.662_149]), "[6.66193, 6.66215]");
+/// ```
+#[must_use]
+pub fn interval(ends: [f64; 2]) -> String {
+    let [low, high] = ends.map(|x| with_interval(x, Some(0.5 * (ends[1] - ends[0]))).0);
+    format!("[{low}, {high}]")
+}
+
 /// A probability in two digits.
 ///
 /// ```

@@ -5,10 +5,12 @@
 
 mod bundled;
 mod campaign;
+mod campaign_store;
 mod clean;
 mod columns;
 mod error;
 mod file_set;
+mod find;
 mod formats;
 mod grid;
 mod guess;
@@ -45,9 +47,11 @@ mod write;
 
 pub use bundled::{NAMES as BUNDLED, bundled};
 pub use campaign::{read_campaign, read_campaign_with_warnings};
+pub use campaign_store::{CampaignStore, ManyIdentity, ResultFile, campaign_hash, table_bytes};
 pub use columns::write_columns_csv;
 pub use error::{Fault, ReadError, WriteError};
 pub use file_set::{FileSet, settle};
+pub use find::{FindError, FoundCampaign, FoundCampaigns, find_campaigns};
 pub use guess::campaign_of_run;
 pub use kind::{FileKind, kind_of};
 pub use open::read_json;

@@ -20,6 +20,11 @@ pub(crate) const PARTS: u64 = 100_000;
 pub(crate) const PART_DRAWS: f64 = 1e5;
 /// Points of a grid on which an input is drawn beforehand.
 pub(crate) const GRID_POINTS: f64 = 2e7;
+/// Campaigns done together: a row of each is in memory.
+pub(crate) const CAMPAIGNS: usize = 10_000;
+/// Folders below the one that is searched for campaigns, and all that is looked at on the way.
+pub(crate) const SEARCH_DEPTH: usize = 8;
+pub(crate) const SEARCHED: usize = 1_000_000;
 
 /// Samples of a flight; too many are a fault.
 pub(crate) fn samples(t: &Table<'_>, duration_s: f64, rate_hz: f64) -> f64 {

@@ -14,15 +14,24 @@ use std::io::Write;
 use std::sync::Arc;
 use windfall_model::study::{Cell, CellKind, Column, Row};
 
-/// Name of the first column, the draw's number.
-pub(crate) const DRAW: &str = "draw";
+/// A kind of table: its name, and that of its first column, the number of a row.
+#[derive(Clone, Copy)]
+pub(crate) struct Kind {
+    name: &'static str,
+    number: &'static str,
+}
+
+/// Draws of a study.
+const STUDY: Kind = Kind { name: "windfall_study", number: "draw" };
+/// Results of many campaigns.
+pub(crate) const CAMPAIGNS: Kind = Kind { name: "windfall_campaigns", number: "campaign" };
 
 fn field(name: &str, physical: Physical, repetition: Repetition) -> PrimitiveTypeBuilder<'_> {
     Type::primitive_type_builder(name, physical).with_repetition(repetition)
 }
 
-fn schema(columns: &[Column]) -> Result<Type> {
-    let mut fields = vec![Arc::new(field(DRAW, Physical::INT64, Repetition::REQUIRED).build()?)];
+fn schema(kind: Kind, columns: &[Column]) -> Result<Type> {
+    let mut fields = vec![Arc::new(field(kind.number, Physical::INT64, Repetition::REQUIRED).build()?)];
     for c in columns {
         let built = match c.kind {
             CellKind::Number => field(&c.name, Physical::DOUBLE, Repetition::OPTIONAL).build()?,
@@ -33,7 +42,7 @@ fn schema(columns: &[Column]) -> Result<Type> {
         };
         fields.push(Arc::new(built));
     }
-    Type::group_type_builder("windfall_study").with_fields(fields).build()
+    Type::group_type_builder(kind.name).with_fields(fields).build()
 }
 
 /// A Parquet file under way.
@@ -43,6 +52,9 @@ pub(crate) struct RowWriter<W: Write + Send> {
 
 impl<W: Write + Send> RowWriter<W> {
     pub(crate) fn new(sink: W, columns: &[Column]) -> Result<Self> {
+        Self::of(STUDY, sink, columns)
+    }
+    fn of(kind: Kind, sink: W, columns: &[Column]) -> Result<Self> {
         let mut properties = WriterProperties::builder()
             .set_created_by("windfall".to_owned())
             .set_compression(Compression::SNAPPY)
@@ -52,7 +64,7 @@ impl<W: Write + Send> RowWriter<W> {
         for c in columns.iter().filter(|c| c.kind == CellKind::Word) {
             properties = properties.set_column_dictionary_enabled(ColumnPath::new(vec![c.name.clone()]), true);
         }
-        let file = SerializedFileWriter::new(sink, Arc::new(schema(columns)?), Arc::new(properties.build()))?;
+        let file = SerializedFileWriter::new(sink, Arc::new(schema(kind, columns)?), Arc::new(properties.build()))?;
         Ok(Self { file })
     }
     /// Adds rows as one group.
@@ -104,7 +116,12 @@ fn split<T>(all: impl Iterator<Item = Option<T>>) -> (Vec<T>, Vec<i16>) {
 
 /// Rows of one group as a whole file.
 pub(crate) fn encode(columns: &[Column], rows: &[Row]) -> Result<Vec<u8>> {
-    let mut writer = RowWriter::new(Vec::new(), columns)?;
+    encode_as(STUDY, columns, rows)
+}
+
+/// The same for a table of any kind.
+pub(crate) fn encode_as(kind: Kind, columns: &[Column], rows: &[Row]) -> Result<Vec<u8>> {
+    let mut writer = RowWriter::of(kind, Vec::new(), columns)?;
     writer.group(rows)?;
     writer.finish()
 }
@@ -141,7 +158,7 @@ pub(crate) fn columns_of<R: ChunkReader + 'static>(file: &SerializedFileReader<R
 pub(crate) fn same_columns<R: ChunkReader + 'static>(file: &SerializedFileReader<R>, columns: &[Column]) -> Result<()> {
     let schema = file.metadata().file_metadata().schema_descr();
     let names = (0..schema.num_columns()).map(|i| schema.column(i).name().to_owned());
-    if names.eq([DRAW.to_owned()].into_iter().chain(columns.iter().map(|c| c.name.clone()))) {
+    if names.eq([STUDY.number.to_owned()].into_iter().chain(columns.iter().map(|c| c.name.clone()))) {
         return Ok(());
     }
     Err(ParquetError::General("its columns are not those of this study".to_owned()))

@@ -118,7 +118,8 @@ impl fmt::Display for Shard {
 impl Shard {
     /// The whole study.
     pub const ALL: Self = Self { index: 0, of: 1 };
-    fn has(self, part: u64) -> bool {
+    /// Whether the part of this number is in this share.
+    pub(crate) fn has(self, part: u64) -> bool {
         part % self.of == self.index
     }
 }

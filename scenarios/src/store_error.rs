@@ -8,19 +8,19 @@ use std::path::{Path, PathBuf};
 #[non_exhaustive]
 pub enum StoreError {
     /// The folder has results.
-    #[error("{}: holds results of a study; try: --resume to go on with it, --out for another folder, --force to begin anew", folder.display())]
+    #[error("{}: holds results already; try: --resume to go on with them, --out for another folder, --force to begin anew", folder.display())]
     Exists {
         /// The folder.
         folder: PathBuf,
     },
     /// Nothing to go on with.
-    #[error("{}: holds no study to resume; try: without --resume", folder.display())]
+    #[error("{}: holds no study to resume, nor many campaigns; try: without --resume", folder.display())]
     Nothing {
         /// The folder.
         folder: PathBuf,
     },
     /// The folder's draws are of something else.
-    #[error("{}: these results were drawn with another {what}; try: the original, or another --out", folder.display())]
+    #[error("{}: these results were made with another {what}; try: the original, or another --out", folder.display())]
     Changed {
         /// The folder.
         folder: PathBuf,
@@ -28,7 +28,7 @@ pub enum StoreError {
         what: String,
     },
     /// A file is not what was written.
-    #[error("{}: is corrupt ({what}); try: remove this file and --resume, which draws its part again", path.display())]
+    #[error("{}: is corrupt ({what}); try: remove this file and --resume, which makes its part again", path.display())]
     Corrupt {
         /// The file.
         path: PathBuf,
@@ -54,7 +54,7 @@ pub enum StoreError {
         first: u64,
     },
     /// A link where a study keeps its files.
-    #[error("{}: is a link; a study writes into its own folder only; try: another --out, or remove the link", path.display())]
+    #[error("{}: is a link; results are written into their own folder only; try: another --out, or remove the link", path.display())]
     Link {
         /// The link.
         path: PathBuf,

@@ -5,6 +5,7 @@ mod checks;
 pub mod close;
 mod error;
 mod identify;
+pub mod many;
 mod recovery;
 mod residual;
 mod resimulate;

@@ -13,6 +13,6 @@ mod stop;
 mod summary;
 
 pub use draw::PreparedStudy;
-pub use run::run;
+pub use run::{each, run};
 pub use stop::{Moments, Progress, clopper_pearson};
 pub use summary::{Count, FailureKind, NumberLine, ParameterSummary, Quantile, Rate, Summary, WordLine, summarise};

@@ -1,7 +1,7 @@
 //! windfall: what can go wrong, whichever room it is from. Out: one enum, and of which kind an error is.
 
 use windfall_pid::PidError;
-use windfall_scenarios::{ReadError, StoreError, WriteError};
+use windfall_scenarios::{FindError, ReadError, StoreError, WriteError};
 use windfall_sim::SimError;
 use windfall_verify::VerifyError;
 use windfall_verify::statistics::StatisticsError;
@@ -30,7 +30,10 @@ pub enum Error {
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// The folder of a study is in the way.
+    /// No campaigns where they were looked for.
+    #[error(transparent)]
+    Find(#[from] FindError),
+    /// The folder of a study, or of many campaigns, is in the way.
     #[error(transparent)]
     Store(StoreError),
     /// A flight of a scenario cannot be flown, or failed.
@@ -88,8 +91,8 @@ pub enum Error {
         /// How many there are.
         parts: u64,
     },
-    /// Somebody asked for an end of a study.
-    #[error("interrupted; draws that were finished are kept; try: --resume to go on")]
+    /// Somebody asked for an end of a study, or of many campaigns.
+    #[error("interrupted; what was finished is kept; try: --resume to go on")]
     Interrupted,
 }
 

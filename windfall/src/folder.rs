@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use windfall_report::{FolderResults, PaperFigure, folder_figures, folder_page};
 use windfall_scenarios::read_json;
 use windfall_verify::close::{Closing, Figure, SignalTracks};
+use windfall_verify::many::ManySummary;
 use windfall_verify::study::Summary;
 
 /// Results beside a closing, with their titles and the keys that each has.
@@ -27,12 +28,13 @@ pub struct ResultsFolder {
     figures: Vec<Figure>,
     tracks: [Option<SignalTracks>; 3],
     study: Option<Summary>,
+    many: Option<ManySummary>,
     others: Vec<(String, Value)>,
 }
 
 impl ResultsFolder {
-    /// Reads `close.json`, `figures.json`, `identification.json`, `resimulation.json`, `verify.json` and `summary.json`, those that
-    /// are there.
+    /// Reads `close.json`, `figures.json`, `identification.json`, `resimulation.json`, `verify.json`, `summary.json` and
+    /// `many.json`, those that are there.
     ///
     /// # Errors
     /// A file that is not such a result, a folder without any.
@@ -62,13 +64,15 @@ impl ResultsFolder {
             *place = there(folder, file).map(|p| read_json(&p)).transpose()?;
         }
         let study = there(folder, "summary.json").map(|p| read_json(&p)).transpose()?;
-        if closing.is_none() && study.is_none() && others.is_empty() {
-            let known: Vec<&str> = ["close.json", "summary.json"].into_iter().chain(OTHERS.map(|(f, ..)| f)).collect();
+        let many = there(folder, "many.json").map(|p| read_json(&p)).transpose()?;
+        if closing.is_none() && study.is_none() && many.is_none() && others.is_empty() {
+            let known: Vec<&str> =
+                ["close.json", "summary.json", "many.json"].into_iter().chain(OTHERS.map(|(f, ..)| f)).collect();
             return Err(Error::NoResult { folder: folder.display().to_string(), known: known.join(", ") });
         }
         let title = folder.canonicalize().ok().and_then(|p| Some(p.file_name()?.to_string_lossy().into_owned()));
         let title = title.unwrap_or_else(|| folder.display().to_string());
-        Ok(Self { title, closing, figures, tracks, study, others })
+        Ok(Self { title, closing, figures, tracks, study, many, others })
     }
     /// The page as HTML in one piece.
     #[must_use]
@@ -89,6 +93,7 @@ impl ResultsFolder {
             coefficients,
             flights,
             study: self.study.as_ref(),
+            many: self.many.as_ref(),
             others: &self.others,
         }
     }

@@ -25,6 +25,7 @@ mod check;
 mod error;
 mod explain;
 mod folder;
+mod many;
 pub mod planet;
 mod published;
 mod requests;
@@ -37,6 +38,7 @@ pub use check::{Checked, Verification, check, verify};
 pub use error::{Error, ErrorKind, Result};
 pub use explain::{Explain, explain, init};
 pub use folder::ResultsFolder;
+pub use many::{CampaignDone, Campaigns, Each, Many};
 pub use published::Published;
 pub use requests::{Close, Fly, Identify, MOST_COPIES, Plan, Resimulate, Structure, Study};
 pub use scenario::{FlightSummary, Flights, Scenario, Simulation};
@@ -60,6 +62,7 @@ pub mod results {
     pub use windfall_pid::{DataSet, Estimate, Identifiability, Identification, NORMAL_95, relative_percent};
     pub use windfall_sim::{Flown, Truth};
     pub use windfall_verify::close::{Closing, EffectLine, Figure, HeldOut, SignalTracks, Verdict};
+    pub use windfall_verify::many::{ManySummary, Outcome, OutcomeParameter, Pooled, PooledParameter, Status, Tally};
     pub use windfall_verify::separate::{Deciding, NextRun, Separated, Separation, Sharpened};
     pub use windfall_verify::statistics::{StatisticsClosing, statistics_table};
     pub use windfall_verify::study::{Moments, Summary};
@@ -69,8 +72,8 @@ pub mod results {
 /// Files of the program: results as JSON, structures, studies' folders.
 pub mod files {
     pub use windfall_scenarios::{
-        BUNDLED, FileSet, Piece, Store, json_text, key_reference, read_json, read_runs, series_text, settle, text_atomically,
-        write_json_atomically, write_structure,
+        BUNDLED, CampaignStore, FileSet, Piece, Store, json_text, key_reference, read_json, read_runs, series_text, settle,
+        text_atomically, write_json_atomically, write_structure,
     };
 }
 
@@ -78,7 +81,7 @@ pub use windfall_pid::output_error::Prior;
 pub use windfall_pid::plan::{Target, Wanted};
 pub use windfall_pid::structure::Criterion;
 pub use windfall_pid::{Held, Method, PidError};
-pub use windfall_scenarios::{ReadError, Shard, StoreError, WriteError};
+pub use windfall_scenarios::{FindError, ReadError, Shard, StoreError, WriteError};
 pub use windfall_sim::SimError;
 pub use windfall_verify::statistics::StatisticsError;
 pub use windfall_verify::{Tie, VerifyError};

@@ -51,7 +51,10 @@ __all__ = [
     "check",
     "close",
     "close_statistics",
+    "explain",
     "identify",
+    "init",
+    "many",
     "plan",
     "read_runs",
     "report",
@@ -115,16 +118,29 @@ def identify(
     to another, `prior={"Cl_p": (-5.7, 0.3)}` is a mean and a standard deviation from elsewhere. `bootstrap=40` checks the stated errors
     by so many copies.
     """
-    request = _request(
-        method=method,
-        combined=combined,
-        bootstrap=bootstrap,
-        hold=[{"name": name, "value": value} for name, value in (hold or {}).items()],
-        tie=[{"name": name, "to": to} for name, to in (tie or {}).items()],
-        prior=[{"name": name, "mean": mean, "std": std} for name, (mean, std) in (prior or {}).items()],
-    )
+    request = json.dumps(_identify_fields(method, combined, hold, tie, prior, bootstrap))
     found: dict[str, Any] = json.loads(_campaign(campaign).identify(request, threads))
     return found
+
+
+def _identify_fields(
+    method: str | None = None,
+    combined: bool = False,
+    hold: Mapping[str, float] | None = None,
+    tie: Mapping[str, str] | None = None,
+    prior: Mapping[str, tuple[float, float]] | None = None,
+    bootstrap: int | None = None,
+) -> dict[str, Any]:
+    """The request of `identify` as a dictionary."""
+    fields = {
+        "method": method,
+        "combined": combined,
+        "bootstrap": bootstrap,
+        "hold": [{"name": name, "value": value} for name, value in (hold or {}).items()],
+        "tie": [{"name": name, "to": to} for name, to in (tie or {}).items()],
+        "prior": [{"name": name, "mean": mean, "std": std} for name, (mean, std) in (prior or {}).items()],
+    }
+    return {name: value for name, value in fields.items() if value is not None}
 
 
 def resimulate(
@@ -211,6 +227,53 @@ def study(
     order.open(os.fspath(out), _request(resume=resume, force=force, shard=share))
     order.draw(threads)
     return None if shard is not None else json.loads(order.finish())
+
+
+def _each(verb: str, request: Mapping[str, Any]) -> str:
+    """Verb and request of many campaigns as JSON."""
+    return json.dumps({verb: _identify_fields(**request) if verb == "identify" else dict(request)})
+
+
+def _paths(campaigns: Path | Sequence[Path]) -> list[str]:
+    return [os.fspath(p) for p in ([campaigns] if isinstance(campaigns, (str, os.PathLike)) else campaigns)]
+
+
+def many(
+    verb: str,
+    campaigns: Path | Sequence[Path],
+    out: Path,
+    *,
+    resume: bool = False,
+    force: bool = False,
+    shard: Sequence[int] | None = None,
+    threads: int = 0,
+    **request: Any,
+) -> dict[str, Any] | None:
+    """Do `close` or `identify` for every campaign of a folder, or of a list of folders and campaign files, into the folder `out`.
+
+    Writes what `windfall many` writes: a result of each campaign, `campaigns.parquet`, `many.json`, whose content is returned, and
+    `report.html`. A campaign that fails is a row with its reason. `request` is what the verb takes, as in `many("identify", ...,
+    method="equation-error")`. With `shard=(i, n)`, i from 1 to n, only that share is done and nothing returned; `resume=True` without it
+    does what is missing and joins all.
+    """
+    order = _windfall.Many(_paths(campaigns), _each(verb, request))
+    share = None if shard is None else f"{shard[0]}/{shard[1]}"
+    order.open(os.fspath(out), _request(resume=resume, force=force, shard=share))
+    order.work(threads)
+    if shard is not None:
+        return None
+    found: dict[str, Any] = json.loads(order.finish())
+    return found
+
+
+def init(run: Path) -> str:
+    """A commented campaign file for a run file, as TOML; guesses are marked, what no record tells is `nan` and to be filled in."""
+    return _windfall.init(os.fspath(run))
+
+
+def explain(*words: str) -> str:
+    """What a family of effects, a key of a file, or a warning means, and where that is from."""
+    return _windfall.explain(list(words))
 
 
 def read_runs(path: Path) -> dict[str, npt.NDArray[Any] | list[str]]:

@@ -18,6 +18,18 @@ pub enum Verdict {
     Unexplained,
 }
 
+impl Verdict {
+    /// As in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Consistent => "consistent",
+            Self::Effect => "effect",
+            Self::Unexplained => "unexplained",
+        }
+    }
+}
+
 /// Residuals of all channels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Residuals {
