@@ -410,32 +410,17 @@ impl Engine {
     /// Slopes of the log-likelihood over the logarithms of the random members' numbers, node by node, as the gradient and the sum of outer
     /// products, which is the information (Berndt, Hall, Hall and Hausman 1974).
     pub(crate) fn random_scores(&self, model: &Model) -> Option<(f64, DVector<f64>, DMatrix<f64>)> {
-        let places = random_numbers(model);
         let series = |m: &Model| -> Option<(f64, Vec<f64>)> {
             let sum = self.sum(m, &[], &[]).ok()?;
             Some((sum.log_likelihood, sum.runs.into_iter().flat_map(|r| r.nodes).collect()))
         };
         let (here, base) = series(model)?;
-        let n = places.len();
-        let mut slopes = Vec::with_capacity(n);
-        for &place in &places {
-            let (moved, by) = self.moved(model, place);
-            slopes.push(series(&moved)?.1.iter().zip(&base).map(|(a, b)| (a - b) / by).collect::<Vec<f64>>());
-        }
+        let slope = |((_, moved), by): &((f64, Vec<f64>), f64)| moved.iter().zip(&base).map(|(a, b)| (a - b) / by).collect();
+        let slopes: Vec<Vec<f64>> = at_moved(model, series)?.iter().map(slope).collect();
+        let n = slopes.len();
         let gradient = DVector::from_fn(n, |i, _| slopes[i].iter().sum());
         let information = DMatrix::from_fn(n, n, |i, k| slopes[i].iter().zip(&slopes[k]).map(|(a, b)| a * b).sum());
         Some((here, gradient, information))
-    }
-
-    /// A model with a random member's number a step further in its logarithm, away from the upper end of its range; and that step.
-    pub(crate) fn moved(&self, model: &Model, (member, i): (usize, usize)) -> (Model, f64) {
-        const STEP: f64 = 0.05;
-        let [low, high] = log_range(model, member, i);
-        let up = model.members[member].values[i].max(low.exp()).ln() + STEP < high;
-        let by = if up { STEP } else { -STEP };
-        let mut moved = model.clone();
-        moved.members[member].values[i] *= by.exp();
-        (moved, by)
     }
 
     /// Sizes and shapes of the random members, the rest held, by at most `most` steps of scoring, then a climb; the better of before and
@@ -484,7 +469,27 @@ impl Engine {
     }
 }
 
-/// Places of the sizes and shapes of random members.
+/// What passes over models say of the random members' numbers: `seen` at each moved model and the step of its logarithm, in their order.
+pub(crate) fn at_moved<T>(model: &Model, seen: impl Fn(&Model) -> Option<T>) -> Option<Vec<(T, f64)>> {
+    let one = |place| {
+        let (next, by) = moved(model, place);
+        Some((seen(&next)?, by))
+    };
+    random_numbers(model).into_iter().map(one).collect()
+}
+
+/// A model with a random member's number a step further in its logarithm, away from the upper end of its range; and that step.
+fn moved(model: &Model, (member, i): (usize, usize)) -> (Model, f64) {
+    const STEP: f64 = 0.05;
+    let [low, high] = log_range(model, member, i);
+    let up = model.members[member].values[i].max(low.exp()).ln() + STEP < high;
+    let by = if up { STEP } else { -STEP };
+    let mut moved = model.clone();
+    moved.members[member].values[i] *= by.exp();
+    (moved, by)
+}
+
+/// Places of the sizes and shapes of random members; a shape of zero stands for its absence and stays so.
 pub(crate) fn random_numbers(model: &Model) -> Vec<(usize, usize)> {
     model
         .members
@@ -492,15 +497,18 @@ pub(crate) fn random_numbers(model: &Model) -> Vec<(usize, usize)> {
         .enumerate()
         .filter(|(_, m)| m.random)
         .flat_map(|(k, m)| (0..m.values.len()).map(move |i| (k, i)))
+        .filter(|&(k, i)| model.members[k].parameters[i].role == Role::Strength || model.members[k].values[i] > 0.0)
         .collect()
 }
 
 /// Smallest size of a random input over the largest plausible.
 const SMALLEST: f64 = 3e-4;
+/// Smallest shape of a random input over the largest.
+const SMALLEST_SHAPE: f64 = 1e-3;
 
 fn log_range(model: &Model, member: usize, i: usize) -> [f64; 2] {
     let p = &model.members[member].parameters[i];
-    let low = if p.role == Role::Strength { SMALLEST * p.high } else { p.low };
+    let low = if p.role == Role::Strength { SMALLEST * p.high } else { p.low.max(SMALLEST_SHAPE * p.high) };
     [low.ln(), p.high.ln()]
 }
 

@@ -34,5 +34,5 @@ pub use gram::{Gram, Posterior};
 pub use hum::Hum;
 pub use innovations::Innovations;
 pub use model::{Id, Member, Model, Number};
-pub use noise::{ChannelNoise, declared as declared_noise};
+pub use noise::{ChannelNoise, POSE, declared as declared_noise};
 pub use search::{Set, Unit};

@@ -1,6 +1,6 @@
 //! likelihood: what moves the model at random, as states driven by white noise. In: a plant's disturbances. Out: their transitions.
 //!
-//! A gust has Dryden's form (MIL-F-8785C 1980), seen through a short lag that makes its rate a state, so that what follows the gust's rate
+//! A gust has Dryden's form (MIL-F-8785C 1980) or is limited to a band; it is seen through a short lag that makes its rate a state, so that what follows the gust's rate
 //! (α̇, apparent mass) feels a finite one. A narrow-band moment is an oscillator.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
@@ -100,8 +100,9 @@ fn driven(a: &Matrix3<f64>, b: &Vector3<f64>, step_s: f64) -> Driven {
 fn input(d: &Disturbance, step_s: f64) -> Input {
     // Rates of the states, and where white noise enters.
     let (a, b, form) = match d.shape {
-        Shape::DrydenLongitudinal { time_s } => gust(time_s, 1.0),
-        Shape::DrydenLateral { time_s } => gust(time_s, 3.0_f64.sqrt()),
+        Shape::DrydenLongitudinal { time_s } => gust(time_s, [1.0, 1.0], 2.0),
+        Shape::DrydenLateral { time_s } => gust(time_s, [1.0, 3.0_f64.sqrt()], 2.0),
+        Shape::Band { centre_rad_s: w, bandwidth_rad_s } => gust(1.0 / w, [0.0, 1.0], bandwidth_rad_s / w),
         Shape::Narrow { centre_rad_s: w, bandwidth_rad_s } => (
             Matrix3::new(0.0, 1.0, 0.0, -w * w, -bandwidth_rad_s, 0.0, 0.0, 0.0, -1.0),
             Vector3::new(0.0, 1.0, 0.0),
@@ -119,14 +120,14 @@ fn input(d: &Disturbance, step_s: f64) -> Input {
     }
 }
 
-/// `(1 + ζ T s)/(1 + T s)²` behind a short lag: ζ = 1 along the stream, √3 across it. Rates of the states, where white noise enters, and the
-/// form before the lag by the states.
-fn gust(time_s: f64, zeta: f64) -> (Matrix3<f64>, Vector3<f64>, Vector3<f64>) {
+/// `(c₀ + c₁ T s)/(1 + b T s + (T s)²)` behind a short lag. Dryden's form has b = 2 and c = (1, 1) along the stream, (1, √3) across it; a band
+/// of relative width b has c = (0, 1). Rates of the states, where white noise enters, and the form before the lag by the states.
+fn gust(time_s: f64, [shift, rate]: [f64; 2], damping: f64) -> (Matrix3<f64>, Vector3<f64>, Vector3<f64>) {
     let fast = 1.0 / (FAST * time_s).clamp(FAST_S[0], FAST_S[1]);
     let per = 1.0 / time_s;
     // The form's state and, in units of 1/T, its rate.
-    let a = Matrix3::new(-fast, fast, fast * zeta, 0.0, 0.0, per, 0.0, -per, -2.0 * per);
-    (a, Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.0, 1.0, zeta))
+    let a = Matrix3::new(-fast, fast * shift, fast * rate, 0.0, 0.0, per, 0.0, -per, -damping * per);
+    (a, Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.0, shift, rate))
 }
 
 /// Stationary covariance: `A P + P Aᵀ + b bᵀ = 0`.
@@ -163,7 +164,7 @@ mod tests {
             let next = phi * p0 * phi.transpose() + i.driven.added.fixed_view::<ORDER, ORDER>(0, 0);
             // The shortest step's series leaves (step/lag)⁵/120 of the fastest lag.
             assert!((next - p0).amax() < 1e-8 * p0.amax(), "{time_s}: {next} {p0}");
-            let (a, b, _) = gust(time_s, 3.0_f64.sqrt());
+            let (a, b, _) = gust(time_s, [1.0, 3.0_f64.sqrt()], 2.0);
             let p = of(&i.stationary);
             let left = a * p + p * a.transpose();
             // All of the driving noise is in the last state.

@@ -4,16 +4,14 @@
 //! information then overstates what was learnt. Estimates of maximum likelihood are still consistent, and their covariance is
 //! `A⁻¹ J A⁻¹` with A the information and J the score's covariance in the long run (Huber 1967; White 1982; Newey and West 1987).
 
-use crate::engine::{Engine, Fit, random_numbers};
-use crate::filter::Seen;
+use crate::engine::{Engine, Fit, at_moved};
+use crate::filter::{SETTLED_S, Seen};
 use crate::model::Model;
 use crate::noise::POSE;
 use nalgebra::{DMatrix, DVector, SMatrix};
 
 /// Time over which innovations may be correlated, s; Bartlett's weights fall to zero there.
 const MEMORY_S: f64 = 1.0;
-/// Time in which a run's first state is found, s.
-const SETTLED_S: f64 = 0.5;
 
 type Correlation = SMatrix<f64, POSE, POSE>;
 
@@ -112,16 +110,10 @@ impl Engine {
     /// Covariance of the logarithms of the random members' numbers. The information is what innovations and their variances say by
     /// their slopes; the score's covariance is that of what the nodes say in the long run.
     pub(crate) fn random_covariance(&self, model: &Model) -> Option<DMatrix<f64>> {
-        let places = random_numbers(model);
         let base = self.traced(model, &[]).ok()?;
-        let moved = places
-            .iter()
-            .map(|&place| {
-                let (next, by) = self.moved(model, place);
-                Some(slopes(&base, &self.traced(&next, &[]).ok()?, by))
-            })
-            .collect::<Option<Vec<_>>>()?;
-        let n = places.len();
+        let moved = at_moved(model, |m| self.traced(m, &[]).ok())?;
+        let moved: Vec<Vec<Slopes>> = moved.iter().map(|(next, by)| slopes(&base, next, *by)).collect();
+        let n = moved.len();
         let each = |a: usize, b: usize| moved[a].iter().zip(&moved[b]).map(|(x, y)| x.information(y)).sum::<f64>();
         let information = DMatrix::from_fn(n, n, each);
         let mut score = DMatrix::zeros(n, n);
