@@ -19,6 +19,7 @@ mod innovations;
 mod model;
 mod noise;
 mod random;
+mod random_fit;
 mod robust;
 mod run;
 mod search;

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use windfall_model::{Disturbance, Entry, Operator, Release, Shape, TunnelSpeed, Turbulence, WakeShedding};
 use windfall_sim::{Channel, Seed, fly, fly_truth, realise};
 
-const SHAPES: [Shape; 3] = [
+const SHAPES: [Shape; 4] = [
     Shape::DrydenLongitudinal { time_s: 0.08 },
     Shape::DrydenLateral { time_s: 0.08 },
     Shape::Narrow { centre_rad_s: 12.0, bandwidth_rad_s: 3.0 },
