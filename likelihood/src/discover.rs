@@ -240,7 +240,7 @@ fn gains(engine: &Engine, fit: &Fit) -> Vec<(usize, f64)> {
 
 /// Standard errors of the random members' numbers, to first order in their logarithms.
 fn random_errors(engine: &Engine, fit: &Fit) -> Vec<((usize, usize), f64)> {
-    let places = crate::engine::random_numbers(&fit.model);
+    let places = crate::random_fit::random_numbers(&fit.model);
     if places.is_empty() {
         return Vec::new();
     }

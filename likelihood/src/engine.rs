@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use windfall_model::{Campaign, Constant, Data, Plant, Record, Role};
+use windfall_model::{Campaign, Constant, Data, Plant, Record};
 
 /// Runs of a campaign made ready, with their noise.
 #[derive(Clone, Debug)]
@@ -89,8 +89,8 @@ const NODE_S: f64 = 0.02;
 const COARSE_S: f64 = 0.04;
 /// What a node costs without columns, in columns.
 const NODE_COST: u64 = 24;
-/// Most work of a search, in passes without columns: campaigns that a set explains take 100 to 400. Then climbs are of few steps.
-const BUDGET: f64 = 700.0;
+/// Most work of a search, in passes without columns: campaigns that a set explains take 100 to 600. Then climbs are of few steps.
+const BUDGET: f64 = 1000.0;
 const FEW: usize = 3;
 /// A climb ends when no step exceeds this share of its standard error.
 const SMALL: f64 = 0.05;
@@ -406,102 +406,6 @@ impl Engine {
             stop,
         })
     }
-
-    /// Slopes of the log-likelihood over the logarithms of the random members' numbers, node by node, as the gradient and the sum of outer
-    /// products, which is the information (Berndt, Hall, Hall and Hausman 1974).
-    pub(crate) fn random_scores(&self, model: &Model) -> Option<(f64, DVector<f64>, DMatrix<f64>)> {
-        let places = random_numbers(model);
-        let series = |m: &Model| -> Option<(f64, Vec<f64>)> {
-            let sum = self.sum(m, &[], &[]).ok()?;
-            Some((sum.log_likelihood, sum.runs.into_iter().flat_map(|r| r.nodes).collect()))
-        };
-        let (here, base) = series(model)?;
-        let n = places.len();
-        let mut slopes = Vec::with_capacity(n);
-        for &place in &places {
-            let (moved, by) = self.moved(model, place);
-            slopes.push(series(&moved)?.1.iter().zip(&base).map(|(a, b)| (a - b) / by).collect::<Vec<f64>>());
-        }
-        let gradient = DVector::from_fn(n, |i, _| slopes[i].iter().sum());
-        let information = DMatrix::from_fn(n, n, |i, k| slopes[i].iter().zip(&slopes[k]).map(|(a, b)| a * b).sum());
-        Some((here, gradient, information))
-    }
-
-    /// A model with a random member's number a step further in its logarithm, away from the upper end of its range; and that step.
-    pub(crate) fn moved(&self, model: &Model, (member, i): (usize, usize)) -> (Model, f64) {
-        const STEP: f64 = 0.05;
-        let [low, high] = log_range(model, member, i);
-        let up = model.members[member].values[i].max(low.exp()).ln() + STEP < high;
-        let by = if up { STEP } else { -STEP };
-        let mut moved = model.clone();
-        moved.members[member].values[i] *= by.exp();
-        (moved, by)
-    }
-
-    /// Sizes and shapes of the random members, the rest held, by at most `most` steps of scoring, then a climb; the better of before and
-    /// after.
-    pub(crate) fn settle_random(&self, fit: &Fit, most: usize) -> Fit {
-        /// Longest step of a logarithm; what a number may be known by without the data; gain of log-likelihood that is not worth a step.
-        const LONGEST: f64 = 1.2;
-        const VAGUE: f64 = 3.0;
-        const WORTH: f64 = 0.1;
-        let places = random_numbers(&fit.model);
-        if places.is_empty() {
-            return fit.clone();
-        }
-        let mut model = fit.model.clone();
-        for _ in 0..most {
-            let Some((here, gradient, mut information)) = self.random_scores(&model) else { break };
-            (0..places.len()).for_each(|i| information[(i, i)] += 1.0 / (VAGUE * VAGUE));
-            let Some(cholesky) = information.cholesky() else { break };
-            let step = cholesky.solve(&gradient);
-            let expected = 0.5 * gradient.dot(&step);
-            let mut fraction = (LONGEST / step.amax().max(1e-12)).min(1.0);
-            let mut better = None;
-            for _ in 0..4 {
-                let mut next = model.clone();
-                for (&(m, i), s) in places.iter().zip(step.iter()) {
-                    let [low, high] = log_range(&model, m, i);
-                    next.members[m].values[i] =
-                        (model.members[m].values[i].max(1e-12).ln() + fraction * s).clamp(low, high).exp();
-                }
-                if self.sum(&next, &[], &[]).is_ok_and(|s| s.log_likelihood > here) {
-                    better = Some(next);
-                    break;
-                }
-                fraction *= 0.35;
-            }
-            let Some(next) = better else { break };
-            model = next;
-            if expected < WORTH {
-                break;
-            }
-        }
-        match self.climb(&model, false, 3) {
-            Ok(after) if after.total > fit.total => after,
-            _ => fit.clone(),
-        }
-    }
-}
-
-/// Places of the sizes and shapes of random members.
-pub(crate) fn random_numbers(model: &Model) -> Vec<(usize, usize)> {
-    model
-        .members
-        .iter()
-        .enumerate()
-        .filter(|(_, m)| m.random)
-        .flat_map(|(k, m)| (0..m.values.len()).map(move |i| (k, i)))
-        .collect()
-}
-
-/// Smallest size of a random input over the largest plausible.
-const SMALLEST: f64 = 3e-4;
-
-fn log_range(model: &Model, member: usize, i: usize) -> [f64; 2] {
-    let p = &model.members[member].parameters[i];
-    let low = if p.role == Role::Strength { SMALLEST * p.high } else { p.low };
-    [low.ln(), p.high.ln()]
 }
 
 /// Whether a number belongs to what every set has.

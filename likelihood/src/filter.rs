@@ -20,7 +20,7 @@ use windfall_pid::equations::{ADDED, Craft, LOOSE, MOTION, STATES, TunnelAir};
 /// Spread of the first state about its start: wide, so that the data decide (m, rad, m/s, rad/s).
 const START_STD: [f64; STATES] = [0.05, 0.05, 0.05, 0.05, 0.05, 0.05, 0.5, 0.5, 0.5, 1.0, 1.0, 1.0];
 /// Time in which a run's first state is found; its innovations say little of the noise, s.
-const SETTLED_S: f64 = 0.5;
+pub(crate) const SETTLED_S: f64 = 0.5;
 /// Accelerations of a search's start that no model need explain, m/s² and rad/s²: of the order of those of a model in free flight.
 const SLACK: [f64; 6] = [2.0, 2.0, 2.0, 5.0, 10.0, 10.0];
 /// Rows of the whitened columns that are multiplied at a time.

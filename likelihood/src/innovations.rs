@@ -1,11 +1,9 @@
 //! likelihood: the innovations themselves. In: an engine, a model. Out: whitened series per run, for those who look at their shape.
 
 use crate::engine::Engine;
+use crate::filter::SETTLED_S;
 use crate::model::Model;
 use crate::noise::POSE;
-
-/// Nodes at the start of a run in which the first state is found; their innovations say little of the noise.
-const SETTLING: usize = 25;
 
 /// Whitened innovations of one run: standard normal and independent where the model and its noise are right.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,14 +17,14 @@ pub struct Innovations {
 }
 
 impl Engine {
-    /// Whitened innovations at a model, without the time in which first states are found; none where the model departs.
+    /// Whitened innovations at a model, without the time in which first states are found: they say little of the noise there. None where the model departs.
     #[must_use]
     pub fn innovations(&self, model: &Model) -> Option<Vec<Innovations>> {
         let sum = self.sum(model, &[], &[]).ok()?;
         let one = |(run, seen): (&crate::run::Prepared, crate::filter::Seen)| Innovations {
             run: run.index,
             step_s: run.step_s(),
-            rows: seen.whitened.into_iter().skip(SETTLING).collect(),
+            rows: seen.whitened.into_iter().skip(crate::run::whole(SETTLED_S / run.step_s())).collect(),
         };
         Some(self.runs.iter().zip(sum.runs).map(one).collect())
     }

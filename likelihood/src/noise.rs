@@ -7,7 +7,7 @@ use crate::spectrum::periodogram;
 use windfall_model::{Record, Sensors};
 
 /// Channels of the pose: X, Y, Z (m), R_x, R_y, R_z (rad).
-pub(crate) const POSE: usize = 6;
+pub const POSE: usize = 6;
 /// All channels whose noise is learnt: the pose and V_W (m/s).
 pub(crate) const CHANNELS: usize = POSE + 1;
 

@@ -1,13 +1,14 @@
 //! likelihood: what moves the model at random, as states driven by white noise. In: a plant's disturbances. Out: their transitions.
 //!
-//! A gust has Dryden's form (MIL-F-8785C 1980), seen through a short lag that makes its rate a state, so that what follows the gust's rate
+//! A gust has Dryden's form (MIL-F-8785C 1980) or is limited to a band; it is seen through a short lag that makes its rate a state, so that what follows the gust's rate
 //! (α̇, apparent mass) feels a finite one. A narrow-band moment is an oscillator.
 
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix2, Matrix3, SMatrix, SVector};
 use windfall_model::{Disturbance, Entry, Plant, Shape};
 
 /// States of one random input.
-pub(crate) const ORDER: usize = 3;
+pub(crate) const ORDER: usize = 4;
+const SQUARE: usize = ORDER * ORDER;
 /// States with their first, second and third integrals over a step.
 pub(crate) const WITH_SUMS: usize = 4 * ORDER;
 /// The short lag over the gust's own time, and its bounds, s.
@@ -47,14 +48,14 @@ pub(crate) fn inputs(plant: &Plant, speed_m_s: f64, step_s: f64) -> Vec<Input> {
     plant.disturbances(speed_m_s).iter().map(|d| input(d, step_s)).collect()
 }
 
-fn rows(m: &Matrix3<f64>) -> Block {
+fn rows(m: &Rates) -> Block {
     std::array::from_fn(|i| std::array::from_fn(|k| m[(i, k)]))
 }
 
 /// A step is made of short ones, each twice the one before.
 const DOUBLINGS: i32 = 9;
 
-fn driven(a: &Matrix3<f64>, b: &Vector3<f64>, step_s: f64) -> Driven {
+fn driven(a: &Rates, b: &States, step_s: f64) -> Driven {
     type Wide = SMatrix<f64, WITH_SUMS, WITH_SUMS>;
     // The states, and chains of integrals behind them.
     let mut f = Wide::zeros();
@@ -97,16 +98,21 @@ fn driven(a: &Matrix3<f64>, b: &Vector3<f64>, step_s: f64) -> Driven {
     }
 }
 
+type Rates = SMatrix<f64, ORDER, ORDER>;
+type States = SVector<f64, ORDER>;
+
 fn input(d: &Disturbance, step_s: f64) -> Input {
-    // Rates of the states, and where white noise enters.
+    // Rates of the states, where white noise enters, and the form by the states.
     let (a, b, form) = match d.shape {
         Shape::DrydenLongitudinal { time_s } => gust(time_s, 1.0),
         Shape::DrydenLateral { time_s } => gust(time_s, 3.0_f64.sqrt()),
-        Shape::Narrow { centre_rad_s: w, bandwidth_rad_s } => (
-            Matrix3::new(0.0, 1.0, 0.0, -w * w, -bandwidth_rad_s, 0.0, 0.0, 0.0, -1.0),
-            Vector3::new(0.0, 1.0, 0.0),
-            Vector3::x(),
-        ),
+        Shape::Band { centre_rad_s, bandwidth_rad_s } => band(centre_rad_s, bandwidth_rad_s / centre_rad_s),
+        Shape::Narrow { centre_rad_s: w, bandwidth_rad_s } => {
+            let (mut a, mut b) = (-Rates::identity(), States::zeros());
+            a.fixed_view_mut::<2, 2>(0, 0).copy_from(&Matrix2::new(0.0, 1.0, -w * w, -bandwidth_rad_s));
+            b[1] = 1.0;
+            (a, b, States::x())
+        }
     };
     let p = lyapunov(&a, &b);
     // The size is that of the form itself: the lag takes off its fast part, and must not add to the slow one.
@@ -121,28 +127,42 @@ fn input(d: &Disturbance, step_s: f64) -> Input {
 
 /// `(1 + ζ T s)/(1 + T s)²` behind a short lag: ζ = 1 along the stream, √3 across it. Rates of the states, where white noise enters, and the
 /// form before the lag by the states.
-fn gust(time_s: f64, zeta: f64) -> (Matrix3<f64>, Vector3<f64>, Vector3<f64>) {
+fn gust(time_s: f64, zeta: f64) -> (Rates, States, States) {
     let fast = 1.0 / (FAST * time_s).clamp(FAST_S[0], FAST_S[1]);
     let per = 1.0 / time_s;
     // The form's state and, in units of 1/T, its rate.
-    let a = Matrix3::new(-fast, fast, fast * zeta, 0.0, 0.0, per, 0.0, -per, -2.0 * per);
-    (a, Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.0, 1.0, zeta))
+    let mut a = -Rates::identity();
+    a.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::new(-fast, fast, fast * zeta, 0.0, 0.0, per, 0.0, -per, -2.0 * per));
+    (a, States::z(), States::y() + zeta * States::z())
+}
+
+/// `(b s / (s² + b s + 1))²`, s in units of the centre: two band-pass sections in a row.
+fn band(centre_rad_s: f64, b: f64) -> (Rates, States, States) {
+    // Output, its integral, the first section's output, its integral.
+    #[rustfmt::skip]
+    let a = Rates::new(
+        -b, -1.0, b, 0.0,
+        1.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, -b, -1.0,
+        0.0, 0.0, 1.0, 0.0,
+    ) * centre_rad_s;
+    (a, States::z(), States::x())
 }
 
 /// Stationary covariance: `A P + P Aᵀ + b bᵀ = 0`.
-fn lyapunov(a: &Matrix3<f64>, b: &Vector3<f64>) -> Matrix3<f64> {
-    let mut m = SMatrix::<f64, 9, 9>::zeros();
-    for i in 0..3 {
-        for k in 0..3 {
-            for l in 0..3 {
-                m[(3 * i + k, 3 * l + k)] += a[(i, l)];
-                m[(3 * i + k, 3 * i + l)] += a[(k, l)];
+fn lyapunov(a: &Rates, b: &States) -> Rates {
+    let mut m = SMatrix::<f64, SQUARE, SQUARE>::zeros();
+    for i in 0..ORDER {
+        for k in 0..ORDER {
+            for l in 0..ORDER {
+                m[(ORDER * i + k, ORDER * l + k)] += a[(i, l)];
+                m[(ORDER * i + k, ORDER * i + l)] += a[(k, l)];
             }
         }
     }
-    let right = SVector::<f64, 9>::from_fn(|j, _| -b[j / 3] * b[j % 3]);
+    let right = SVector::<f64, SQUARE>::from_fn(|j, _| -b[j / ORDER] * b[j % ORDER]);
     let p = m.lu().solve(&right).unwrap_or_default();
-    Matrix3::from_fn(|i, k| 0.5 * (p[3 * i + k] + p[3 * k + i]))
+    Rates::from_fn(|i, k| 0.5 * (p[ORDER * i + k] + p[ORDER * k + i]))
 }
 
 #[cfg(test)]
@@ -158,7 +178,7 @@ mod tests {
             // Displacement and rate are uncorrelated: x² + 3 (T ẋ)².
             assert!((i.stationary[1][1] + 3.0 * i.stationary[2][2] - 0.09).abs() < 1e-14);
             assert!((0.6..1.0).contains(&(i.stationary[0][0] / 0.09)));
-            let of = |b: &Block| Matrix3::from_fn(|r, c| b[r][c]);
+            let of = |b: &Block| Rates::from_fn(|r, c| b[r][c]);
             let (phi, p0) = (of(&i.driven.whole), of(&i.stationary));
             let next = phi * p0 * phi.transpose() + i.driven.added.fixed_view::<ORDER, ORDER>(0, 0);
             // The shortest step's series leaves (step/lag)⁵/120 of the fastest lag.
@@ -172,12 +192,37 @@ mod tests {
         }
     }
 
+    /// A band's variance is what was asked for, its output's rate has no white noise in it, and its density is the model's: two-sided
+    /// σ² |H|² with H by the states.
+    #[test]
+    fn exact_band() {
+        let (centre_rad_s, bandwidth_rad_s) = (12.0, 16.0);
+        let d = Disturbance { entry: Entry::AirVelocity(1), rms: 0.3, shape: Shape::Band { centre_rad_s, bandwidth_rad_s } };
+        let i = input(&d, 0.02);
+        assert!((i.stationary[0][0] - 0.09).abs() < 1e-14);
+        let (a, b, _) = band(centre_rad_s, bandwidth_rad_s / centre_rad_s);
+        let of = |m: &Block| Rates::from_fn(|r, c| m[r][c]);
+        let left = a * of(&i.stationary) + of(&i.stationary) * a.transpose();
+        let driven = left[(2, 2)];
+        assert!(b[0].abs() < 1e-300 && driven < 0.0 && (left - b * b.transpose() * driven).amax() < 1e-9 * driven.abs());
+        for w in [3.0, 12.0, 40.0] {
+            let m = nalgebra::Matrix4::<nalgebra::Complex<f64>>::from_fn(|r, c| {
+                nalgebra::Complex::new(-a[(r, c)], if r == c { w } else { 0.0 })
+            });
+            let h = m.lu().solve(&b.map(|x| nalgebra::Complex::new(x, 0.0))).expect("a stable filter")[0];
+            // One-sided over ω: two sides of |H|² over 2π, driven by white noise of that size.
+            let expected = -driven * h.norm_sqr() / std::f64::consts::PI;
+            assert!((d.density(w) / expected - 1.0).abs() < 1e-9, "{w}: {} for {expected}", d.density(w));
+        }
+    }
+
     /// The integral of white noise behind a first-order lag has the variance of textbooks, in steps short and long beside the lag.
     #[test]
     fn exact_variance_of_an_integral() {
         for (lag, h) in [(0.5_f64, 0.02_f64), (0.02, 0.02), (0.002, 0.02)] {
-            let a = Matrix3::from_diagonal(&Vector3::new(-1.0 / lag, -1.0, -1.0));
-            let d = driven(&a, &Vector3::new(1.0, 0.0, 0.0), h);
+            let mut a = -Rates::identity();
+            a[(0, 0)] = -1.0 / lag;
+            let d = driven(&a, &States::x(), h);
             let e = (-h / lag).exp();
             // ∫₀ʰ (lag (1 - e^{-s/lag}))² ds.
             let variance = lag * lag * (h - 2.0 * lag * (1.0 - e) + 0.5 * lag * (1.0 - e * e));

@@ -4,16 +4,15 @@
 //! information then overstates what was learnt. Estimates of maximum likelihood are still consistent, and their covariance is
 //! `A⁻¹ J A⁻¹` with A the information and J the score's covariance in the long run (Huber 1967; White 1982; Newey and West 1987).
 
-use crate::engine::{Engine, Fit, random_numbers};
-use crate::filter::Seen;
+use crate::engine::{Engine, Fit};
+use crate::filter::{SETTLED_S, Seen};
 use crate::model::Model;
 use crate::noise::POSE;
+use crate::random_fit::RandomSlopes;
 use nalgebra::{DMatrix, DVector, SMatrix};
 
 /// Time over which innovations may be correlated, s; Bartlett's weights fall to zero there.
 const MEMORY_S: f64 = 1.0;
-/// Time in which a run's first state is found, s.
-const SETTLED_S: f64 = 0.5;
 
 type Correlation = SMatrix<f64, POSE, POSE>;
 
@@ -109,59 +108,18 @@ impl Engine {
         crate::run::whole(MEMORY_S / step_s).max(1)
     }
 
-    /// Covariance of the logarithms of the random members' numbers. The information is what innovations and their variances say by
-    /// their slopes; the score's covariance is that of what the nodes say in the long run.
+    /// Covariance of the logarithms of the random members' numbers. The information is what innovations and their variances say by their slopes; the score's covariance is that of what the nodes say in the long run.
     pub(crate) fn random_covariance(&self, model: &Model) -> Option<DMatrix<f64>> {
-        let places = random_numbers(model);
-        let base = self.traced(model, &[]).ok()?;
-        let moved = places
-            .iter()
-            .map(|&place| {
-                let (next, by) = self.moved(model, place);
-                Some(slopes(&base, &self.traced(&next, &[]).ok()?, by))
-            })
-            .collect::<Option<Vec<_>>>()?;
-        let n = places.len();
-        let each = |a: usize, b: usize| moved[a].iter().zip(&moved[b]).map(|(x, y)| x.information(y)).sum::<f64>();
-        let information = DMatrix::from_fn(n, n, each);
+        let RandomSlopes { slopes, information, .. } = self.random_slopes(model)?;
+        let n = slopes.len();
         let mut score = DMatrix::zeros(n, n);
-        for run in 0..base.len() {
-            let of: Vec<&[f64]> = moved.iter().map(|m| m[run].likelihood.as_slice()).collect();
+        for run in 0..self.runs.len() {
+            let of: Vec<&[f64]> = slopes.iter().map(|m| m[run].likelihood.as_slice()).collect();
             score += autocovariance(&of, self.memory());
         }
         let inverse = information.try_inverse()?;
         Some(&inverse * score * &inverse)
     }
-}
-
-/// Slopes of a run's innovations (whitened), of the logarithms of their variances, and of its nodes' log-likelihoods.
-struct Slopes {
-    innovations: Vec<f64>,
-    variances: Vec<f64>,
-    likelihood: Vec<f64>,
-}
-
-impl Slopes {
-    /// Expected information of two numbers.
-    fn information(&self, other: &Self) -> f64 {
-        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-        product(&self.innovations, &other.innovations) + 0.5 * product(&self.variances, &other.variances)
-    }
-}
-
-fn slopes(base: &[Seen], moved: &[Seen], by: f64) -> Vec<Slopes> {
-    let one = |(base, moved): (&Seen, &Seen)| {
-        let mut slopes = Slopes { innovations: Vec::new(), variances: Vec::new(), likelihood: Vec::new() };
-        for (a, b) in base.trace.nodes.iter().zip(&moved.trace.nodes) {
-            for (x, y) in a.channels.iter().zip(&b.channels) {
-                slopes.innovations.push((y.value - x.value) / (by * x.variance.sqrt()));
-                slopes.variances.push((y.variance / x.variance).ln() / by);
-            }
-        }
-        slopes.likelihood = base.nodes.iter().zip(&moved.nodes).map(|(a, b)| (b - a) / by).collect();
-        slopes
-    };
-    base.iter().zip(moved).map(one).collect()
 }
 
 /// Covariance of the sums of series that are correlated over `most` steps.

@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-/// Gusts of the tunnel, Dryden form (MIL-F-8785C 1980; Dryden, NACA TR 342, 1930). Zero rms in a declared model.
+/// Gusts of the tunnel, of Dryden's form (MIL-F-8785C 1980; Dryden, NACA TR 342, 1930) or limited to a band. Zero rms in a declared model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Turbulence {
     /// rms along the stream, m/s.
@@ -15,6 +15,8 @@ pub struct Turbulence {
     pub axial_scale_m: f64,
     /// Scale L of the lateral components in the Dryden form, m.
     pub lateral_scale_m: f64,
+    /// Half-power bandwidth over centre of gusts that are limited to a band, whose centre is V/(2πL) on each axis; zero: Dryden's form.
+    pub bandwidth: f64,
 }
 
 /// Moment from vortices shed by the wake: narrow-band about f = St V/d. Zero rms in a declared model.
@@ -50,6 +52,14 @@ pub enum Shape {
         /// Time scale T, s.
         time_s: f64,
     },
+    /// White noise through two equal band-pass sections: S(ω) = σ² (4b³/π) ω⁴ / ((ω₀² − ω²)² + b²ω²)², each section's half power b (rad/s)
+    /// wide about ω₀ (rad/s).
+    Band {
+        /// Centre, rad/s.
+        centre_rad_s: f64,
+        /// Half-power bandwidth of a section, rad/s.
+        bandwidth_rad_s: f64,
+    },
     /// Response of a damped oscillator to white noise, centre ω₀ (rad/s), half-power bandwidth b (rad/s).
     Narrow {
         /// Centre, rad/s.
@@ -78,6 +88,10 @@ impl Disturbance {
         let unit = match self.shape {
             Shape::DrydenLongitudinal { time_s: t } => (2.0 * t / PI) / (1.0 + t * t * w2),
             Shape::DrydenLateral { time_s: t } => (t / PI) * (1.0 + 3.0 * t * t * w2) / (1.0 + t * t * w2).powi(2),
+            Shape::Band { centre_rad_s: c, bandwidth_rad_s: b } => {
+                let section = b * b * w2 / ((c * c - w2).powi(2) + b * b * w2);
+                4.0 / (PI * b) * section * section
+            }
             Shape::Narrow { centre_rad_s: c, bandwidth_rad_s: b } => {
                 let c2 = c * c;
                 (2.0 / PI) * b * c2 / ((c2 - w2).powi(2) + b * b * w2)
@@ -85,52 +99,74 @@ impl Disturbance {
         };
         self.rms * self.rms * unit
     }
-    /// State form for simulation: matrices of `ẋ = A x + B w`, `y = C x`, with `w` white of two-sided density 1 (covariance
-    /// δ(t)) and the state started from its stationary covariance; two states (the second unused for the first-order form).
+    /// State form for simulation.
     #[must_use]
-    pub fn filter(&self) -> ShapingFilter {
-        match self.shape {
+    pub fn filter(&self) -> StateForm {
+        let (a, b, c) = match self.shape {
             Shape::DrydenLongitudinal { time_s: t } => {
-                ShapingFilter { a: [[-1.0 / t, 0.0], [0.0, -1.0 / t]], b: [self.rms * (2.0 / t).sqrt(), 0.0], c: [1.0, 0.0] }
+                ([[-1.0 / t, 0.0], [0.0, -1.0 / t]], [self.rms * (2.0 / t).sqrt(), 0.0], [1.0, 0.0])
             }
-            Shape::DrydenLateral { time_s: t } => ShapingFilter {
-                a: [[0.0, 1.0], [-1.0 / (t * t), -2.0 / t]],
-                b: [0.0, 1.0],
-                c: [self.rms / (t * t) * t.sqrt(), self.rms * (3.0 * t).sqrt() / t],
-            },
+            Shape::DrydenLateral { time_s: t } => (
+                [[0.0, 1.0], [-1.0 / (t * t), -2.0 / t]],
+                [0.0, 1.0],
+                [self.rms / (t * t) * t.sqrt(), self.rms * (3.0 * t).sqrt() / t],
+            ),
             Shape::Narrow { centre_rad_s: w0, bandwidth_rad_s: bw } => {
-                ShapingFilter { a: [[0.0, 1.0], [-w0 * w0, -bw]], b: [0.0, self.rms * w0 * (2.0 * bw).sqrt()], c: [1.0, 0.0] }
+                ([[0.0, 1.0], [-w0 * w0, -bw]], [0.0, self.rms * w0 * (2.0 * bw).sqrt()], [1.0, 0.0])
             }
-        }
+            Shape::Band { centre_rad_s: w, bandwidth_rad_s: b } => {
+                // Output, its integral, the first section's output, its integral.
+                return StateForm::Four(ShapingFilter {
+                    a: [[-b, -w, b, 0.0], [w, 0.0, 0.0, 0.0], [0.0, 0.0, -b, -w], [0.0, 0.0, w, 0.0]],
+                    b: [0.0, 0.0, 2.0 * b.sqrt() * self.rms, 0.0],
+                    c: [1.0, 0.0, 0.0, 0.0],
+                });
+            }
+        };
+        StateForm::Two(ShapingFilter { a, b, c })
     }
 }
 
-/// `ẋ = A x + B w`, `y = C x` with unit white noise `w`.
+/// Matrices of `ẋ = A x + B w`, `y = C x`, with `w` white of two-sided density 1 (covariance δ(t)) and the state started from its stationary
+/// covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShapingFilter {
+pub struct ShapingFilter<const N: usize> {
     /// State matrix.
-    pub a: [[f64; 2]; 2],
+    pub a: [[f64; N]; N],
     /// Input column.
-    pub b: [f64; 2],
+    pub b: [f64; N],
     /// Output row.
-    pub c: [f64; 2],
+    pub c: [f64; N],
+}
+
+/// A shaping filter by its number of states; of two, the second is unused for a first-order form.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StateForm {
+    /// Dryden's forms and a narrow band.
+    Two(ShapingFilter<2>),
+    /// Two band-pass sections.
+    Four(ShapingFilter<4>),
 }
 
 impl Turbulence {
     /// The three gust components at mean airspeed `speed`; empty when there is no turbulence.
     #[must_use]
     pub fn disturbances(&self, speed_m_s: f64) -> Vec<Disturbance> {
-        let lateral = |axis| Disturbance {
-            entry: Entry::AirVelocity(axis),
-            rms: self.lateral_rms_m_s,
-            shape: Shape::DrydenLateral { time_s: self.lateral_scale_m / speed_m_s },
+        let shape = |scale_m: f64, dryden: fn(f64) -> Shape| {
+            let centre_rad_s = speed_m_s / scale_m;
+            if self.bandwidth > 0.0 {
+                Shape::Band { centre_rad_s, bandwidth_rad_s: self.bandwidth * centre_rad_s }
+            } else {
+                dryden(scale_m / speed_m_s)
+            }
         };
-        let axial = Disturbance {
-            entry: Entry::AirVelocity(0),
-            rms: self.axial_rms_m_s,
-            shape: Shape::DrydenLongitudinal { time_s: self.axial_scale_m / speed_m_s },
-        };
-        [axial, lateral(1), lateral(2)].into_iter().filter(|d| d.rms > 0.0).collect()
+        let along = shape(self.axial_scale_m, |time_s| Shape::DrydenLongitudinal { time_s });
+        let across = shape(self.lateral_scale_m, |time_s| Shape::DrydenLateral { time_s });
+        [(0, self.axial_rms_m_s, along), (1, self.lateral_rms_m_s, across), (2, self.lateral_rms_m_s, across)]
+            .into_iter()
+            .filter(|(_, rms, _)| *rms > 0.0)
+            .map(|(axis, rms, shape)| Disturbance { entry: Entry::AirVelocity(axis), rms, shape })
+            .collect()
     }
 }
 

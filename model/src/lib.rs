@@ -30,7 +30,7 @@ pub use aero::{Aero, Coefficient, Contribution, Factor, Structure, Term, Wrench,
 pub use aero_program::AeroProgram;
 pub use air::{Environment, dynamic_pressure_pa};
 pub use campaign::{Campaign, Data, Run};
-pub use disturbance::{Disturbance, Entry, Shape, ShapingFilter, Turbulence, WakeShedding};
+pub use disturbance::{Disturbance, Entry, Shape, ShapingFilter, StateForm, Turbulence, WakeShedding};
 pub use effects::{Acts, CATALOGUE, Effect, Parameter, Role};
 pub use flow::{FlowState, MeanFlow, VARIABLES, Variable, Wind};
 pub use froude::FroudeScale;

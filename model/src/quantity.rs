@@ -173,6 +173,7 @@ plant_numbers! {
     plant "turbulence.lateral_rms_m_s" "", "m/s" SPEED ANY, Effect "rms of lateral gusts", p => &mut p.turbulence.lateral_rms_m_s;
     plant "turbulence.axial_scale_m" "", "m" LENGTH ANY, Effect "length of axial gusts", p => &mut p.turbulence.axial_scale_m;
     plant "turbulence.lateral_scale_m" "", "m" LENGTH ANY, Effect "length of lateral gusts", p => &mut p.turbulence.lateral_scale_m;
+    plant "turbulence.bandwidth" "", "-" PURE ANY, Effect "half-power bandwidth over centre of gusts limited to a band; zero: Dryden's form", p => &mut p.turbulence.bandwidth;
     plant "shedding.moment_rms" "", "-" PURE ANY, Effect "rms of the wake's moment coefficients", p => &mut p.shedding.moment_rms;
     plant "shedding.strouhal" "", "-" PURE ANY, Effect "Strouhal number of the wake", p => &mut p.shedding.strouhal;
     plant "shedding.bandwidth" "", "-" PURE ANY, Effect "relative bandwidth of the wake", p => &mut p.shedding.bandwidth;

@@ -115,6 +115,7 @@ pub fn plan(campaign: &Campaign, targets: &[Target], between_s: f64) -> Result<T
         lateral_rms_m_s: found_gusts.lateral_rms_m_s.max(NONE_M_S),
         axial_scale_m: scale(found_gusts.axial_scale_m),
         lateral_scale_m: scale(found_gusts.lateral_scale_m),
+        bandwidth: found_gusts.bandwidth,
     };
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;

@@ -193,9 +193,12 @@ fn effect_values(t: &Table<'_>, table: &DeTable<'_>, parameters: &[effects::Para
                 f64::NAN
             }
         },
-        None if p.role == Role::Strength || (starting && matches!(p.role, Role::Shape(_))) => p.null,
+        None if p.role == Role::Strength || (matches!(p.role, Role::Shape(_)) && (starting || p.null <= p.low)) => p.null,
         None => {
-            let what = format!("is missing ({}); only strengths may be left out", allowed_range([p.low, p.high], p.unit));
+            let what = format!(
+                "is missing ({}); only strengths and shapes whose absence is zero may be left out",
+                allowed_range([p.low, p.high], p.unit)
+            );
             t.source.fault(t.at(&p.name), t.full(&p.name), "", what, format!("{} = {}", p.name, p.null));
             f64::NAN
         }

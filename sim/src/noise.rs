@@ -1,29 +1,44 @@
 //! sim: random inputs in time. In: a disturbance with its spectrum, a stream of normal numbers. Out: a smooth realisation.
 
 use crate::smooth::Smooth;
-use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
-use windfall_model::{Disturbance, Shape, ShapingFilter};
+use nalgebra::{Matrix2, Matrix3, Matrix4, SMatrix, SVector, Vector2, Vector3, Vector4};
+use windfall_model::{Disturbance, Shape, ShapingFilter, StateForm};
 
 /// Samples of the disturbance at `interval_s`, `count` of them: its shaping filter in exact discrete form (no error of
 /// time stepping), started from its stationary covariance.
 #[must_use]
 pub fn realise(d: &Disturbance, interval_s: f64, count: usize, normals: impl Iterator<Item = f64>) -> Vec<f64> {
-    realise_filter(&d.filter(), interval_s, count, normals)
+    match d.filter() {
+        StateForm::Two(filter) => realise_filter(&filter, interval_s, count, normals),
+        StateForm::Four(ShapingFilter { a, b, c }) => {
+            let a = Matrix4::from_fn(|i, k| a[i][k]);
+            let covariance = stationary_of_four(&a, b.into());
+            stepped((a * interval_s).exp(), covariance, c.into(), count, normals)
+        }
+    }
 }
 
 /// As [`realise`], for any stable filter of two states.
 pub(crate) fn realise_filter(
-    filter: &ShapingFilter,
+    filter: &ShapingFilter<2>,
     interval_s: f64,
+    count: usize,
+    normals: impl Iterator<Item = f64>,
+) -> Vec<f64> {
+    let a = matrix(filter.a);
+    stepped((a * interval_s).exp(), stationary(&a, filter.b.into()), filter.c.into(), count, normals)
+}
+
+/// Samples of a process by its transition over an interval, its stationary covariance and its output row.
+fn stepped<const N: usize>(
+    step: SMatrix<f64, N, N>,
+    covariance: SMatrix<f64, N, N>,
+    c: SVector<f64, N>,
     count: usize,
     mut normals: impl Iterator<Item = f64>,
 ) -> Vec<f64> {
-    let a = matrix(filter.a);
-    let covariance = stationary(&a, filter.b.into());
-    let step = (a * interval_s).exp();
     let noise = root(&(covariance - step * covariance * step.transpose()));
-    let c: Vector2<f64> = filter.c.into();
-    let mut draw = || Vector2::from_fn(|_, _| normals.next().unwrap_or(0.0));
+    let mut draw = || SVector::<f64, N>::from_fn(|_, _| normals.next().unwrap_or(0.0));
     let mut x = root(&covariance) * draw();
     let mut next = || {
         let y = c.dot(&x);
@@ -50,7 +65,7 @@ pub(crate) fn samples(grid_s: f64, duration_s: f64) -> usize {
 pub(crate) fn grid_s(d: &Disturbance, diameter_m: f64, speed_m_s: f64) -> f64 {
     let own = match d.shape {
         Shape::DrydenLongitudinal { time_s } | Shape::DrydenLateral { time_s } => time_s,
-        Shape::Narrow { centre_rad_s, .. } => 1.0 / centre_rad_s,
+        Shape::Narrow { centre_rad_s, .. } | Shape::Band { centre_rad_s, .. } => 1.0 / centre_rad_s,
     };
     (own / 16.0).min(diameter_m / speed_m_s / 6.0)
 }
@@ -72,9 +87,34 @@ fn stationary(a: &Matrix2<f64>, b: Vector2<f64>) -> Matrix2<f64> {
     Matrix2::new(p.x, p.y, p.y, p.z)
 }
 
-/// Lower triangular root of a positive semidefinite matrix.
-fn root(m: &Matrix2<f64>) -> Matrix2<f64> {
-    let a = m.m11.max(0.0).sqrt();
-    let b = if a > 0.0 { m.m21 / a } else { 0.0 };
-    Matrix2::new(a, 0.0, b, (m.m22 - b * b).max(0.0).sqrt())
+/// The same for four states.
+fn stationary_of_four(a: &Matrix4<f64>, b: Vector4<f64>) -> Matrix4<f64> {
+    let mut m = SMatrix::<f64, 16, 16>::zeros();
+    for i in 0..4 {
+        for k in 0..4 {
+            for l in 0..4 {
+                m[(4 * i + k, 4 * l + k)] += a[(i, l)];
+                m[(4 * i + k, 4 * i + l)] += a[(k, l)];
+            }
+        }
+    }
+    let right = SVector::<f64, 16>::from_fn(|j, _| -b[j / 4] * b[j % 4]);
+    let p = m.lu().solve(&right).unwrap_or_default();
+    Matrix4::from_fn(|i, k| 0.5 * (p[4 * i + k] + p[4 * k + i]))
+}
+
+/// Lower triangular root of a positive semidefinite matrix (Cholesky); a direction without variance stays without.
+fn root<const N: usize>(m: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
+    let mut l = SMatrix::<f64, N, N>::zeros();
+    for k in 0..N {
+        let before: f64 = (0..k).map(|j| l[(k, j)] * l[(k, j)]).sum();
+        l[(k, k)] = (m[(k, k)] - before).max(0.0).sqrt();
+        if l[(k, k)] > 0.0 {
+            for i in k + 1..N {
+                let before: f64 = (0..k).map(|j| l[(i, j)] * l[(k, j)]).sum();
+                l[(i, k)] = (m[(i, k)] - before) / l[(k, k)];
+            }
+        }
+    }
+    l
 }

@@ -49,7 +49,7 @@ fn grid_s(o: &Operator) -> f64 {
 
 /// Critically damped filter of second order: correlation `(1 + |τ|/T) exp(−|τ|/T)`, whose integral over τ > 0 is 2T, the
 /// stated correlation time.
-fn unsteady_filter(o: &Operator) -> ShapingFilter {
+fn unsteady_filter(o: &Operator) -> ShapingFilter<2> {
     let t = 0.5 * o.unsteady_time_s;
     ShapingFilter {
         a: [[0.0, 1.0], [-1.0 / (t * t), -2.0 / t]],

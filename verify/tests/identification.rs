@@ -14,7 +14,8 @@ use windfall_sim::{Seed, fly};
 use windfall_verify::{bootstrap, campaign_of, resimulate_with_draws};
 
 /// Gusts of the study: 0.1 m/s along and across the stream, three diameters long.
-const GUSTS: Turbulence = Turbulence { axial_rms_m_s: 0.1, lateral_rms_m_s: 0.1, axial_scale_m: 0.6, lateral_scale_m: 0.6 };
+const GUSTS: Turbulence =
+    Turbulence { axial_rms_m_s: 0.1, lateral_rms_m_s: 0.1, axial_scale_m: 0.6, lateral_scale_m: 0.6, bandwidth: 0.0 };
 /// By how much declared values are off: where a search starts.
 const OFF: f64 = 1.2;
 
@@ -28,7 +29,7 @@ struct Study {
 
 const OUTPUT_ERROR: Study = Study {
     method: Method::OutputError,
-    turbulence: Turbulence { axial_rms_m_s: 0.0, lateral_rms_m_s: 0.0, axial_scale_m: 0.6, lateral_scale_m: 0.6 },
+    turbulence: Turbulence { axial_rms_m_s: 0.0, lateral_rms_m_s: 0.0, axial_scale_m: 0.6, lateral_scale_m: 0.6, bandwidth: 0.0 },
     seed: 7_000,
 };
 const FILTER_ERROR: Study = Study { method: Method::FilterError, turbulence: GUSTS, seed: 9_000 };

@@ -47,7 +47,7 @@ impl Study {
         scenario.flights.truncate(3);
         let rms = self.rms_m_s;
         scenario.plant.turbulence =
-            Turbulence { axial_rms_m_s: rms, lateral_rms_m_s: rms, axial_scale_m: 0.6, lateral_scale_m: 0.6 };
+            Turbulence { axial_rms_m_s: rms, lateral_rms_m_s: rms, axial_scale_m: 0.6, lateral_scale_m: 0.6, bandwidth: 0.0 };
         for (coefficient, _, value, factors) in PLANTED.iter().filter(|_| self.planted) {
             scenario.plant.aero.add(*coefficient, *value, 1.0, factors);
         }

@@ -17,8 +17,11 @@ pub(super) fn polish(engine: &Engine, mut model: Model, floor: f64, log: &mut Ve
     let mut seen: Vec<(String, Fit)> = Vec::new();
     for round in 0..ROUNDS {
         let mut fit = climb_down(engine, &model)?;
-        if !crate::engine::random_numbers(&fit.model).is_empty() {
-            fit = engine.settle_random(&fit, if round == 0 { 5 } else { 2 });
+        if !crate::random_fit::random_numbers(&fit.model).is_empty() {
+            fit = settled(engine, fit);
+            if round == 0 {
+                fit = in_likelier_form(engine, fit);
+            }
             fit = without_idle(engine, fit);
         }
         fit = engine.climb(&fit.model, true, 10).ok()?;
@@ -81,6 +84,46 @@ pub(super) fn climb_down(engine: &Engine, model: &Model) -> Option<Fit> {
         }
     }
     None
+}
+
+/// Random members and what they act beside by turns, until neither gains.
+fn settled(engine: &Engine, mut fit: Fit) -> Fit {
+    /// Turns, steps of scoring in one, and gain that is worth another.
+    const TURNS: usize = 5;
+    const STEPS: usize = 8;
+    const WORTH: f64 = 0.3;
+    for _ in 0..TURNS {
+        let next = engine.settle_random(&fit, STEPS);
+        let gained = next.total - fit.total;
+        fit = next;
+        if gained < WORTH {
+            break;
+        }
+    }
+    fit
+}
+
+/// The same with random members in the other of their forms, those that a shape of zero parts (gusts of Dryden's form or of a band), where
+/// that is likelier: at its best scale of those tried, then settled.
+fn in_likelier_form(engine: &Engine, fit: Fit) -> Fit {
+    let mut best = fit;
+    for k in (0..best.model.members.len()).filter(|&k| best.model.members[k].random).collect::<Vec<_>>() {
+        let member = best.model.members[k].clone();
+        let parting = |i: &usize| matches!(member.parameters[*i].role, Role::Shape(tried) if tried.contains(&0.0));
+        let Some(place) = (0..member.values.len()).find(parting) else { continue };
+        let others = member.forms().into_iter().filter(|form| (form[place] > 0.0) != (member.values[place] > 0.0));
+        let tries = others.filter_map(|form| {
+            let mut model = best.model.clone();
+            model.members[k].values = form;
+            engine.climb(&model, false, 0).ok()
+        });
+        let Some(other) = tries.max_by(|a, b| a.total.total_cmp(&b.total)) else { continue };
+        let other = settled(engine, other);
+        if other.total > best.total {
+            best = other;
+        }
+    }
+    best
 }
 
 /// Random members that bring less than they cost are taken out.

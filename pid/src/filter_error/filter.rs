@@ -13,7 +13,7 @@
 use crate::equations::{Drive, INPUTS, STATES, Segment, Transition, origin_slopes};
 use crate::output_error::{CHANNELS, FreeColumns, PreparedRun, SPEED};
 use nalgebra::{DMatrix, DVector};
-use windfall_model::{Disturbance, Entry, ShapingFilter, Turbulence};
+use windfall_model::{Disturbance, Entry, ShapingFilter, StateForm, Turbulence};
 
 /// Gust states, and all states.
 const GUSTS: usize = 6;
@@ -90,7 +90,7 @@ impl Pass {
 }
 
 /// Inputs (tunnel speed and gusts with their rates) by the input states a time before, one row each.
-fn inputs_at(tau: f64, ns: usize, filters: &[(usize, ShapingFilter)]) -> Vec<f64> {
+fn inputs_at(tau: f64, ns: usize, filters: &[(usize, ShapingFilter<2>)]) -> Vec<f64> {
     let mut m = vec![0.0; INPUTS * ns];
     m[..3].copy_from_slice(&[1.0, tau, 0.5 * tau * tau]);
     m[ns + 1] = 1.0;
@@ -125,13 +125,15 @@ impl<'r, 'a> Filter<'r, 'a> {
         let ns = SPEED + GUSTS;
         // A gust of no size at all keeps its states: rms of a micrometre per second.
         let small = |rms: f64| rms.max(1e-6);
-        let t = Turbulence { axial_rms_m_s: small(t.axial_rms_m_s), lateral_rms_m_s: small(t.lateral_rms_m_s), ..*t };
-        let filters: Vec<(usize, ShapingFilter)> = t
+        // Of a band's form the filter knows nothing: it takes all gusts for Dryden's.
+        let (axial_rms_m_s, lateral_rms_m_s) = (small(t.axial_rms_m_s), small(t.lateral_rms_m_s));
+        let t = Turbulence { axial_rms_m_s, lateral_rms_m_s, bandwidth: 0.0, ..*t };
+        let filters: Vec<(usize, ShapingFilter<2>)> = t
             .disturbances(speed)
             .iter()
-            .filter_map(|d: &Disturbance| match d.entry {
-                Entry::AirVelocity(axis) => Some((axis, own_output(d.filter()))),
-                Entry::Coefficient(_) => None,
+            .filter_map(|d: &Disturbance| match (d.entry, d.filter()) {
+                (Entry::AirVelocity(axis), StateForm::Two(filter)) => Some((axis, own_output(filter))),
+                _ => None,
             })
             .collect();
         let h = self.run.interval_s;
@@ -395,7 +397,7 @@ fn split(z: &[f64; ALL]) -> ([f64; STATES], [f64; SPEED + GUSTS]) {
 
 /// A filter of second order with its output and the output's smooth rate as states, so that its size is in B alone; one whose rate
 /// is no state of its own stays as it is.
-fn own_output(f: ShapingFilter) -> ShapingFilter {
+fn own_output(f: ShapingFilter<2>) -> ShapingFilter<2> {
     let row = |v: [f64; 2]| [v[0] * f.a[0][0] + v[1] * f.a[1][0], v[0] * f.a[0][1] + v[1] * f.a[1][1]];
     let (c, ca) = (f.c, row(f.c));
     let determinant = c[0] * ca[1] - c[1] * ca[0];
@@ -416,7 +418,7 @@ fn exponential(a: [[f64; 2]; 2], t: f64) -> [[f64; 2]; 2] {
 }
 
 /// Stationary covariance of a shaping filter: `A P + P Aᵀ + B Bᵀ = 0`.
-fn lyapunov(f: &ShapingFilter) -> [[f64; 2]; 2] {
+fn lyapunov(f: &ShapingFilter<2>) -> [[f64; 2]; 2] {
     let ([[a, b], [c, d]], [x, y]) = (f.a, f.b);
     #[rustfmt::skip]
     let m = nalgebra::Matrix3::new(

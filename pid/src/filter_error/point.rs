@@ -47,7 +47,7 @@ impl SearchPoint {
     pub(super) fn random(&self) -> Random {
         let [axial_rms_m_s, lateral_rms_m_s, axial_scale_m, lateral_scale_m, roll, across] = self.random.map(f64::exp);
         Random {
-            turbulence: Turbulence { axial_rms_m_s, lateral_rms_m_s, axial_scale_m, lateral_scale_m },
+            turbulence: Turbulence { axial_rms_m_s, lateral_rms_m_s, axial_scale_m, lateral_scale_m, bandwidth: 0.0 },
             turning: [roll, across],
         }
     }

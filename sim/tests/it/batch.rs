@@ -120,7 +120,13 @@ fn order_four_toward_the_single_flight() {
 #[test]
 fn law_inputs_as_in_the_single_flight() {
     let gusty = Plant {
-        turbulence: Turbulence { axial_rms_m_s: 0.1, lateral_rms_m_s: 0.1, axial_scale_m: 0.5, lateral_scale_m: 0.3 },
+        turbulence: Turbulence {
+            axial_rms_m_s: 0.1,
+            lateral_rms_m_s: 0.1,
+            axial_scale_m: 0.5,
+            lateral_scale_m: 0.3,
+            bandwidth: 0.0,
+        },
         ..lander()
     };
     let shed = Plant { shedding: WakeShedding { moment_rms: 0.02, strouhal: 0.15, bandwidth: 0.2 }, ..lander() };

@@ -5,10 +5,11 @@ use std::f64::consts::PI;
 use windfall_model::{Disturbance, Entry, Operator, Release, Shape, TunnelSpeed, Turbulence, WakeShedding};
 use windfall_sim::{Channel, Seed, fly, fly_truth, realise};
 
-const SHAPES: [Shape; 3] = [
+const SHAPES: [Shape; 4] = [
     Shape::DrydenLongitudinal { time_s: 0.08 },
     Shape::DrydenLateral { time_s: 0.08 },
     Shape::Narrow { centre_rad_s: 12.0, bandwidth_rad_s: 3.0 },
+    Shape::Band { centre_rad_s: 12.0, bandwidth_rad_s: 18.0 },
 ];
 
 fn samples(shape: Shape, run: u64, n: usize, h: f64) -> Vec<f64> {
@@ -71,7 +72,8 @@ fn law_gusts_act_with_their_rms() {
     plant.environment.gravity_m_s2 = 0.0;
     let inertia = &mut plant.vehicle.inertia;
     (inertia.xx, inertia.yy, inertia.zz) = (1e9, 1e9, 1e9);
-    plant.turbulence = Turbulence { axial_rms_m_s: 0.2, lateral_rms_m_s: 0.3, axial_scale_m: 0.6, lateral_scale_m: 0.6 };
+    plant.turbulence =
+        Turbulence { axial_rms_m_s: 0.2, lateral_rms_m_s: 0.3, axial_scale_m: 0.6, lateral_scale_m: 0.6, bandwidth: 0.0 };
     let mut order = flight(600.0, 50.0, 7.43, REST);
     order.numerics.relative_tolerance = 1e-5;
     order.numerics.absolute_tolerance = 1e-7;
@@ -148,7 +150,8 @@ fn law_sensor_noise_is_its_own() {
         // 3001 samples: 1.3 %, four of them.
         assert!((found / std - 1.0).abs() < 0.055, "{found} {std}");
     }
-    plant.turbulence = Turbulence { axial_rms_m_s: 0.1, lateral_rms_m_s: 0.1, axial_scale_m: 0.6, lateral_scale_m: 0.6 };
+    plant.turbulence =
+        Turbulence { axial_rms_m_s: 0.1, lateral_rms_m_s: 0.1, axial_scale_m: 0.6, lateral_scale_m: 0.6, bandwidth: 0.0 };
     order.numerics.relative_tolerance = 1e-6;
     let gusty = noise_of(&plant, &order, seed);
     for (a, b) in calm.iter().zip(&gusty) {

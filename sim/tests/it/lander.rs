@@ -315,8 +315,13 @@ fn law_dense_samples_are_as_good_as_the_steps() {
 #[test]
 fn law_same_seed_same_bits() {
     let mut plant = lander();
-    plant.turbulence =
-        windfall_model::Turbulence { axial_rms_m_s: 0.1, lateral_rms_m_s: 0.1, axial_scale_m: 0.6, lateral_scale_m: 0.6 };
+    plant.turbulence = windfall_model::Turbulence {
+        axial_rms_m_s: 0.1,
+        lateral_rms_m_s: 0.1,
+        axial_scale_m: 0.6,
+        lateral_scale_m: 0.6,
+        bandwidth: 0.0,
+    };
     plant.sensors = crate::instruments::sensors();
     let mut order = flight(3.0, 150.0, 7.43, REST);
     order.sensor_noise = true;

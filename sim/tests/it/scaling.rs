@@ -78,7 +78,8 @@ fn law_dimensionless_histories_coincide_with_every_effect() {
     plant.vehicle.apparent =
         ApparentMass { axial_kg: 0.05, radial_kg: 0.03, transverse_kg_m2: 0.001, unturned: 0.0, in_gusts: 0.0 };
     plant.vehicle.loose = Some(LooseMass { mass_kg: 0.05, frequency_hz: 2.0, damping_ratio: 0.1, x_cm_m: 0.05, in_full: 1.0 });
-    plant.turbulence = Turbulence { axial_rms_m_s: 0.03, lateral_rms_m_s: 0.03, axial_scale_m: 1.2, lateral_scale_m: 1.2 };
+    plant.turbulence =
+        Turbulence { axial_rms_m_s: 0.03, lateral_rms_m_s: 0.03, axial_scale_m: 1.2, lateral_scale_m: 1.2, bandwidth: 0.0 };
     plant.shedding = WakeShedding { moment_rms: 0.01, strouhal: 0.04, bandwidth: 0.3 };
     plant.flow.profile_per_m2 = -0.05;
     plant.flow.swirl_rad_per_m = 0.03;

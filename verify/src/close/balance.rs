@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use realfft::RealFftPlanner;
 use windfall_model::{Campaign, Data, Plant, Record, Sensors, Variable};
-use windfall_pid::coefficients::coefficients;
+use windfall_pid::coefficients::{CoefficientRow, coefficients};
 use windfall_pid::smooth::{Smoothed, Smoother, smooth};
 use windfall_pid::states::states;
 
@@ -62,11 +62,7 @@ impl<'a> BalanceResidual<'a> {
     fn left(&self, index: usize, smoothed: &Smoothed, plant: &Plant) -> Left {
         let own = self.campaign.plant_for(plant, index);
         let Ok(states) = states(smoothed, &own) else { return Vec::new() };
-        let residual = |row: &windfall_pid::coefficients::CoefficientRow| {
-            let c = own.aero.coefficients(&row.flow);
-            std::array::from_fn(|i| row.exp_origin[i] - c[i])
-        };
-        coefficients(&states, &own).iter().map(residual).collect()
+        coefficients(&states, &own).iter().map(|row| beyond(row, &own)).collect()
     }
 
     /// Residuals of all runs in a row beside time, place and the flow's variables.
@@ -79,8 +75,7 @@ impl<'a> BalanceResidual<'a> {
             let own = self.campaign.plant_for(plant, run.index);
             let Ok(states) = states(&run.smoothed, &own) else { continue };
             for (state, row) in states.iter().zip(coefficients(&states, &own)) {
-                let c = own.aero.coefficients(&row.flow);
-                table.residuals.iter_mut().enumerate().for_each(|(i, r)| r.push(row.exp_origin[i] - c[i]));
+                table.residuals.iter_mut().zip(beyond(&row, &own)).for_each(|(series, r)| series.push(r));
                 let [x, y, z] = state.p_tunnel_origin;
                 let values = row.flow.values.into_iter().chain([row.t_s, x, y, z, y.hypot(z)]);
                 table.variables.iter_mut().zip(values).for_each(|((_, s), v)| s.push(v));
@@ -140,6 +135,12 @@ impl<'a> BalanceResidual<'a> {
         }
         sums.map(|bands| bands.iter().filter(|s| s.2 > 0.0).map(|s| (s.0 / s.2, s.1 / s.2)).collect())
     }
+}
+
+/// Coefficients about the origin beyond the plant's.
+fn beyond(row: &CoefficientRow, plant: &Plant) -> [f64; 6] {
+    let c = plant.aero.coefficients(&row.flow);
+    std::array::from_fn(|i| row.exp_origin[i] - c[i])
 }
 
 /// A record with sensor noise added.

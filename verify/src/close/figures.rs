@@ -168,7 +168,7 @@ fn thinned(role: Role, x: &[f64], y: &[f64]) -> Series {
 }
 
 /// Six digits: more cannot be seen.
-fn short(x: f64) -> f64 {
+pub(super) fn short(x: f64) -> f64 {
     format!("{x:.5e}").parse().unwrap_or(x)
 }
 

@@ -1,10 +1,9 @@
 //! verify: shape of the innovations. In: whitened innovations before and after. Out: histograms and autocorrelations per channel.
 
+use super::figures::short;
 use serde::{Deserialize, Serialize};
-use windfall_likelihood::{CHANNEL_NAMES, Engine, Innovations, Model};
+use windfall_likelihood::{CHANNEL_NAMES, Engine, Innovations, Model, POSE};
 
-/// Channels of the pose.
-const POSE: usize = 6;
 /// Ends of the histograms, standard deviations.
 const ENDS: [f64; 2] = [-5.0, 5.0];
 /// Bins of a histogram, and lags of an autocorrelation.
@@ -77,10 +76,6 @@ fn shape(runs: &[Innovations], channel: usize) -> InnovationShape {
         density: counts.iter().map(|n| short(f64::from(*n) / whole)).collect(),
         autocorrelation: products[1..].iter().map(|p| short(p / variance)).collect(),
     }
-}
-
-fn short(x: f64) -> f64 {
-    format!("{x:.4e}").parse().unwrap_or(x)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! verify: measured and modelled signals over time, for the page and whoever plots them. In: a campaign, models. Out: a series per
 //! channel and run: `tracks.json`, `coefficients.json`, `flights.json`.
 
-use super::figures::{Sides, runs_flown, sides_of};
+use super::figures::{Sides, runs_flown, short, sides_of};
 use super::{Closing, Role};
 use crate::VerifyError;
 use crate::resimulate::{Replay, estimate_initial};
@@ -218,11 +218,6 @@ fn named(run: &Run) -> RunTracks {
 /// Times from the first sample.
 fn times(t_s: &[f64], thin: usize) -> Vec<f64> {
     t_s.iter().step_by(thin).map(|t| short(t - t_s[0])).collect()
-}
-
-/// Six digits: more cannot be seen.
-fn short(x: f64) -> f64 {
-    format!("{x:.5e}").parse().unwrap_or(x)
 }
 
 /// The channels of a tunnel run, empty: pose, swing and body rates, tunnel speed, airspeed, the tether's pull.

@@ -57,9 +57,6 @@ impl Settings {
             })
             .collect();
         let correlation = DMatrix::from_fn(k, k, |i, j| covariance[(i, j)] * scatter[i] * scatter[j]);
-        if k == 0 {
-            return Self { names: Vec::new(), mean, to_standard: correlation };
-        }
         let eigen = correlation.symmetric_eigen();
         let length = |i: usize| if eigen.eigenvalues[i] > SAME { eigen.eigenvalues[i].powf(-0.5) } else { 0.0 };
         let to_standard = DMatrix::from_fn(k, k, |i, j| length(i) * eigen.eigenvectors[(j, i)] * scatter[j]);
