@@ -14,7 +14,7 @@ use std::path::Path;
 use toml::de::DeTable;
 use windfall_model::frames::Vec3;
 use windfall_model::planet::{
-    FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario, Reference, Spheroid, WindTable, Winds,
+    Dispersions, FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario, Reference, Spheroid, WindTable, Winds,
 };
 use windfall_model::{ApparentMass, Inertia, Numerics, Structure, Vehicle};
 
@@ -102,7 +102,7 @@ pub fn read_planet(path: &Path) -> Result<PlanetFile, ReadError> {
         let ((name, note), (vehicle, reference), aero) = (head?, body?, aero?);
         let own_structure = aero.structure_file.is_some();
         let body = PlanetBody { vehicle, reference, aero: aero.aero, point };
-        let scenario = PlanetScenario { name, planet: planet?, body, flights };
+        let scenario = PlanetScenario { name, planet: planet?, body, flights, dispersions: Dispersions::default() };
         let input_hash = format!("{:016x}", fnv1a(text.as_bytes()));
         Some(PlanetFile { scenario, note, own_structure, input: path.display().to_string(), input_hash })
     })();
