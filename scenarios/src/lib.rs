@@ -7,6 +7,7 @@ mod bundled;
 mod campaign;
 mod clean;
 mod columns;
+mod dispersions;
 mod error;
 mod file_set;
 mod formats;
