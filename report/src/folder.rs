@@ -3,6 +3,7 @@
 
 use crate::closing::closing_body;
 use crate::data::data;
+use crate::descent::descent_body;
 use crate::html::{escape, page, section};
 use crate::identification::{identification, resimulation};
 use crate::laid_out::laid_out;
@@ -13,6 +14,7 @@ use crate::statistics::statistics;
 use crate::study::study_body;
 use serde_json::Value;
 use windfall_verify::close::{Closing, Figure, SignalTracks};
+use windfall_verify::descent::DescentSummary;
 use windfall_verify::study::Summary;
 
 /// What a folder holds.
@@ -30,6 +32,8 @@ pub struct FolderResults<'a> {
     pub flights: Option<&'a SignalTracks>,
     /// A study.
     pub study: Option<&'a Summary>,
+    /// Descents.
+    pub descents: Option<&'a DescentSummary>,
     /// Any other results: title, then the JSON.
     pub others: &'a [(String, Value)],
 }
@@ -59,7 +63,7 @@ fn heading(title: &str, r: &FolderResults<'_>) -> String {
         named.into_iter().find(|n| !n.is_empty())
     });
     let named = r.others.iter().find_map(|(_, v)| v.get("name")?.as_str());
-    campaign.or(r.study.map(|s| s.study.as_str())).or(named).unwrap_or(title).to_owned()
+    campaign.or(r.study.map(|s| s.study.as_str())).or(r.descents.map(|d| d.scenario.as_str())).or(named).unwrap_or(title).to_owned()
 }
 
 fn body(title: &str, results: &FolderResults<'_>, plots: &mut Plots) -> String {
@@ -69,6 +73,9 @@ fn body(title: &str, results: &FolderResults<'_>, plots: &mut Plots) -> String {
     }
     if let Some(s) = results.study {
         body += &study_body(s, plots);
+    }
+    if let Some(d) = results.descents {
+        body += &descent_body(d, plots);
     }
     if body.is_empty() {
         body = format!("<h1>{}</h1>\n", escape(&heading(title, results)));

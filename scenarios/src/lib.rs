@@ -67,4 +67,4 @@ pub use store_error::StoreError;
 pub use structure::read_structure;
 pub use study::{StudyFile, read_study};
 pub use toml_out::{RunLine, write_campaign_toml, write_resolved_scenario, write_structure};
-pub use write::{json_text, series_text, text_atomically, write_json_atomically};
+pub use write::{bytes_atomically, json_text, series_text, text_atomically, write_json_atomically};

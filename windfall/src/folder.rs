@@ -1,11 +1,13 @@
 //! windfall: a folder of results. In: the `--out` folder of other commands. Out: its page.
 
+use crate::descend::DESCENT_FILES;
 use crate::{Error, Result};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use windfall_report::{FolderResults, PaperFigure, folder_figures, folder_page};
 use windfall_scenarios::read_json;
 use windfall_verify::close::{Closing, Figure, SignalTracks};
+use windfall_verify::descent::DescentSummary;
 use windfall_verify::study::Summary;
 
 /// Results beside a closing, with their titles and the keys that each has.
@@ -27,11 +29,12 @@ pub struct ResultsFolder {
     figures: Vec<Figure>,
     tracks: [Option<SignalTracks>; 3],
     study: Option<Summary>,
+    descents: Option<DescentSummary>,
     others: Vec<(String, Value)>,
 }
 
 impl ResultsFolder {
-    /// Reads `close.json`, `figures.json`, `identification.json`, `resimulation.json`, `verify.json` and `summary.json`, those that
+    /// Reads `close.json`, `figures.json`, `identification.json`, `resimulation.json`, `verify.json`, `summary.json` and `descent.json`, those that
     /// are there.
     ///
     /// # Errors
@@ -62,13 +65,14 @@ impl ResultsFolder {
             *place = there(folder, file).map(|p| read_json(&p)).transpose()?;
         }
         let study = there(folder, "summary.json").map(|p| read_json(&p)).transpose()?;
-        if closing.is_none() && study.is_none() && others.is_empty() {
-            let known: Vec<&str> = ["close.json", "summary.json"].into_iter().chain(OTHERS.map(|(f, ..)| f)).collect();
+        let descents = there(folder, DESCENT_FILES[0]).map(|p| read_json(&p)).transpose()?;
+        if closing.is_none() && study.is_none() && descents.is_none() && others.is_empty() {
+            let known: Vec<&str> = ["close.json", "summary.json", DESCENT_FILES[0]].into_iter().chain(OTHERS.map(|(f, ..)| f)).collect();
             return Err(Error::NoResult { folder: folder.display().to_string(), known: known.join(", ") });
         }
         let title = folder.canonicalize().ok().and_then(|p| Some(p.file_name()?.to_string_lossy().into_owned()));
         let title = title.unwrap_or_else(|| folder.display().to_string());
-        Ok(Self { title, closing, figures, tracks, study, others })
+        Ok(Self { title, closing, figures, tracks, study, descents, others })
     }
     /// The page as HTML in one piece.
     #[must_use]
@@ -89,6 +93,7 @@ impl ResultsFolder {
             coefficients,
             flights,
             study: self.study.as_ref(),
+            descents: self.descents.as_ref(),
             others: &self.others,
         }
     }

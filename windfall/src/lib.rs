@@ -22,6 +22,7 @@
 
 mod campaign;
 mod check;
+mod descend;
 mod error;
 mod explain;
 mod folder;
@@ -34,11 +35,12 @@ mod words;
 
 pub use campaign::{Campaign, CampaignSource};
 pub use check::{Checked, Verification, check, verify};
+pub use descend::{DESCENT_FILES, DescentScenario, write_descents};
 pub use error::{Error, ErrorKind, Result};
 pub use explain::{Explain, explain, init};
 pub use folder::ResultsFolder;
 pub use published::Published;
-pub use requests::{Close, Fly, Identify, MOST_COPIES, Plan, Resimulate, Structure, Study};
+pub use requests::{Close, Descend, Fly, Identify, MOST_COPIES, MOST_DESCENTS, Plan, Resimulate, Structure, Study};
 pub use scenario::{FlightSummary, Flights, Scenario, Simulation};
 pub use study::{Drawing, PartRule, SUMMARY};
 pub use windfall_model as model;
@@ -59,6 +61,9 @@ pub mod results {
     pub use windfall_pid::structure::{Choice, CoefficientChoice, Symmetry};
     pub use windfall_pid::{DataSet, Estimate, Identifiability, Identification, NORMAL_95, relative_percent};
     pub use windfall_sim::{Flown, Truth};
+    pub use windfall_verify::descent::{
+        Descended, DescentSummary, HeightLine, ParameterShare, SteadyFall, TouchDownLine,
+    };
     pub use windfall_verify::close::{Closing, EffectLine, Figure, HeldOut, SignalTracks, Verdict};
     pub use windfall_verify::separate::{Deciding, NextRun, Separated, Separation, Sharpened};
     pub use windfall_verify::statistics::{StatisticsClosing, statistics_table};
