@@ -1,6 +1,7 @@
 //! report: the page of descents. In: their statistics. Out: HTML; the touch-down table, bands over height, what they hang on.
 
 use crate::html::{Cell, escape, section, table};
+use crate::legend::key;
 use crate::number;
 use crate::plot::{Plot, Plots};
 use crate::shape::warnings;
@@ -17,8 +18,10 @@ pub(crate) fn descent_body(s: &DescentSummary, plots: &mut Plots) -> String {
     out += &warnings(&s.warnings);
     let of = "Mean, standard deviation and the range of 95 % of the descents that landed; nominal: the estimate itself in even air.";
     out += &section("Touch-down", of, &touch_down(&s.touch_down));
-    let of = "Line: median. Band: 95 % of the descents. The other line is the nominal model in even air.";
+    let of = "Median and 95 % of the descents that came to a height.";
     let figures: String = s.over_height.iter().map(|l| plots.put(Plot::Chart(over_height(l)))).collect();
+    let marks = key(&[("after", "median, 95 % of the descents"), ("before", "nominal model in even air")]);
+    let figures = if figures.is_empty() { figures } else { marks + &figures };
     out += &section("Over height", of, &figures);
     let of = "Share of each quantity's variance that is the uncertain parameters' (the rest is gusts and start), and the share that would go \
               if a parameter were known exactly. A minus: the quantity falls as the parameter grows.";

@@ -126,6 +126,18 @@ fn law_faults_are_named_by_file_line_and_key() {
         ("air.csv", "none.csv", "none.csv"),
         ("wind = { file = \"wind.csv\" }", "wind = { north_m_s = 1.0 }", "[environment.wind] east_m_s: is missing"),
         ("wind = { file = \"wind.csv\" }", "wind = { file = \"wind.csv\", east_m_s = 1.0 }", "must be either a file or"),
+        (
+            "wind = { file = \"wind.csv\" }",
+            "turbulence = { axial_rms_m_s = 0.1, axial_scale_m = 5.0, lateral_scale_m = 5.0 }",
+            "[environment.turbulence] lateral_rms_m_s: is missing; turbulence without a file needs it",
+        ),
+        (
+            "wind = { file = \"wind.csv\" }",
+            "turbulence = { file = \"wind.csv\" }",
+            "axial_rms_m_s: column is missing",
+        ),
+        ("[[flight]]", "[uncertainty.initial]\nrates_deg_s = [1.0, 0.0, 0.0]\n[[flight]]", "is about a rigid body"),
+        ("[[flight]]", "[uncertainty.initial]\nrates_deg_s = [-1.0, 0.0, 0.0]\n[[flight]]", "rates_deg_s"),
         ("height_m = 9144.0", "height_m = -1.0", "s.toml:30: [flight 1.initial] height_m = -1: is below the surface"),
         ("latitude_deg = 10.0", "latitude_deg = 90.1", "must be a finite number from -9e1 to 9e1 deg"),
         ("[aero.point_mass]", "[tether]\nring_m = [0.0, 0.0, 0.0]\n\n[aero.point_mass]", "bodies fly free over a planet"),

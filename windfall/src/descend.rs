@@ -6,7 +6,7 @@ use std::path::Path;
 use windfall_model::planet::PlanetFlight;
 use windfall_pid::Identification;
 use windfall_report::{FolderResults, folder_page};
-use windfall_scenarios::{PlanetFile, bytes_atomically, part_bytes, text_atomically, write_json_atomically};
+use windfall_scenarios::{FileSet, PlanetFile, bytes_atomically, part_bytes, text_atomically, write_json_atomically};
 use windfall_verify::descent::{Descended, descend};
 
 /// Files of descents: statistics, a row a draw, the page.
@@ -68,4 +68,15 @@ pub fn write_descents(folder: &Path, descended: &Descended) -> Result<()> {
     bytes_atomically(&folder.join(DESCENT_FILES[1]), &bytes)?;
     let results = FolderResults { descents: Some(&descended.summary), ..FolderResults::default() };
     Ok(text_atomically(&folder.join(DESCENT_FILES[2]), &folder_page(&descended.summary.scenario, &results))?)
+}
+
+/// Puts [`DESCENT_FILES`] into a folder, made if missing: all of them, or none. Without `force` nothing is overwritten.
+///
+/// # Errors
+/// Results that would be overwritten, a file that cannot be written.
+pub fn put_descents(folder: &Path, descended: &Descended, force: bool) -> Result<()> {
+    std::fs::create_dir_all(folder).map_err(|e| Error::Request(format!("{}: cannot be made a folder: {e}", folder.display())))?;
+    let set = FileSet::new(folder)?;
+    write_descents(set.stage(), descended)?;
+    Ok(set.commit(force)?)
 }

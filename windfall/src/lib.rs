@@ -35,7 +35,7 @@ mod words;
 
 pub use campaign::{Campaign, CampaignSource};
 pub use check::{Checked, Verification, check, verify};
-pub use descend::{DESCENT_FILES, DescentScenario, write_descents};
+pub use descend::{DESCENT_FILES, DescentScenario, put_descents, write_descents};
 pub use error::{Error, ErrorKind, Result};
 pub use explain::{Explain, explain, init};
 pub use folder::ResultsFolder;

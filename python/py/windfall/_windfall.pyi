@@ -16,6 +16,7 @@ __all__ = [
     "__version__",
     "check",
     "close_statistics",
+    "descend",
     "page",
     "read_runs",
     "simulate",
@@ -72,4 +73,12 @@ def read_runs(path: str) -> dict[str, Any]: ...
 def check(word: str) -> tuple[str, list[str]]: ...
 def verify(threads: int = 0) -> str: ...
 def close_statistics(word: str, request: str = "{}", threads: int = 0) -> str: ...
+def descend(
+    scenario: str,
+    identification: str | None = None,
+    request: str = "{}",
+    out: str | None = None,
+    force: bool = False,
+    threads: int = 0,
+) -> str: ...
 def page(folder: str) -> str: ...
