@@ -29,10 +29,10 @@ pub(crate) fn run(args: &DescendArgs, session: &mut Session<'_>) -> Result<bool,
 
 /// The result on a screenful.
 fn table(s: &DescentSummary) -> String {
-    let model = s.model.as_ref().map_or_else(
-        || "the scenario's coefficients".to_owned(),
-        |m| format!("parameters of {} by {}", m.data_set, m.method),
-    );
+    let model = s
+        .model
+        .as_ref()
+        .map_or_else(|| "the scenario's coefficients".to_owned(), |m| format!("parameters of {} by {}", m.data_set, m.method));
     let e = &s.ends;
     let mut text = format!("{}, {}: {} descents, {model}, seed {}\n", s.scenario, s.flight, s.draws, s.seed);
     let _ = writeln!(text, "{} landed, {} tumbled, {} still aloft, {} failed", e.landed, e.tumbled, e.aloft, e.failed);
@@ -58,12 +58,7 @@ fn line(text: &mut String, l: &TouchDownLine) {
     let most = l.parameters.iter().filter(|p| p.share >= 0.005).take(3);
     let most = most.map(|p| format!("{} {}{:.1} %", p.name, if p.sign < 0 { '-' } else { '+' }, 100.0 * p.share));
     let most: Vec<String> = most.collect();
-    let row = format!(
-        "{:<30}{nominal:>10}{:>10.4}{:>10.4}{range:>24}{share:>12}  {}",
-        l.quantity,
-        l.mean,
-        l.std,
-        most.join(", ")
-    );
+    let row =
+        format!("{:<30}{nominal:>10}{:>10.4}{:>10.4}{range:>24}{share:>12}  {}", l.quantity, l.mean, l.std, most.join(", "));
     let _ = writeln!(text, "{}", row.trim_end());
 }

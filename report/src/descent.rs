@@ -16,7 +16,8 @@ const SMALLEST: f64 = 0.005;
 pub(crate) fn descent_body(s: &DescentSummary, plots: &mut Plots) -> String {
     let mut out = format!("<h1>{}</h1>\n<p class=\"lead\">{}</p>\n", escape(&s.scenario), escape(&lead(s)));
     out += &warnings(&s.warnings);
-    let of = "Mean, standard deviation and the range of 95 % of the descents that landed; nominal: the estimate itself in even air.";
+    let of =
+        "Mean, standard deviation and the range of 95 % of the descents that landed; nominal: the estimate itself in even air.";
     out += &section("Touch-down", of, &touch_down(&s.touch_down));
     let of = "Median and 95 % of the descents that came to a height.";
     let figures: String = s.over_height.iter().map(|l| plots.put(Plot::Chart(over_height(l)))).collect();
@@ -28,7 +29,8 @@ pub(crate) fn descent_body(s: &DescentSummary, plots: &mut Plots) -> String {
     out += &section("What it hangs on", of, &(hangs(&s.touch_down) + &narrower(&s.touch_down)));
     let of = "The nominal model at its terminal speed: frequency and decay of small pitching.";
     out += &section("Linear theory", of, &theory(&s.linear_theory, plots));
-    let drawn = |p: &windfall_verify::descent::DrawnParameter| vec![Cell::text(&p.name), Cell::number(p.nominal), Cell::number(p.std)];
+    let drawn =
+        |p: &windfall_verify::descent::DrawnParameter| vec![Cell::text(&p.name), Cell::number(p.nominal), Cell::number(p.std)];
     let rows: Vec<Vec<Cell>> = s.parameters.iter().map(drawn).collect();
     out += &section("Drawn parameters", "", &some(&["parameter", "nominal", "standard uncertainty"], &rows));
     let rows: Vec<Vec<Cell>> =
@@ -76,7 +78,8 @@ fn touch_down(lines: &[TouchDownLine]) -> String {
             Cell::number(l.std_of_flight),
         ]
     };
-    let heads = ["quantity", "nominal", "mean", "std", "2.5 %", "median", "97.5 %", "std of parameters", "std of gusts and start"];
+    let heads =
+        ["quantity", "nominal", "mean", "std", "2.5 %", "median", "97.5 %", "std of parameters", "std of gusts and start"];
     some(&heads, &lines.iter().map(row).collect::<Vec<_>>())
 }
 
@@ -152,7 +155,8 @@ mod tests {
     use windfall_verify::descent::{DescentEnds, DescentReason};
 
     fn summary() -> DescentSummary {
-        let share = ParameterShare { name: "CA_<T0>".to_owned(), share: 0.75, sign: -1, standardised: -0.9, std_if_known: 0.0625 };
+        let share =
+            ParameterShare { name: "CA_<T0>".to_owned(), share: 0.75, sign: -1, standardised: -0.9, std_if_known: 0.0625 };
         let line = TouchDownLine {
             quantity: "descent_speed_m_s".to_owned(),
             nominal: Some(7.75),
@@ -188,7 +192,13 @@ mod tests {
             step_s: 0.1,
             in_pairs: true,
             parameters: Vec::new(),
-            ends: DescentEnds { landed: 3, tumbled: 1, aloft: 0, failed: 1, reasons: vec![DescentReason { reason: "a & b".to_owned(), count: 1 }] },
+            ends: DescentEnds {
+                landed: 3,
+                tumbled: 1,
+                aloft: 0,
+                failed: 1,
+                reasons: vec![DescentReason { reason: "a & b".to_owned(), count: 1 }],
+            },
             touch_down: vec![line],
             over_height: vec![height],
             linear_theory: Vec::new(),
@@ -200,9 +210,17 @@ mod tests {
     fn law_descents_have_a_page_with_their_numbers() {
         let mut plots = Plots::default();
         let body = descent_body(&summary(), &mut plots);
-        for text in
-            ["fall &lt;1&gt;", "3 landed, 1 tumbled", "descent speed (m/s)", "7.875", "−75.0 %", "80.0 % [70.0 %, 90.0 %]", "0.0625", "a &amp; b", "look &lt;here&gt;"]
-        {
+        for text in [
+            "fall &lt;1&gt;",
+            "3 landed, 1 tumbled",
+            "descent speed (m/s)",
+            "7.875",
+            "−75.0 %",
+            "80.0 % [70.0 %, 90.0 %]",
+            "0.0625",
+            "a &amp; b",
+            "look &lt;here&gt;",
+        ] {
             assert!(body.contains(text), "{text} in {body}");
         }
         assert!(!body.contains("<T0>") && !body.contains("Linear theory"), "{body}");

@@ -63,7 +63,12 @@ fn heading(title: &str, r: &FolderResults<'_>) -> String {
         named.into_iter().find(|n| !n.is_empty())
     });
     let named = r.others.iter().find_map(|(_, v)| v.get("name")?.as_str());
-    campaign.or(r.study.map(|s| s.study.as_str())).or(r.descents.map(|d| d.scenario.as_str())).or(named).unwrap_or(title).to_owned()
+    campaign
+        .or(r.study.map(|s| s.study.as_str()))
+        .or(r.descents.map(|d| d.scenario.as_str()))
+        .or(named)
+        .unwrap_or(title)
+        .to_owned()
 }
 
 fn body(title: &str, results: &FolderResults<'_>, plots: &mut Plots) -> String {

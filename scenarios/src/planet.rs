@@ -15,7 +15,8 @@ use std::path::Path;
 use toml::de::DeTable;
 use windfall_model::frames::Vec3;
 use windfall_model::planet::{
-    Dispersions, FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario, Reference, Spheroid, WindTable, Winds,
+    Dispersions, FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario, Reference, Spheroid,
+    WindTable, Winds,
 };
 use windfall_model::{ApparentMass, Inertia, Numerics, Structure, Vehicle};
 

@@ -131,11 +131,7 @@ fn law_faults_are_named_by_file_line_and_key() {
             "turbulence = { axial_rms_m_s = 0.1, axial_scale_m = 5.0, lateral_scale_m = 5.0 }",
             "[environment.turbulence] lateral_rms_m_s: is missing; turbulence without a file needs it",
         ),
-        (
-            "wind = { file = \"wind.csv\" }",
-            "turbulence = { file = \"wind.csv\" }",
-            "axial_rms_m_s: column is missing",
-        ),
+        ("wind = { file = \"wind.csv\" }", "turbulence = { file = \"wind.csv\" }", "axial_rms_m_s: column is missing"),
         ("[[flight]]", "[uncertainty.initial]\nrates_deg_s = [1.0, 0.0, 0.0]\n[[flight]]", "is about a rigid body"),
         ("[[flight]]", "[uncertainty.initial]\nrates_deg_s = [-1.0, 0.0, 0.0]\n[[flight]]", "rates_deg_s"),
         ("height_m = 9144.0", "height_m = -1.0", "s.toml:30: [flight 1.initial] height_m = -1: is below the surface"),

@@ -14,8 +14,8 @@ use nalgebra::{Matrix3, SVector};
 use ode_solvers::System;
 use ode_solvers::dop_shared::{IntegrationError, OutputType};
 use std::f64::consts::{PI, TAU};
-use windfall_model::frames::{Body, Inertial, Ned, Rotation, Vec3};
 use windfall_model::Numerics;
+use windfall_model::frames::{Body, Inertial, Ned, Rotation, Vec3};
 use windfall_model::planet::{FlightStart, Geodetic, Planet, PlanetFlight, PlanetScenario, Surroundings};
 
 /// States of a body without attitude: position 0-2, velocity 3-5, inertial axes.

@@ -37,7 +37,8 @@ fn law_descend_writes_its_files_the_same_on_any_threads() {
         let ran = done(&["descend", &s, "--model", &m, "--draws", "30", "--threads", threads, "--out", &out]);
         assert!(ran.out.contains("30 landed, 0 tumbled") && ran.out.contains("CA_T0 -"), "{}", ran.out);
         assert!(ran.err.contains("Cl_p"), "what is not identified is said: {}", ran.err);
-        ["descent.json", "descents.parquet", "report.html"].map(|f| std::fs::read(dir.path().join(name).join(f)).expect("written"))
+        ["descent.json", "descents.parquet", "report.html"]
+            .map(|f| std::fs::read(dir.path().join(name).join(f)).expect("written"))
     };
     let (one, three) = (into("a", "1"), into("b", "3"));
     assert_eq!(one, three);

@@ -106,7 +106,9 @@ pub fn descend(
 fn warnings(bodies: &Bodies, chance: bool) -> Vec<String> {
     let mut all = bodies.warnings.clone();
     if !bodies.is_uncertain() {
-        all.push("no parameter is uncertain: give an identification (--model), or [uncertainty.vehicle] in the scenario".to_owned());
+        all.push(
+            "no parameter is uncertain: give an identification (--model), or [uncertainty.vehicle] in the scenario".to_owned(),
+        );
     }
     if !chance {
         all.push(

@@ -67,7 +67,8 @@ impl ResultsFolder {
         let study = there(folder, "summary.json").map(|p| read_json(&p)).transpose()?;
         let descents = there(folder, DESCENT_FILES[0]).map(|p| read_json(&p)).transpose()?;
         if closing.is_none() && study.is_none() && descents.is_none() && others.is_empty() {
-            let known: Vec<&str> = ["close.json", "summary.json", DESCENT_FILES[0]].into_iter().chain(OTHERS.map(|(f, ..)| f)).collect();
+            let known: Vec<&str> =
+                ["close.json", "summary.json", DESCENT_FILES[0]].into_iter().chain(OTHERS.map(|(f, ..)| f)).collect();
             return Err(Error::NoResult { folder: folder.display().to_string(), known: known.join(", ") });
         }
         let title = folder.canonicalize().ok().and_then(|p| Some(p.file_name()?.to_string_lossy().into_owned()));

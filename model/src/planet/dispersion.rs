@@ -142,7 +142,9 @@ mod tests {
         for (h, x) in [(-1.0, 1.0), (0.0, 1.0), (250.0, 1.5), (1e3, 3.0), (1e4, 3.0)] {
             assert_eq!(gusts.at(h), row(h, x).1, "{h}");
         }
-        assert!(GustProfile::new(vec![row(1.0, 1.0), row(1.0, 1.0)]).is_none() && GustProfile::steady(row(0.0, -1.0).1).is_none());
+        assert!(
+            GustProfile::new(vec![row(1.0, 1.0), row(1.0, 1.0)]).is_none() && GustProfile::steady(row(0.0, -1.0).1).is_none()
+        );
     }
 
     #[test]

@@ -72,8 +72,7 @@ impl Equations<'_> {
         let local = local(&self.planet.figure, p);
         let air = self.profile.at(local.height_m);
         let v_ground = velocity(y) - self.planet.ground_velocity(p);
-        let wind =
-            local.north * (air.wind[0] + gust[0]) + local.east * (air.wind[1] + gust[1]) + local.down * gust[2];
+        let wind = local.north * (air.wind[0] + gust[0]) + local.east * (air.wind[1] + gust[1]) + local.down * gust[2];
         Moving { local, v_ground, v_air: v_ground - wind, wind, shear: air.shear, density_kg_m3: air.density_kg_m3 }
     }
 

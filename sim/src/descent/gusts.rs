@@ -81,11 +81,7 @@ fn lateral_step(x: f64) -> Lateral {
     let kept = (-x).exp();
     let k2 = kept * kept;
     let [p11, p21, p22] = COVARIANCE;
-    let noise = [
-        p11 * (1.0 - k2),
-        p21 - k2 * (p21 + x * p11),
-        p22 - k2 * (p22 + 2.0 * x * p21 + x * x * p11),
-    ];
+    let noise = [p11 * (1.0 - k2), p21 - k2 * (p21 + x * p11), p22 - k2 * (p22 + 2.0 * x * p21 + x * x * p11)];
     (kept, kept * x, root(noise))
 }
 
@@ -114,8 +110,7 @@ mod tests {
         let time_s = scale / speed;
         let lateral = disturbance(Shape::DrydenLateral { time_s });
         let axial = disturbance(Shape::DrydenLongitudinal { time_s });
-        let turbulence =
-            Turbulence { axial_rms_m_s: RMS, lateral_rms_m_s: RMS, axial_scale_m: scale, lateral_scale_m: scale };
+        let turbulence = Turbulence { axial_rms_m_s: RMS, lateral_rms_m_s: RMS, axial_scale_m: scale, lateral_scale_m: scale };
         let profile = GustProfile::steady(turbulence).expect("sound");
         let own = |axis: usize| {
             let profile = &profile;

@@ -63,7 +63,9 @@ mod tests {
     fn exact_as_by_angles() {
         for flattening in [0.0, 1.0 / 298.257_223_563, 0.02] {
             let figure = Spheroid { equatorial_radius_m: 6_378_137.0, flattening };
-            for (lat, lon, height_m) in [(-90.0, 0.0, 5.0), (-41.0, 170.0, 0.0), (0.0, -3.0, 1e4), (60.0, 60.0, 1e5), (90.0, 0.0, 1.0)] {
+            for (lat, lon, height_m) in
+                [(-90.0, 0.0, 5.0), (-41.0, 170.0, 0.0), (0.0, -3.0, 1e4), (60.0, 60.0, 1e5), (90.0, 0.0, 1.0)]
+            {
                 let g = Geodetic { latitude_rad: f64::to_radians(lat), longitude_rad: f64::to_radians(lon), height_m };
                 let (at, r) = (local(&figure, figure.position(&g)), g.r_inertial_ned());
                 assert!((at.height_m - height_m).abs() < 1e-8, "{flattening} {lat}: {}", at.height_m - height_m);

@@ -26,7 +26,11 @@ impl Profile {
     /// From just below the ground to `top_m`.
     pub(super) fn new(planet: &Planet, top_m: f64) -> Self {
         let low_m = -2.0 * STEP_M;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "heights are checked positive and below 1e8 m")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "heights are checked positive and below 1e8 m"
+        )]
         let n = ((top_m - low_m) / STEP_M).ceil() as usize + 2;
         let row = |i: usize| {
             let height_m = low_m + STEP_M * i as f64;

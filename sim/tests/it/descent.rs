@@ -23,7 +23,12 @@ fn lander(cl_0: f64) -> PlanetBody {
         apparent: ApparentMass::default(),
         loose: None,
     };
-    PlanetBody { vehicle, reference: Reference::of_diameter(0.85), aero: Aero::new(Structure::axisymmetric(), values), point: false }
+    PlanetBody {
+        vehicle,
+        reference: Reference::of_diameter(0.85),
+        aero: Aero::new(Structure::axisymmetric(), values),
+        point: false,
+    }
 }
 
 fn venus(rotation_rad_s: f64, wind: Winds, atmosphere: Atmosphere) -> Planet {
@@ -64,12 +69,18 @@ fn wind() -> Winds {
 /// of the table to 5e-7 is 3e-7 of the speed, 0.1 ms and 1 mm in 380 s.
 #[test]
 fn law_as_the_tight_integrator() {
-    let s = scenario(venus(-2.992_37e-7, wind(), Atmosphere::Venus), lander(0.0125), flight(3e3, [0.0, -8.0, 9.0], 10.0, 500.0), Dispersions::default());
+    let s = scenario(
+        venus(-2.992_37e-7, wind(), Atmosphere::Venus),
+        lander(0.0125),
+        flight(3e3, [0.0, -8.0, 9.0], 10.0, 500.0),
+        Dispersions::default(),
+    );
     let tight = fly_planet(&s, &s.flights[0]).expect("flies");
     let PlanetEnd::Ground { t_s, v_ground_ned, .. } = tight.end else { panic!("no ground: {:?}", tight.end) };
     let flown = fly(&s, vec![2.9e3, 2.5e3, 1e3, 10.0], STEP_S, None);
     let landed = flown.touch_down.expect("the ground");
-    let far = |what: &str, a: f64, b: f64, bound: f64| assert!((a - b).abs() <= bound, "{what}: {a} {b}, apart {:e}", (a - b).abs());
+    let far =
+        |what: &str, a: f64, b: f64, bound: f64| assert!((a - b).abs() <= bound, "{what}: {a} {b}, apart {:e}", (a - b).abs());
     far("time, s", landed.state.t_s, t_s, 1e-3);
     far("speed down, m/s", landed.state.descent_m_s, v_ground_ned[2], 1e-5);
     far("speed across, m/s", landed.state.across_m_s, v_ground_ned[0].hypot(v_ground_ned[1]), 1e-4);
@@ -89,7 +100,12 @@ fn law_as_the_tight_integrator() {
 /// Attitude against the tight integrator sample by sample, by descents ordered to end between: off-vertical at the height of each sample.
 #[test]
 fn law_attitude_as_the_tight_integrator() {
-    let s = scenario(venus(-2.992_37e-7, wind(), Atmosphere::Venus), lander(0.0125), flight(3e3, [0.0, -8.0, 9.0], 10.0, 40.0), Dispersions::default());
+    let s = scenario(
+        venus(-2.992_37e-7, wind(), Atmosphere::Venus),
+        lander(0.0125),
+        flight(3e3, [0.0, -8.0, 9.0], 10.0, 40.0),
+        Dispersions::default(),
+    );
     let tight = fly_planet(&s, &s.flights[0]).expect("flies").truth;
     let heights: Vec<f64> = tight.place.iter().skip(1).take(30).map(|p| p.height_m).collect();
     let flown = fly(&s, heights, STEP_S, None);
@@ -164,11 +180,16 @@ fn law_a_seed_is_a_flight() {
 #[test]
 fn law_the_start_scatters_as_ordered() {
     let dispersions = Dispersions {
-        start: StartDispersion { velocity_ned_m_s: [0.0, 2.0, 0.0], attitude_body_rad: [0.3, 0.02, 0.0], rates_rad_s: [0.1, 0.0, 0.05] },
+        start: StartDispersion {
+            velocity_ned_m_s: [0.0, 2.0, 0.0],
+            attitude_body_rad: [0.3, 0.02, 0.0],
+            rates_rad_s: [0.1, 0.0, 0.05],
+        },
         ..Dispersions::default()
     };
     // A tenth of a second from the start to the first height.
-    let s = scenario(venus(0.0, Winds::STILL, Atmosphere::Venus), lander(0.0), flight(1.0, [0.0, 0.0, 9.0], 0.0, 10.0), dispersions);
+    let s =
+        scenario(venus(0.0, Winds::STILL, Atmosphere::Venus), lander(0.0), flight(1.0, [0.0, 0.0, 9.0], 0.0, 10.0), dispersions);
     let descent = Descent::new(&s, &s.flights[0], vec![1.0], 0.05).expect("sound");
     let n = 4000;
     let mut squares = [0.0; 4];
@@ -207,7 +228,12 @@ fn law_a_descent_that_tumbles_is_an_answer() {
     let mut body = lander(0.0);
     body.aero.values[5] = 3.0;
     body.aero.values[6] = 0.0;
-    let s = scenario(venus(0.0, Winds::STILL, Atmosphere::Venus), body, flight(1e3, [0.0, 0.0, 9.0], 1.0, 400.0), Dispersions::default());
+    let s = scenario(
+        venus(0.0, Winds::STILL, Atmosphere::Venus),
+        body,
+        flight(1e3, [0.0, 0.0, 9.0], 1.0, 400.0),
+        Dispersions::default(),
+    );
     let flown = fly(&s, vec![500.0], STEP_S, None);
     let at = flown.tumbled_at_m.expect("turned over");
     assert!(at < 1e3 && flown.touch_down.is_some(), "{flown:?}");

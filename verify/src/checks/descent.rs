@@ -8,8 +8,8 @@ use nalgebra::{Complex, DMatrix, DVector, Matrix3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use windfall_model::frames::Vec3;
 use windfall_model::planet::{
-    Air, Atmosphere, AtmosphereTable, Dispersions, FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario,
-    Reference, Spheroid, Winds,
+    Air, Atmosphere, AtmosphereTable, Dispersions, FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight,
+    PlanetScenario, Reference, Spheroid, Winds,
 };
 use windfall_model::{Aero, ApparentMass, Inertia, Structure, Vehicle};
 use windfall_sim::{Descent, fly_planet};
@@ -26,13 +26,22 @@ const TIME_S: f64 = 8.0;
 
 pub(super) fn checks() -> Result<Vec<Check>, VerifyError> {
     let source = "full-scale lander (thesis Tables 2.2, 5.5), Venus' air (Seiff and others 1985); Etkin and Reid 1996, ch. 4";
-    let exact = |id, what: &str, figure: f64, bound| {
-        Check::new(CheckKind::Exact, id, what, (figure, "-"), Bound::at_most(bound), source)
-    };
+    let exact =
+        |id, what: &str, figure: f64, bound| Check::new(CheckKind::Exact, id, what, (figure, "-"), Bound::at_most(bound), source);
     let (frequency, damping) = pitching()?;
     Ok(vec![
-        exact("descent-terminal-speed", "descent from 20 km on Venus: speed over height against the terminal speed", falling()?, 1e-3),
-        exact("descent-pitch-frequency", "small pitching in the air of five heights: frequency against linear theory", frequency, 1e-4),
+        exact(
+            "descent-terminal-speed",
+            "descent from 20 km on Venus: speed over height against the terminal speed",
+            falling()?,
+            1e-3,
+        ),
+        exact(
+            "descent-pitch-frequency",
+            "small pitching in the air of five heights: frequency against linear theory",
+            frequency,
+            1e-4,
+        ),
         exact("descent-pitch-damping", "its decay", damping, 1e-3),
     ])
 }
@@ -90,7 +99,7 @@ fn falling() -> Result<f64, VerifyError> {
         let speed = state.map_or(f64::NAN, |x| x.descent_m_s);
         far.push(speed / theory(&s, h)?.terminal_speed_m_s - 1.0);
     }
-    Ok(largest(far))
+    Ok(largest(far.into_iter()))
 }
 
 /// Largest relative distances of frequency and decay, in air that has one height's density at all heights.
@@ -109,7 +118,7 @@ fn pitching() -> Result<(f64, f64), VerifyError> {
         frequency.push(found.im / (TAU * known.pitch_frequency_hz.unwrap_or(f64::NAN)) - 1.0);
         damping.push(-found.re / known.pitch_damping_per_s - 1.0);
     }
-    Ok((largest(frequency), largest(damping)))
+    Ok((largest(frequency.into_iter()), largest(damping.into_iter())))
 }
 
 /// Exponent (1/s) of the oscillation in a free motion of third order: least squares of its linear recurrence (Prony 1795).

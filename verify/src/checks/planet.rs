@@ -8,8 +8,8 @@ use super::{Bound, Check, CheckKind};
 use crate::VerifyError;
 use windfall_model::frames::Vec3;
 use windfall_model::planet::{
-    Atmosphere, Dispersions, FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario, Reference, Spheroid, WindTable,
-    Winds,
+    Atmosphere, Dispersions, FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario, Reference,
+    Spheroid, WindTable, Winds,
 };
 use windfall_model::{Aero, ApparentMass, Coefficient, Contribution, Factor, Inertia, Structure, Term, Variable, Vehicle};
 use windfall_sim::{PlanetTruth, fly_planet};

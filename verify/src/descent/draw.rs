@@ -89,8 +89,7 @@ impl Bodies {
 /// What an identification does not say, in words.
 fn not_identified(set: &DataSet, parameters: &[String]) -> Vec<String> {
     let is_held = |name: &str| set.held.iter().any(|h| h.name == name);
-    let absent: Vec<&str> =
-        parameters.iter().filter(|p| set.value(p).is_none() && !is_held(p)).map(String::as_str).collect();
+    let absent: Vec<&str> = parameters.iter().filter(|p| set.value(p).is_none() && !is_held(p)).map(String::as_str).collect();
     let mut warnings = Vec::new();
     if !absent.is_empty() {
         warnings.push(format!("{}: not in the identification, flown with the scenario's value, as if exact", absent.join(", ")));
@@ -100,7 +99,9 @@ fn not_identified(set: &DataSet, parameters: &[String]) -> Vec<String> {
         warnings.push(format!("{}: held in the identification, flown as if exact", held.join(", ")));
     }
     if set.parameters.iter().any(|p| OF_THE_TUNNEL.contains(&p.coefficient.as_str())) {
-        warnings.push("gusts and random moments found in the tunnel are the tunnel's; the scenario says which the planet has".to_owned());
+        warnings.push(
+            "gusts and random moments found in the tunnel are the tunnel's; the scenario says which the planet has".to_owned(),
+        );
     }
     warnings
 }

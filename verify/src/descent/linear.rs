@@ -50,13 +50,13 @@ pub fn steady_fall(scenario: &PlanetScenario, body: &PlanetBody, start: &FlightS
             break;
         }
     }
-    speed.is_finite().then(|| mode(body, SteadyFall {
-        height_m,
-        density_kg_m3,
-        terminal_speed_m_s: speed,
-        pitch_frequency_hz: None,
-        pitch_damping_per_s: 0.0,
-    }, gravity))
+    speed.is_finite().then(|| {
+        mode(
+            body,
+            SteadyFall { height_m, density_kg_m3, terminal_speed_m_s: speed, pitch_frequency_hz: None, pitch_damping_per_s: 0.0 },
+            gravity,
+        )
+    })
 }
 
 /// A coefficient at an angle of attack in the pitch plane, with flow variables changed.

@@ -127,9 +127,8 @@ pub(super) fn touch_down(
 /// Lines over height.
 pub(super) fn over_height(all: &[Flown], nominal: &DescentFlown, heights_m: &[f64]) -> Vec<HeightLine> {
     let line = |(name, of): &super::quantity::OfState| {
-        let at = |i: usize| -> Vec<f64> {
-            all.iter().filter_map(|f| f.flown.as_ref().ok()?.at_heights[i].as_ref().map(of)).collect()
-        };
+        let at =
+            |i: usize| -> Vec<f64> { all.iter().filter_map(|f| f.flown.as_ref().ok()?.at_heights[i].as_ref().map(of)).collect() };
         let columns: Vec<Vec<f64>> = (0..heights_m.len()).map(at).collect();
         let draws = columns.iter().map(|c| c.len() as u64).collect();
         let spreads: Vec<Spread> = columns.into_iter().map(Spread::of).collect();

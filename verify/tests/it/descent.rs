@@ -28,8 +28,7 @@ fn found(parameters: &[(&str, &str, f64, f64)]) -> Identification {
         std_error_white: std_error,
     };
     let n = parameters.len();
-    let covariance =
-        (0..n).map(|i| (0..n).map(|j| if i == j { parameters[i].3.powi(2) } else { 0.0 }).collect()).collect();
+    let covariance = (0..n).map(|i| (0..n).map(|j| if i == j { parameters[i].3.powi(2) } else { 0.0 }).collect()).collect();
     let set = DataSet {
         name: "combined".to_owned(),
         runs: Vec::new(),
@@ -118,7 +117,8 @@ fn law_tumbling_is_counted() {
 fn law_another_structure_is_refused_by_name() {
     let s = scenario();
     let wrong = found(&[("Cm", "Cm_q", -1.0, 0.1)]);
-    let error = descend(&s, &s.flights[0], Some(&wrong), DescentOrder { draws: 2, seed: 1 }, || {}).expect_err("another structure");
+    let error =
+        descend(&s, &s.flights[0], Some(&wrong), DescentOrder { draws: 2, seed: 1 }, || {}).expect_err("another structure");
     assert!(error.to_string().contains("Cm_q"), "{error}");
     let mut bare = found(&[("CA", "CA_T0", 6.0, 0.1)]);
     bare.data_sets[0].covariance.clear();
