@@ -44,7 +44,7 @@ fn table(s: &DescentSummary) -> String {
     }
     let _ = writeln!(
         text,
-        "\n{:<30}{:>10}{:>10}{:>10}{:>24}{:>12}  hangs on",
+        "\n{:<30}{:>11}{:>11}{:>11}{:>26}{:>12}  hangs on",
         "at touch-down", "nominal", "mean", "std", "95 % of descents", "parameters"
     );
     s.touch_down.iter().for_each(|l| line(&mut text, l));
@@ -52,13 +52,24 @@ fn table(s: &DescentSummary) -> String {
 }
 
 fn line(text: &mut String, l: &TouchDownLine) {
-    let nominal = l.nominal.map_or_else(|| "-".to_owned(), |x| format!("{x:.4}"));
-    let range = format!("{:.4} to {:.4}", l.low, l.high);
+    let nominal = l.nominal.map_or_else(|| "-".to_owned(), short);
+    let range = format!("{} to {}", short(l.low), short(l.high));
     let share = format!("{:.1} %", 100.0 * l.share_of_parameters);
     let most = l.parameters.iter().filter(|p| p.share >= 0.005).take(3);
     let most = most.map(|p| format!("{} {}{:.1} %", p.name, if p.sign < 0 { '-' } else { '+' }, 100.0 * p.share));
     let most: Vec<String> = most.collect();
-    let row =
-        format!("{:<30}{nominal:>10}{:>10.4}{:>10.4}{range:>24}{share:>12}  {}", l.quantity, l.mean, l.std, most.join(", "));
+    let (mean, std) = (short(l.mean), short(l.std));
+    let row = format!("{:<30}{nominal:>11}{mean:>11}{std:>11}{range:>26}{share:>12}  {}", l.quantity, most.join(", "));
     let _ = writeln!(text, "{}", row.trim_end());
+}
+
+/// Five digits or so.
+fn short(x: f64) -> String {
+    match x.abs() {
+        a if a >= 1000.0 => format!("{x:.1}"),
+        a if a >= 100.0 => format!("{x:.2}"),
+        a if a >= 10.0 => format!("{x:.3}"),
+        a if a >= 0.01 || a <= 0.0 => format!("{x:.4}"),
+        _ => format!("{x:.2e}"),
+    }
 }

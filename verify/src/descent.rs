@@ -22,7 +22,7 @@ use summary::Flown;
 use windfall_model::planet::{PlanetFlight, PlanetScenario};
 use windfall_model::study::{Column, Row};
 use windfall_pid::Identification;
-use windfall_sim::{Descent, Seed};
+use windfall_sim::{Descent, Seed, SimError};
 
 /// Longest step, s.
 const STEP_S: f64 = 0.1;
@@ -58,7 +58,7 @@ pub struct Descended {
 /// `see` is told of each descent.
 ///
 /// # Errors
-/// An identification without covariance or of another structure, a flight that cannot begin, a nominal model that cannot be flown.
+/// An identification without covariance or of another structure, a flight or a body that cannot begin.
 pub fn descend(
     scenario: &PlanetScenario,
     flight: &PlanetFlight,
@@ -72,7 +72,10 @@ pub fn descend(
     let step_s = step(scenario, &linear_theory);
     let heights_m = heights(flight);
     let descent = Descent::new(scenario, flight, heights_m.clone(), step_s)?;
-    let nominal = descent.fly(&bodies.nominal, None)?;
+    let nominal = match descent.fly(&bodies.nominal, None) {
+        Err(wrong @ SimError::Setup { .. }) => return Err(wrong.into()),
+        other => other,
+    };
     let chance = scenario.dispersions.gusts.is_some() || !scenario.dispersions.start.is_exact();
     let paired = chance && bodies.is_uncertain();
     let one = |draw: u64| {
@@ -95,16 +98,19 @@ pub fn descend(
         in_pairs: paired,
         parameters: bodies.drawn.iter().map(of).collect(),
         ends: summary::ends(&all),
-        touch_down: summary::touch_down(&all, &nominal, &names, [paired, chance]),
-        over_height: summary::over_height(&all, &nominal, &heights_m),
+        touch_down: summary::touch_down(&all, nominal.as_ref().ok(), &names, [paired, chance]),
+        over_height: summary::over_height(&all, nominal.as_ref().ok(), &heights_m),
         linear_theory,
-        warnings: warnings(&bodies, chance),
+        warnings: warnings(&bodies, nominal.as_ref().err(), chance),
     };
     Ok(Descended { summary, columns: summary::columns(&names), rows: summary::rows(&all) })
 }
 
-fn warnings(bodies: &Bodies, chance: bool) -> Vec<String> {
+fn warnings(bodies: &Bodies, nominal: Option<&SimError>, chance: bool) -> Vec<String> {
     let mut all = bodies.warnings.clone();
+    if let Some(error) = nominal {
+        all.push(format!("the nominal model cannot be flown down: {error}"));
+    }
     if !bodies.is_uncertain() {
         all.push(
             "no parameter is uncertain: give an identification (--model), or [uncertainty.vehicle] in the scenario".to_owned(),

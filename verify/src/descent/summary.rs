@@ -81,7 +81,7 @@ fn note(reasons: &mut Vec<DescentReason>, error: &SimError) {
 /// Lines at touch-down. `paired`: draws 2k and 2k + 1 share their model; `chance`: flights of one model differ.
 pub(super) fn touch_down(
     all: &[Flown],
-    nominal: &DescentFlown,
+    nominal: Option<&DescentFlown>,
     names: &[String],
     [paired, chance]: [bool; 2],
 ) -> Vec<TouchDownLine> {
@@ -107,7 +107,7 @@ pub(super) fn touch_down(
         let Spread { mean, std, quantiles: [low, median, high] } = Spread::of(y);
         TouchDownLine {
             quantity: (*name).to_owned(),
-            nominal: nominal.touch_down.as_ref().map(of),
+            nominal: nominal.and_then(|n| n.touch_down.as_ref()).map(of),
             mean,
             std,
             low,
@@ -125,7 +125,7 @@ pub(super) fn touch_down(
 }
 
 /// Lines over height.
-pub(super) fn over_height(all: &[Flown], nominal: &DescentFlown, heights_m: &[f64]) -> Vec<HeightLine> {
+pub(super) fn over_height(all: &[Flown], nominal: Option<&DescentFlown>, heights_m: &[f64]) -> Vec<HeightLine> {
     let line = |(name, of): &super::quantity::OfState| {
         let at =
             |i: usize| -> Vec<f64> { all.iter().filter_map(|f| f.flown.as_ref().ok()?.at_heights[i].as_ref().map(of)).collect() };
@@ -137,7 +137,7 @@ pub(super) fn over_height(all: &[Flown], nominal: &DescentFlown, heights_m: &[f6
             quantity: (*name).to_owned(),
             height_m: heights_m.to_vec(),
             draws,
-            nominal: nominal.at_heights.iter().map(|s| s.as_ref().map(of)).collect(),
+            nominal: (0..heights_m.len()).map(|i| Some(of(nominal?.at_heights[i].as_ref()?))).collect(),
             mean: each(|s| s.mean),
             std: each(|s| s.std),
             low: each(|s| s.quantiles[0]),
