@@ -1,16 +1,13 @@
 //! windfall: descents of an identified model. In: a planet scenario, an identification. Out: statistics, a row a draw, their files.
 
+use crate::folder::{DESCENT_FILES, ResultsFolder};
 use crate::planet::find;
 use crate::{Descend, Error, Result};
 use std::path::Path;
 use windfall_model::planet::PlanetFlight;
 use windfall_pid::Identification;
-use windfall_report::{FolderResults, folder_page};
 use windfall_scenarios::{FileSet, PlanetFile, bytes_atomically, part_bytes, text_atomically, write_json_atomically};
 use windfall_verify::descent::{Descended, descend};
-
-/// Files of descents: statistics, a row a draw, the page.
-pub const DESCENT_FILES: [&str; 3] = ["descent.json", "descents.parquet", "report.html"];
 
 /// Seed where neither the request nor the scenario has one.
 const SEED: u64 = 1;
@@ -66,8 +63,8 @@ pub fn write_descents(folder: &Path, descended: &Descended) -> Result<()> {
     write_json_atomically(&folder.join(DESCENT_FILES[0]), &descended.summary)?;
     let bytes = part_bytes(&descended.columns, &descended.rows)?;
     bytes_atomically(&folder.join(DESCENT_FILES[1]), &bytes)?;
-    let results = FolderResults { descents: Some(&descended.summary), ..FolderResults::default() };
-    Ok(text_atomically(&folder.join(DESCENT_FILES[2]), &folder_page(&descended.summary.scenario, &results))?)
+    // Of what was written, so that `windfall report` makes the same page of it.
+    Ok(text_atomically(&folder.join(DESCENT_FILES[2]), &ResultsFolder::read(folder)?.page())?)
 }
 
 /// Puts [`DESCENT_FILES`] into a folder, made if missing: all of them, or none. Without `force` nothing is overwritten.

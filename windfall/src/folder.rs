@@ -1,6 +1,5 @@
 //! windfall: a folder of results. In: the `--out` folder of other commands. Out: its page.
 
-use crate::descend::DESCENT_FILES;
 use crate::{Error, Result};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -20,6 +19,9 @@ const OTHERS: [(&str, &str, &[&str]); 3] = [
 const TRACKS: [&str; 3] = ["tracks.json", "coefficients.json", "flights.json"];
 /// Keys of a closing against published statistics.
 const STATISTICS: &[&str] = &["verdict", "name", "source", "options", "seed"];
+
+/// Files of descents: statistics, a row a draw, the page.
+pub const DESCENT_FILES: [&str; 3] = ["descent.json", "descents.parquet", "report.html"];
 
 /// What a folder holds.
 #[derive(Debug)]

@@ -35,10 +35,10 @@ mod words;
 
 pub use campaign::{Campaign, CampaignSource};
 pub use check::{Checked, Verification, check, verify};
-pub use descend::{DESCENT_FILES, DescentScenario, put_descents, write_descents};
+pub use descend::{DescentScenario, put_descents, write_descents};
 pub use error::{Error, ErrorKind, Result};
 pub use explain::{Explain, explain, init};
-pub use folder::ResultsFolder;
+pub use folder::{DESCENT_FILES, ResultsFolder};
 pub use published::Published;
 pub use requests::{Close, Descend, Fly, Identify, MOST_COPIES, MOST_DESCENTS, Plan, Resimulate, Structure, Study};
 pub use scenario::{FlightSummary, Flights, Scenario, Simulation};

@@ -85,6 +85,9 @@ pub struct VehicleDispersion {
     pub center_of_mass_m: [f64; 3],
 }
 
+/// Place of a number in a vehicle.
+pub type VehicleLens = fn(&mut Vehicle) -> &mut f64;
+
 /// A number of a vehicle that is uncertain.
 #[derive(Clone, Copy, Debug)]
 pub struct UncertainNumber {
@@ -93,7 +96,7 @@ pub struct UncertainNumber {
     /// Standard uncertainty, SI, above zero.
     pub std: f64,
     /// Its place in a vehicle.
-    pub lens: fn(&mut Vehicle) -> &mut f64,
+    pub lens: VehicleLens,
 }
 
 impl VehicleDispersion {
@@ -101,7 +104,7 @@ impl VehicleDispersion {
     #[must_use]
     pub fn numbers(&self) -> Vec<UncertainNumber> {
         let (i, [x, y, z]) = (&self.inertia, self.center_of_mass_m);
-        let all: [(&'static str, f64, fn(&mut Vehicle) -> &mut f64); 10] = [
+        let all: [(&'static str, f64, VehicleLens); 10] = [
             ("vehicle.mass_kg", self.mass_kg, |v| &mut v.mass_kg),
             ("vehicle.inertia_kg_m2.xx", i.xx, |v| &mut v.inertia.xx),
             ("vehicle.inertia_kg_m2.yy", i.yy, |v| &mut v.inertia.yy),

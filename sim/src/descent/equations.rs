@@ -125,8 +125,7 @@ impl Equations<'_> {
         let k2 = self.rate(&along(y, 0.5 * h, &k1), middle, gust.rate);
         let k3 = self.rate(&along(y, 0.5 * h, &k2), middle, gust.rate);
         let apart = (rates(&k3) - rates(&k2)).norm() * (h / 6.0);
-        // Not the other way round: a NaN is apart, too.
-        if !(apart <= STAGES_APART * (SMALL_RATE_RAD_S + rates(y).norm())) {
+        if apart.is_nan() || apart > STAGES_APART * (SMALL_RATE_RAD_S + rates(y).norm()) {
             return None;
         }
         let k4 = self.rate(&along(y, h, &k3), end, gust.rate);

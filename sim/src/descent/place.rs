@@ -1,4 +1,8 @@
 //! sim: where a body is over an ellipsoid, without angles. In: a position. Out: height and the local axes.
+#![expect(
+    clippy::imprecise_flops,
+    reason = "lengths of a planet's size neither overflow nor vanish, and hypot takes ten times as long"
+)]
 
 use windfall_model::frames::{Inertial, Vec3};
 use windfall_model::planet::Spheroid;

@@ -15,7 +15,7 @@ pub(super) fn of_pairs(pairs: &[[f64; 2]]) -> (f64, [f64; 2]) {
     let mean = pairs.iter().flatten().sum::<f64>() / (2.0 * n);
     let variance = pairs.iter().flatten().map(|x| (x - mean).powi(2)).sum::<f64>() / (2.0 * n);
     let covariance = pairs.iter().map(|[a, b]| (a - mean) * (b - mean)).sum::<f64>() / n;
-    if !(variance > 0.0) {
+    if variance.is_nan() || variance <= 0.0 {
         return (0.0, [0.0; 2]);
     }
     let r = (covariance / variance).clamp(-1.0, 1.0);
