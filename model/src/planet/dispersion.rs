@@ -169,7 +169,7 @@ mod tests {
             *(n.lens)(&mut vehicle) = n.std;
         }
         assert!((vehicle.mass_kg - 1.0).abs() < f64::EPSILON && vehicle.inertia == one.inertia);
-        assert_eq!(vehicle.p_origin_cm.to_array(), one.center_of_mass_m);
+        assert!(vehicle.p_origin_cm == crate::frames::Vec3::from_array(one.center_of_mass_m));
         assert!(VehicleDispersion::default().numbers().is_empty());
     }
 }
