@@ -29,6 +29,11 @@ pub(crate) enum Command {
     Plan(PlanArgs),
     /// Fly the identified model against each run
     Resimulate(ResimulateArgs),
+    /// Fly an identified model down to the ground of a planet, many times: its whole posterior, gusts, a scattered start
+    ///
+    /// Attitude, rates and speed over height and at touch-down, with intervals that carry the identification's uncertainty, and the
+    /// parameters that they hang on most.
+    Descend(DescendArgs),
     /// Find what the declared model lacks: residual, effect, its numbers, errors before and after
     ///
     /// Exit code 1 when the residual is beyond noise and no effect of the catalogue accounts for it (verdict "unexplained"); 0 when it
@@ -69,6 +74,7 @@ impl Command {
             Self::Structure(a) => Some(&a.common),
             Self::Plan(a) => Some(&a.common),
             Self::Resimulate(a) => Some(&a.common),
+            Self::Descend(a) => Some(&a.common),
             Self::Close(a) => Some(&a.common),
             Self::Study(a) => Some(&a.common),
             Self::Many(a) => Some(a.verb.common()),
@@ -169,6 +175,20 @@ pub(crate) struct ResimulateArgs {
     pub(crate) common: Common,
 }
 
+/// `descend`.
+#[derive(Args, Debug)]
+pub(crate) struct DescendArgs {
+    /// Planet scenario file (.toml) of a rigid body: scenarios/planet/venus-dispersions.toml is one
+    pub(crate) scenario: PathBuf,
+    /// Result of `windfall identify`, of which all runs together are taken [default: the scenario's own coefficients, as if exact]
+    #[arg(long, value_name = "identification.json")]
+    pub(crate) model: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) request: windfall::Descend,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
 /// `close`.
 #[derive(Args, Debug)]
 pub(crate) struct CloseArgs {
@@ -238,7 +258,7 @@ pub(crate) struct ManyOf<R: Args> {
 /// `report`.
 #[derive(Args, Debug)]
 pub(crate) struct ReportArgs {
-    /// Folder with close.json, identification.json, resimulation.json, verify.json, summary.json or many.json
+    /// Folder with close.json, identification.json, resimulation.json, verify.json, summary.json, many.json or descent.json
     pub(crate) folder: PathBuf,
     /// Also write every figure into this folder as SVG and PDF, and its data as CSV
     #[arg(long, value_name = "DIR")]
@@ -335,6 +355,8 @@ mod tests {
         assert!(a.request.between.total_cmp(&windfall::Plan::default().between).is_eq());
         let Command::Resimulate(a) = parse(&["resimulate", "x", "--model", "y"]) else { unreachable!("as typed") };
         assert_eq!(a.request, windfall::Resimulate::default());
+        let Command::Descend(a) = parse(&["descend", "x"]) else { unreachable!("as typed") };
+        assert_eq!(a.request, windfall::Descend::default());
         let Command::Study(a) = parse(&["study", "x"]) else { unreachable!("as typed") };
         assert_eq!(a.request, windfall::Study::default());
         let Command::Many(ManyArgs { verb: ManyVerb::Identify(a) }) = parse(&["many", "identify", "x", "y"]) else {

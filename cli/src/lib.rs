@@ -7,6 +7,7 @@ mod agreement;
 mod args;
 mod check;
 mod close;
+mod descend;
 mod first;
 mod identify;
 mod interrupt;
@@ -69,6 +70,7 @@ fn dispatch(command: &Command, session: &mut Session<'_>) -> Result<bool, Failur
         Command::Structure(a) => structure::run(a, session),
         Command::Plan(a) => plan::run(a, session),
         Command::Resimulate(a) => resimulate::run(a, session),
+        Command::Descend(a) => descend::run(a, session),
         Command::Close(a) => close::run(a, session),
         Command::Study(a) => study::run(a, session),
         Command::Many(a) => many::run(a, session),

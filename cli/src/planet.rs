@@ -1,12 +1,15 @@
 //! cli: planet scenarios in words. In: a planet scenario. Out: its truths and the resolved scenario; what `windfall check` says of it.
 
 use crate::session::{Failure, Session};
-use windfall::planet::{self, Atmosphere, Gravity, PlanetFile, PlanetScenario, Winds};
+use windfall::planet::{self, Atmosphere, Dispersions, Gravity, PlanetFile, PlanetScenario, Winds};
 
 pub(crate) fn simulate(file: &PlanetFile, session: &mut Session<'_>) -> Result<bool, Failure> {
     let outputs = planet::files(file);
     let names: Vec<&str> = outputs.iter().map(String::as_str).collect();
     let folder = session.outputs(&names)?;
+    if file.scenario.dispersions != Dispersions::default() {
+        session.say("turbulence and [uncertainty] are for windfall descend: this flight has even air and an exact start");
+    }
     let flown = session.pool()?.install(|| planet::fly(file))?;
     session.write(folder.as_deref(), |stage| planet::write(stage, file, &flown))?;
     let simulation = planet::summary(file, &flown, folder.is_some());
@@ -60,6 +63,7 @@ pub(crate) fn summary(s: &PlanetScenario) -> Vec<String> {
         format!("air: {air}"),
         format!("wind: {wind}"),
     ];
+    all.extend(dispersions(&s.dispersions));
     all.extend(s.flights.iter().map(|f| {
         let g = f.start.place;
         let (lat, lon) = (g.latitude_rad.to_degrees(), g.longitude_rad.to_degrees());
@@ -68,5 +72,26 @@ pub(crate) fn summary(s: &PlanetScenario) -> Vec<String> {
             f.name, f.duration_s, f.rate_hz, g.height_m
         )
     }));
+    all
+}
+
+/// What differs from one descent to the next.
+fn dispersions(d: &Dispersions) -> Vec<String> {
+    let mut all = Vec::new();
+    if let Some((_, g)) = d.gusts.as_ref().and_then(|g| g.rows().first()) {
+        let rows = d.gusts.as_ref().map_or(0, |g| g.rows().len());
+        let over = if rows > 1 { format!(" at the lowest of {rows} heights") } else { String::new() };
+        all.push(format!(
+            "turbulence for descend: {} m/s rms vertical, {} m/s horizontal, scales {} and {} m{over}",
+            g.axial_rms_m_s, g.lateral_rms_m_s, g.axial_scale_m, g.lateral_scale_m
+        ));
+    }
+    let uncertain: Vec<String> = d.vehicle.numbers().iter().map(|n| format!("{} ± {}", n.name, n.std)).collect();
+    if !uncertain.is_empty() {
+        all.push(format!("uncertain for descend: {}", uncertain.join(", ")));
+    }
+    if !d.start.is_exact() {
+        all.push("scattered start for descend: [uncertainty.initial]".to_owned());
+    }
     all
 }

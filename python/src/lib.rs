@@ -24,6 +24,7 @@ fn _windfall(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(files::check, m)?)?;
     m.add_function(wrap_pyfunction!(files::verify, m)?)?;
     m.add_function(wrap_pyfunction!(files::close_statistics, m)?)?;
+    m.add_function(wrap_pyfunction!(files::descend, m)?)?;
     m.add_function(wrap_pyfunction!(files::page, m)?)?;
     m.add_function(wrap_pyfunction!(files::init, m)?)?;
     m.add_function(wrap_pyfunction!(files::explain, m)?)?;

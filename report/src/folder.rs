@@ -3,6 +3,7 @@
 
 use crate::closing::closing_body;
 use crate::data::data;
+use crate::descent::descent_body;
 use crate::html::{escape, page, section};
 use crate::identification::{identification, resimulation};
 use crate::laid_out::laid_out;
@@ -14,6 +15,7 @@ use crate::statistics::statistics;
 use crate::study::study_body;
 use serde_json::Value;
 use windfall_verify::close::{Closing, Figure, SignalTracks};
+use windfall_verify::descent::DescentSummary;
 use windfall_verify::many::ManySummary;
 use windfall_verify::study::Summary;
 
@@ -34,6 +36,8 @@ pub struct FolderResults<'a> {
     pub study: Option<&'a Summary>,
     /// Many campaigns.
     pub many: Option<&'a ManySummary>,
+    /// Descents.
+    pub descents: Option<&'a DescentSummary>,
     /// Any other results: title, then the JSON.
     pub others: &'a [(String, Value)],
 }
@@ -63,7 +67,13 @@ fn heading(title: &str, r: &FolderResults<'_>) -> String {
         named.into_iter().find(|n| !n.is_empty())
     });
     let named = r.others.iter().find_map(|(_, v)| v.get("name")?.as_str());
-    campaign.or(r.study.map(|s| s.study.as_str())).or(r.many.map(|_| TITLE)).or(named).unwrap_or(title).to_owned()
+    campaign
+        .or(r.study.map(|s| s.study.as_str()))
+        .or(r.many.map(|_| TITLE))
+        .or(r.descents.map(|d| d.scenario.as_str()))
+        .or(named)
+        .unwrap_or(title)
+        .to_owned()
 }
 
 fn body(title: &str, results: &FolderResults<'_>, plots: &mut Plots) -> String {
@@ -76,6 +86,9 @@ fn body(title: &str, results: &FolderResults<'_>, plots: &mut Plots) -> String {
     }
     if let Some(m) = results.many {
         body += &many_body(m, plots);
+    }
+    if let Some(d) = results.descents {
+        body += &descent_body(d, plots);
     }
     if body.is_empty() {
         body = format!("<h1>{}</h1>\n", escape(&heading(title, results)));

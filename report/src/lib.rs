@@ -5,6 +5,7 @@
 mod chart;
 mod closing;
 mod data;
+mod descent;
 mod draw;
 mod folder;
 mod html;

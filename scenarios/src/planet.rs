@@ -1,5 +1,6 @@
 //! scenarios: planet scenarios. In: a path. Out: planet, body and flights, or every fault.
 
+use crate::dispersions::dispersions;
 use crate::error::ReadError;
 use crate::hash::fnv1a;
 use crate::names::name_of_file;
@@ -14,7 +15,8 @@ use std::path::Path;
 use toml::de::DeTable;
 use windfall_model::frames::Vec3;
 use windfall_model::planet::{
-    FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario, Reference, Spheroid, WindTable, Winds,
+    Dispersions, FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario, Reference, Spheroid,
+    WindTable, Winds,
 };
 use windfall_model::{ApparentMass, Inertia, Numerics, Structure, Vehicle};
 
@@ -28,6 +30,8 @@ pub struct PlanetFile {
     pub scenario: PlanetScenario,
     /// The file's note.
     pub note: Option<String>,
+    /// The file's seed, for many descents.
+    pub seed: Option<u64>,
     /// Whether the aerodynamic structure is the file's own (and must be written beside a resolved file).
     pub own_structure: bool,
     /// Path.
@@ -73,7 +77,7 @@ pub fn read_planet(path: &Path) -> Result<PlanetFile, ReadError> {
     let root = source.parse()?;
     let file = Table::new(&source, "", &root, 0..0, &keys::PLANET_FILE);
     let head = file.table("scenario", &keys::SCENARIO).map(|t| (t.text("name"), t.text_if("note")));
-    file.integer_if("seed");
+    let seed = file.integer_if("seed");
     if file.has("provenance") {
         file.table("provenance", &keys::PROVENANCE);
     }
@@ -92,7 +96,9 @@ pub fn read_planet(path: &Path) -> Result<PlanetFile, ReadError> {
     let aero = read_aero(&file, false);
     let point = aero.as_ref().is_some_and(|a| a.aero.structure.name == Structure::point_mass().name);
     let body = body(&file, point);
-    let planet = planet(&file);
+    let environment = file.table("environment", &keys::ENVIRONMENT_PLANET);
+    let planet = environment.as_ref().and_then(planet);
+    let dispersions: Option<Dispersions> = environment.as_ref().and_then(|e| dispersions(&file, e, point));
     let numerics = numerics(&file, PlanetFlight::default_numerics());
     let flights: Vec<PlanetFlight> =
         file.one_or_more("flight", &keys::FLIGHT_PLANET).iter().filter_map(|t| flight(t, point, numerics)).collect();
@@ -102,9 +108,9 @@ pub fn read_planet(path: &Path) -> Result<PlanetFile, ReadError> {
         let ((name, note), (vehicle, reference), aero) = (head?, body?, aero?);
         let own_structure = aero.structure_file.is_some();
         let body = PlanetBody { vehicle, reference, aero: aero.aero, point };
-        let scenario = PlanetScenario { name, planet: planet?, body, flights };
+        let scenario = PlanetScenario { name, planet: planet?, body, flights, dispersions: dispersions? };
         let input_hash = format!("{:016x}", fnv1a(text.as_bytes()));
-        Some(PlanetFile { scenario, note, own_structure, input: path.display().to_string(), input_hash })
+        Some(PlanetFile { scenario, note, seed, own_structure, input: path.display().to_string(), input_hash })
     })();
     source.finish(built)
 }
@@ -159,13 +165,12 @@ fn missing(t: &Table<'_>, key: &str, by: &str, remedy: &str) {
     t.source.fault(t.at(key), t.full(key), "", format!("is missing; {by} needs it"), remedy);
 }
 
-fn planet(file: &Table<'_>) -> Option<Planet> {
-    let t = file.table("environment", &keys::ENVIRONMENT_PLANET)?;
-    let gravity = gravity(&t);
+fn planet(t: &Table<'_>) -> Option<Planet> {
+    let gravity = gravity(t);
     let figure =
         Spheroid { equatorial_radius_m: t.number("equatorial_radius_m"), flattening: t.number_if("flattening").unwrap_or(0.0) };
-    let atmosphere = if t.has("atmosphere") { Some(atmosphere(&t)) } else { None };
-    let wind = if t.has("wind") { wind(&t) } else { Some(Winds::STILL) };
+    let atmosphere = if t.has("atmosphere") { Some(atmosphere(t)) } else { None };
+    let wind = if t.has("wind") { wind(t) } else { Some(Winds::STILL) };
     Some(Planet {
         figure,
         rotation_rad_s: t.number_if("rotation_rad_s").unwrap_or(0.0),

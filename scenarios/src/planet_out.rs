@@ -1,6 +1,7 @@
 //! scenarios: planet scenarios and their truth, written. In: a checked scenario, columns. Out: text with every default, tables beside it.
 
 use crate::columns::write_columns_csv;
+use crate::dispersions::TURBULENCE_COLUMNS;
 use crate::error::WriteError;
 use crate::planet::{GRAVITIES, PlanetFile, WIND_COLUMNS};
 use crate::profile::ATMOSPHERE_COLUMNS;
@@ -8,11 +9,12 @@ use crate::toml_out::{Toml, aero_table, degrees_of, digits, inertia_line, numeri
 use crate::write::text_atomically;
 use std::fmt::Write as _;
 use std::path::Path;
-use windfall_model::planet::{Atmosphere, Gravity, Planet, PlanetFlight, Winds};
+use windfall_model::planet::{Atmosphere, Dispersions, Gravity, GustProfile, Planet, PlanetFlight, Winds};
 
 /// Names of tables that are written beside a resolved planet scenario.
 const ATMOSPHERE_FILE: &str = "atmosphere.csv";
 const WIND_FILE: &str = "wind.csv";
+const TURBULENCE_FILE: &str = "turbulence.csv";
 
 /// Columns of a truth over a planet, by groups: names, unit, meaning.
 pub(crate) const PLANET_COLUMNS: [(&str, &str, &str); 5] = [
@@ -35,7 +37,8 @@ impl PlanetFile {
         let planet = &self.scenario.planet;
         let air = matches!(planet.atmosphere, Some(Atmosphere::Table(_))).then_some(ATMOSPHERE_FILE);
         let wind = matches!(planet.wind, Winds::Table(_)).then_some(WIND_FILE);
-        air.into_iter().chain(wind).map(str::to_owned).collect()
+        let gusts = table_of_gusts(&self.scenario.dispersions).map(|_| TURBULENCE_FILE);
+        air.into_iter().chain(wind).chain(gusts).map(str::to_owned).collect()
     }
 }
 
@@ -53,10 +56,22 @@ pub fn write_resolved_planet(path: &Path, file: &PlanetFile) -> Result<(), Write
     if let Winds::Table(table) = &planet.wind {
         write_rows(&path.with_file_name(WIND_FILE), WIND_COLUMNS, table.rows())?;
     }
+    if let Some(gusts) = table_of_gusts(&file.scenario.dispersions) {
+        let row = |(h, t): &(f64, windfall_model::Turbulence)| {
+            [*h, t.axial_rms_m_s, t.lateral_rms_m_s, t.axial_scale_m, t.lateral_scale_m]
+        };
+        let rows: Vec<[f64; 5]> = gusts.rows().iter().map(row).collect();
+        write_rows(&path.with_file_name(TURBULENCE_FILE), TURBULENCE_COLUMNS, &rows)?;
+    }
     if file.own_structure {
         write_structure_beside(path, &file.scenario.body.aero.structure)?;
     }
     text_atomically(path, &text(file))
+}
+
+/// Gusts that are not the same at all heights.
+fn table_of_gusts(d: &Dispersions) -> Option<&GustProfile> {
+    d.gusts.as_ref().filter(|g| g.rows().len() > 1)
 }
 
 fn write_rows<const N: usize>(path: &Path, names: [&str; N], rows: &[[f64; N]]) -> Result<(), WriteError> {
@@ -69,6 +84,9 @@ fn text(file: &PlanetFile) -> String {
     let mut t =
         Toml::new("# Resolved planet scenario: every default written out. It flies the same flight again, bit for bit.\n");
     let s = &file.scenario;
+    if let Some(seed) = file.seed {
+        t.raw("seed", &seed.to_string());
+    }
     t.origin(&s.name, file.note.as_deref(), &file.input, &file.input_hash);
     let v = &s.body.vehicle;
     t.table("vehicle");
@@ -84,6 +102,7 @@ fn text(file: &PlanetFile) -> String {
         t.numbers("center_of_mass_m", &v.p_origin_cm.to_array());
     }
     environment(&mut t, &s.planet);
+    dispersions(&mut t, &s.dispersions);
     let declared = vec![true; s.body.aero.values.len()];
     aero_table(&mut t, &s.body.aero, &declared, file.own_structure);
     if let Some(f) = s.flights.first() {
@@ -124,6 +143,29 @@ fn environment(t: &mut Toml, p: &Planet) {
             t.raw("wind", &format!("{{ north_m_s = {}, east_m_s = {} }}", digits(*north_m_s), digits(*east_m_s)));
         }
         Winds::Table(_) => t.raw("wind", &format!("{{ file = \"{WIND_FILE}\" }}")),
+    }
+}
+
+/// Gusts end the table of the environment; uncertainties have their own.
+fn dispersions(t: &mut Toml, d: &Dispersions) {
+    if table_of_gusts(d).is_some() {
+        t.raw("turbulence", &format!("{{ file = \"{TURBULENCE_FILE}\" }}"));
+    } else if let Some((_, g)) = d.gusts.as_ref().and_then(|g| g.rows().first()) {
+        let numbers = [g.axial_rms_m_s, g.lateral_rms_m_s, g.axial_scale_m, g.lateral_scale_m];
+        let pairs = TURBULENCE_COLUMNS[1..].iter().zip(numbers).map(|(key, x)| format!("{key} = {}", digits(x)));
+        t.raw("turbulence", &format!("{{ {} }}", pairs.collect::<Vec<_>>().join(", ")));
+    }
+    if !d.vehicle.numbers().is_empty() {
+        t.table("uncertainty.vehicle");
+        t.number("mass_kg", d.vehicle.mass_kg);
+        t.raw("inertia_kg_m2", &inertia_line(&d.vehicle.inertia));
+        t.numbers("center_of_mass_m", &d.vehicle.center_of_mass_m);
+    }
+    if !d.start.is_exact() {
+        t.table("uncertainty.initial");
+        t.numbers("velocity_ned_m_s", &d.start.velocity_ned_m_s);
+        t.numbers("attitude_body_deg", &d.start.attitude_body_rad.map(degrees_of));
+        t.numbers("rates_deg_s", &d.start.rates_rad_s.map(degrees_of));
     }
 }
 

@@ -9,10 +9,18 @@ use std::path::Path;
 /// # Errors
 /// [`WriteError`] when the system refuses; the old file, if any, is then untouched.
 pub fn text_atomically(path: &Path, text: &str) -> Result<(), WriteError> {
+    bytes_atomically(path, text.as_bytes())
+}
+
+/// [`text_atomically`] for bytes.
+///
+/// # Errors
+/// [`WriteError`] when the system refuses; the old file, if any, is then untouched.
+pub fn bytes_atomically(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     let fail = |reason: std::io::Error| WriteError::Write { path: path.to_owned(), reason };
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut file = tempfile::Builder::new().prefix(".windfall-").tempfile_in(folder).map_err(fail)?;
-    file.write_all(text.as_bytes()).map_err(fail)?;
+    file.write_all(bytes).map_err(fail)?;
     make_readable(file.as_file()).map_err(fail)?;
     file.as_file().sync_all().map_err(fail)?;
     file.persist(path).map_err(|e| fail(e.error))?;

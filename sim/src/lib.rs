@@ -5,6 +5,7 @@
 //! time carried as one more state, since its eighth-order method is wrong for right-hand sides that depend on time.
 
 mod batch;
+mod descent;
 mod dynamics;
 mod error;
 mod fly;
@@ -21,6 +22,7 @@ mod state;
 mod truth;
 
 pub use batch::{Order, States, Stepping, fly_batch, fly_truth_batch, for_each_states, for_each_truth};
+pub use descent::{Descent, DescentFlown, DescentState, LAST_M, TouchDown};
 pub use error::SimError;
 pub use fly::{fly, fly_truth};
 pub use noise::realise;

@@ -4,23 +4,24 @@
 //! depend on time (see [`windfall_model::planet`]); the planet's turning is taken off the longitude where a sample is looked at. Each
 //! sample interval is integrated by itself, so that samples are ends of steps.
 
+pub(crate) mod forces;
+
 use crate::dynamics::quaternion_rate;
 use crate::error::SimError;
 use crate::integrate::{RUNAWAY_RAD_S, Span, solve};
+use forces::{Acting, BodyForces};
 use nalgebra::{Matrix3, SVector};
 use ode_solvers::System;
 use ode_solvers::dop_shared::{IntegrationError, OutputType};
 use std::f64::consts::{PI, TAU};
+use windfall_model::Numerics;
 use windfall_model::frames::{Body, Inertial, Ned, Rotation, Vec3};
-use windfall_model::planet::{FlightStart, Geodetic, PlanetBody, PlanetFlight, PlanetScenario, Surroundings};
-use windfall_model::{Aero, AeroProgram, FlowState, Numerics, Variable, Wrench, dynamic_pressure_pa};
+use windfall_model::planet::{FlightStart, Geodetic, Planet, PlanetFlight, PlanetScenario, Surroundings};
 
 /// States of a body without attitude: position 0-2, velocity 3-5, inertial axes.
 const POINT: usize = 6;
 /// States of a rigid body: the same, quaternion 6-9, body rates 10-12.
 const RIGID: usize = 13;
-/// Airspeed squared, m²/s², below which there are no aerodynamic forces, as in the tunnel.
-const STILL_AIR_M2_S2: f64 = 1e-20;
 /// Height by which a flight may be beyond its atmosphere: round-off of a planet's radius, with room, m.
 const SLACK_M: f64 = 1e-3;
 /// Time to which contact with the ground is found, s.
@@ -92,7 +93,8 @@ pub fn fly_planet(scenario: &PlanetScenario, flight: &PlanetFlight) -> Result<Pl
     if scenario.body.point { sampled::<POINT>(&forces, flight) } else { sampled::<RIGID>(&forces, flight) }
 }
 
-fn check(scenario: &PlanetScenario, flight: &PlanetFlight) -> Result<(), SimError> {
+/// Whether a flight of a scenario can begin.
+pub(crate) fn check(scenario: &PlanetScenario, flight: &PlanetFlight) -> Result<(), SimError> {
     let setup = |what, value, allowed| Err(SimError::Setup { what, value, allowed });
     let FlightStart { place, v_ground, attitude_rad, w_inertial_body } = &flight.start;
     let all = [place.latitude_rad, place.longitude_rad, v_ground.norm(), attitude_rad.iter().sum(), w_inertial_body.norm()];
@@ -119,116 +121,33 @@ fn check(scenario: &PlanetScenario, flight: &PlanetFlight) -> Result<(), SimErro
 
 /// A body and its surroundings made ready.
 struct Forces<'a> {
-    scenario: &'a PlanetScenario,
-    program: AeroProgram,
-    inertia: Matrix3<f64>,
-    inertia_inverse: Matrix3<f64>,
+    planet: &'a Planet,
+    body: BodyForces<'a>,
 }
 
 impl<'a> Forces<'a> {
     fn new(scenario: &'a PlanetScenario) -> Result<Self, SimError> {
-        let PlanetBody { vehicle, aero, point, .. } = &scenario.body;
-        if !(vehicle.mass_kg > 0.0 && vehicle.mass_kg.is_finite()) {
-            return Err(SimError::Setup { what: "mass_kg", value: vehicle.mass_kg, allowed: "positive and finite" });
-        }
-        let inertia = if *point { Matrix3::identity() } else { vehicle.inertia.matrix() };
-        let physical = *point || vehicle.inertia.is_physical();
-        let inertia_inverse = inertia.try_inverse().filter(|_| physical).ok_or(SimError::Setup {
-            what: "inertia_kg_m2, determinant",
-            value: inertia.determinant(),
-            allowed: "positive definite with moments that obey the triangle inequality",
-        })?;
-        if !*point && forces_need_rates(aero) {
-            return Err(SimError::Setup {
-                what: "terms of CA, CY, CN with a damping variable, number",
-                value: 1.0,
-                allowed: "none over a planet: forces must not depend on the acceleration that they cause",
-            });
-        }
-        Ok(Self { scenario, program: AeroProgram::new(aero), inertia, inertia_inverse })
+        Ok(Self { planet: &scenario.planet, body: BodyForces::new(&scenario.body)? })
     }
-
     fn surroundings<const N: usize>(&self, y: &SVector<f64, N>) -> Surroundings {
-        self.scenario.planet.surroundings(Vec3::new(y[0], y[1], y[2]), Vec3::new(y[3], y[4], y[5]))
-    }
-
-    /// Acceleration of a point mass: gravity and drag against the air.
-    fn point(&self, s: &Surroundings) -> Vec3<Inertial> {
-        let body = &self.scenario.body;
-        let density = s.air.map_or(0.0, |a| a.density_kg_m3());
-        let drag_coefficient = body.aero.values.first().copied().unwrap_or(0.0);
-        let per_speed = 0.5 * density * body.reference.area_m2 * drag_coefficient / body.vehicle.mass_kg;
-        s.gravity + s.v_air * (-per_speed * s.v_air.norm())
-    }
-
-    /// Acceleration and rate of body rates of a rigid body.
-    fn rigid(&self, s: &Surroundings, r_inertial_body: Rotation<Inertial, Body>, w: Vec3<Body>) -> (Vec3<Inertial>, Vec3<Body>) {
-        let wrench = self.aerodynamic(s, r_inertial_body, w);
-        let a = s.gravity + r_inertial_body * (wrench.f * (1.0 / self.scenario.body.vehicle.mass_kg));
-        let gyroscopic = w.xyz.cross(&(self.inertia * w.xyz));
-        (a, (self.inertia_inverse * (wrench.m.xyz - gyroscopic)).into())
-    }
-
-    /// Aerodynamic force and moment about the c.m. Rates in the coefficients are those against inertial axes, as in the check cases
-    /// (NASA/TM-2015-218675, simulation 4); against the air they would differ by the planet's turning.
-    fn aerodynamic(&self, s: &Surroundings, r_inertial_body: Rotation<Inertial, Body>, w: Vec3<Body>) -> Wrench {
-        let r_body_inertial = r_inertial_body.inverse();
-        let v = r_body_inertial * s.v_air;
-        let Some(air) = s.air.filter(|_| v.dot(v) >= STILL_AIR_M2_S2) else { return Wrench::default() };
-        let PlanetBody { vehicle, reference, .. } = &self.scenario.body;
-        let q_pa = dynamic_pressure_pa(air.density_kg_m3(), v.norm());
-        let qs = q_pa * reference.area_m2;
-        let mut flow = self.scaled(FlowState::without_rates(v, w, 1.0, self.program.needed()));
-        let mut c = [0.0; 6];
-        self.program.early(&flow, &mut c);
-        let f = Vec3::new(-qs * c[0], qs * c[1], -qs * c[2]);
-        if self.program.needs_rates() {
-            let a = r_body_inertial * (s.gravity - s.a_air) + f * (1.0 / vehicle.mass_kg);
-            flow = FlowState::without_rates(v, w, 1.0, self.program.needed());
-            flow.set_rates(v, a - w.cross(v), w, 1.0);
-            flow = self.scaled(flow);
-            self.program.late(&flow, &mut c);
-        }
-        let m = Vec3::new(reference.span_m * c[3], reference.chord_m * c[4], reference.span_m * c[5]) * qs;
-        Wrench { f, m: m + f.cross(vehicle.p_origin_cm) }
-    }
-
-    /// Flow variables of unit length made those of the reference lengths.
-    fn scaled(&self, mut flow: FlowState) -> FlowState {
-        let r = &self.scenario.body.reference;
-        for (variable, length_m) in [
-            (Variable::RollRate, r.span_m),
-            (Variable::RollRateAbs, r.span_m),
-            (Variable::PitchRate, r.chord_m),
-            (Variable::YawRate, r.span_m),
-            (Variable::PitchDamping, r.chord_m),
-            (Variable::YawDamping, r.span_m),
-        ] {
-            flow.values[variable as usize] *= length_m;
-        }
-        flow
+        self.planet.surroundings(Vec3::new(y[0], y[1], y[2]), Vec3::new(y[3], y[4], y[5]))
     }
 }
 
-/// True when a force depends on the acceleration.
-fn forces_need_rates(aero: &Aero) -> bool {
-    use windfall_model::Coefficient as C;
-    let terms = aero.structure.contributions.iter();
-    let force = |c: C| matches!(c, C::CA | C::CY | C::CN);
-    terms
-        .filter(|k| aero.values[k.parameter] != 0.0)
-        .any(|k| force(k.coefficient) && k.term.factors.iter().any(|f| f.needs_rates()))
+/// What of the surroundings acts on a body.
+fn acting(s: &Surroundings) -> Acting {
+    Acting { gravity: s.gravity, v_air: s.v_air, a_air: s.a_air, density_kg_m3: s.air.map_or(0.0, |a| a.density_kg_m3()) }
 }
 
 impl<const N: usize> System<f64, SVector<f64, N>> for &Forces<'_> {
     fn system(&self, _t: f64, y: &SVector<f64, N>, dy: &mut SVector<f64, N>) {
         let s = self.surroundings(y);
         let a = if N == POINT {
-            self.point(&s)
+            self.body.point(&acting(&s))
         } else {
             let q = [y[6], y[7], y[8], y[9]];
             let w = Vec3::new(y[10], y[11], y[12]);
-            let (a, w_rate) = self.rigid(&s, Rotation::from_quaternion(q), w);
+            let (a, w_rate) = self.body.rigid(&acting(&s), Rotation::from_quaternion(q), w);
             dy.as_mut_slice()[6..10].copy_from_slice(&quaternion_rate(q, w.to_array()));
             dy.as_mut_slice()[10..13].copy_from_slice(&w_rate.to_array());
             a
@@ -241,8 +160,7 @@ impl<const N: usize> System<f64, SVector<f64, N>> for &Forces<'_> {
 }
 
 /// State at the first sample.
-fn start<const N: usize>(forces: &Forces<'_>, start: &FlightStart) -> SVector<f64, N> {
-    let planet = &forces.scenario.planet;
+pub(crate) fn start_state<const N: usize>(planet: &Planet, start: &FlightStart) -> SVector<f64, N> {
     let p = planet.figure.position(&start.place);
     let r_inertial_ned = start.place.r_inertial_ned();
     let v = r_inertial_ned * start.v_ground + planet.ground_velocity(p);
@@ -279,7 +197,7 @@ fn sampled<const N: usize>(forces: &Forces<'_>, flight: &PlanetFlight) -> Result
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "duration and rate are checked positive")]
     let intervals = (flight.duration_s * flight.rate_hz * (1.0 + 1e-12)).floor() as usize;
     let interval_s = 1.0 / flight.rate_hz;
-    let mut y = start::<N>(forces, &flight.start);
+    let mut y = start_state::<N>(forces.planet, &flight.start);
     let mut truth = PlanetTruth::default();
     observe(forces, 0.0, &y, &mut truth);
     let (mut steps, ends_at_ground) = (0, flight.start.place.height_m > 0.0);
@@ -333,7 +251,7 @@ fn sound<const N: usize>(forces: &Forces<'_>, y: &SVector<f64, N>, t_s: f64) -> 
     if y.as_slice().get(10..13).is_some_and(|w| norm(w) > RUNAWAY_RAD_S) {
         return Err(SimError::Runaway { limit_rad_s: RUNAWAY_RAD_S, t_s });
     }
-    let Some(atmosphere) = &forces.scenario.planet.atmosphere else { return Ok(()) };
+    let Some(atmosphere) = &forces.planet.atmosphere else { return Ok(()) };
     let [low_m, high_m] = atmosphere.range_m();
     let height_m = forces.surroundings(y).place.height_m;
     if (low_m - SLACK_M..=high_m + SLACK_M).contains(&height_m) {
@@ -366,7 +284,7 @@ fn contact<const N: usize>(
 /// Place with the planet's own longitude, and velocity over the ground.
 fn seen<const N: usize>(forces: &Forces<'_>, t_s: f64, y: &SVector<f64, N>) -> (Geodetic, Vec3<Ned>) {
     let s = forces.surroundings(y);
-    let longitude = s.place.longitude_rad - forces.scenario.planet.rotation_rad_s * t_s;
+    let longitude = s.place.longitude_rad - forces.planet.rotation_rad_s * t_s;
     let turns = ((longitude - PI) / TAU).ceil();
     (Geodetic { longitude_rad: longitude - turns * TAU, ..s.place }, s.r_inertial_ned.inverse() * s.v_ground)
 }

@@ -24,6 +24,8 @@ pub enum Channel {
     Gust(u8),
     /// Random increment of coefficient 0 to 5.
     Coefficient(u8),
+    /// Scatter of a descent's start.
+    Start,
     /// What a study varies, 0 to 127.
     Varied(u8),
 }
@@ -35,6 +37,7 @@ impl Channel {
             Self::Operator => 8,
             Self::Gust(axis) => 16 + u64::from(axis),
             Self::Coefficient(c) => 24 + u64::from(c),
+            Self::Start => 32,
             Self::Varied(v) => 128 + u64::from(v & 127),
         }
     }
@@ -65,6 +68,7 @@ mod tests {
             first(1, 0, Channel::Operator),
             first(1, 0, Channel::Gust(0)),
             first(1, 0, Channel::Coefficient(4)),
+            first(1, 0, Channel::Start),
             first(1, 0, Channel::Varied(0)),
             first(1, 0, Channel::Varied(127)),
         ];

@@ -5,6 +5,7 @@ mod bad_input;
 mod capsule;
 mod circles;
 mod commands;
+mod descend;
 mod gusts;
 mod knowledge;
 mod loop_closes;

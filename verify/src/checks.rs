@@ -3,6 +3,7 @@
 //! Exact: closed forms and conservation laws. Published: printed numbers. Recovered: what was planted is found again. The thesis
 //! method's own errors on the same run stand beside ours, without a bound: they are a result, not a failure.
 
+mod descent;
 mod exact;
 mod flown;
 mod loops;
@@ -150,6 +151,7 @@ pub fn checks(setups: &Setups<'_>) -> Result<Vec<Check>, VerifyError> {
     all.extend(exact::air(setups)?);
     all.extend(published::checks(setups)?);
     all.extend(planet::checks()?);
+    all.extend(descent::checks()?);
     all.extend(recovered::checks(setups)?);
     all.extend(loops::checks(setups)?);
     Ok(all)

@@ -3,6 +3,7 @@
 mod bootstrap;
 mod checks;
 pub mod close;
+pub mod descent;
 mod error;
 mod identify;
 pub mod many;

@@ -20,6 +20,7 @@ use windfall_pid::{Identification, rates_and_angles};
 use windfall_sim::Seed;
 
 pub use bands::Band;
+pub(crate) use bands::root as covariance_root;
 pub use initial::{Initial, InitialStop, estimate_initial};
 pub use replay::{Replay, fly_like};
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use windfall_report::{FolderResults, PaperFigure, folder_figures, folder_page};
 use windfall_scenarios::read_json;
 use windfall_verify::close::{Closing, Figure, SignalTracks};
+use windfall_verify::descent::DescentSummary;
 use windfall_verify::many::ManySummary;
 use windfall_verify::study::Summary;
 
@@ -20,6 +21,9 @@ const TRACKS: [&str; 3] = ["tracks.json", "coefficients.json", "flights.json"];
 /// Keys of a closing against published statistics.
 const STATISTICS: &[&str] = &["verdict", "name", "source", "options", "seed"];
 
+/// Files of descents: statistics, a row a draw, the page.
+pub const DESCENT_FILES: [&str; 3] = ["descent.json", "descents.parquet", "report.html"];
+
 /// What a folder holds.
 #[derive(Debug)]
 pub struct ResultsFolder {
@@ -29,12 +33,13 @@ pub struct ResultsFolder {
     tracks: [Option<SignalTracks>; 3],
     study: Option<Summary>,
     many: Option<ManySummary>,
+    descents: Option<DescentSummary>,
     others: Vec<(String, Value)>,
 }
 
 impl ResultsFolder {
-    /// Reads `close.json`, `figures.json`, `identification.json`, `resimulation.json`, `verify.json`, `summary.json` and
-    /// `many.json`, those that are there.
+    /// Reads `close.json`, `figures.json`, `identification.json`, `resimulation.json`, `verify.json`, `summary.json`, `many.json` and
+    /// `descent.json`, those that are there.
     ///
     /// # Errors
     /// A file that is not such a result, a folder without any.
@@ -65,14 +70,15 @@ impl ResultsFolder {
         }
         let study = there(folder, "summary.json").map(|p| read_json(&p)).transpose()?;
         let many = there(folder, "many.json").map(|p| read_json(&p)).transpose()?;
-        if closing.is_none() && study.is_none() && many.is_none() && others.is_empty() {
-            let known: Vec<&str> =
-                ["close.json", "summary.json", "many.json"].into_iter().chain(OTHERS.map(|(f, ..)| f)).collect();
+        let descents = there(folder, DESCENT_FILES[0]).map(|p| read_json(&p)).transpose()?;
+        if closing.is_none() && study.is_none() && many.is_none() && descents.is_none() && others.is_empty() {
+            let own = ["close.json", "summary.json", "many.json", DESCENT_FILES[0]];
+            let known: Vec<&str> = own.into_iter().chain(OTHERS.map(|(f, ..)| f)).collect();
             return Err(Error::NoResult { folder: folder.display().to_string(), known: known.join(", ") });
         }
         let title = folder.canonicalize().ok().and_then(|p| Some(p.file_name()?.to_string_lossy().into_owned()));
         let title = title.unwrap_or_else(|| folder.display().to_string());
-        Ok(Self { title, closing, figures, tracks, study, many, others })
+        Ok(Self { title, closing, figures, tracks, study, many, descents, others })
     }
     /// The page as HTML in one piece.
     #[must_use]
@@ -94,6 +100,7 @@ impl ResultsFolder {
             flights,
             study: self.study.as_ref(),
             many: self.many.as_ref(),
+            descents: self.descents.as_ref(),
             others: &self.others,
         }
     }

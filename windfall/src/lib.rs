@@ -22,6 +22,7 @@
 
 mod campaign;
 mod check;
+mod descend;
 mod error;
 mod explain;
 mod folder;
@@ -35,12 +36,13 @@ mod words;
 
 pub use campaign::{Campaign, CampaignSource};
 pub use check::{Checked, Verification, check, verify};
+pub use descend::{DescentScenario, put_descents, write_descents};
 pub use error::{Error, ErrorKind, Result};
 pub use explain::{Explain, explain, init};
-pub use folder::ResultsFolder;
+pub use folder::{DESCENT_FILES, ResultsFolder};
 pub use many::{CampaignDone, Campaigns, Each, Many};
 pub use published::Published;
-pub use requests::{Close, Fly, Identify, MOST_COPIES, Plan, Resimulate, Structure, Study};
+pub use requests::{Close, Descend, Fly, Identify, MOST_COPIES, MOST_DESCENTS, Plan, Resimulate, Structure, Study};
 pub use scenario::{FlightSummary, Flights, Scenario, Simulation};
 pub use study::{Drawing, PartRule, SUMMARY};
 pub use windfall_model as model;
@@ -62,6 +64,7 @@ pub mod results {
     pub use windfall_pid::{DataSet, Estimate, Identifiability, Identification, NORMAL_95, relative_percent};
     pub use windfall_sim::{Flown, Truth};
     pub use windfall_verify::close::{Closing, EffectLine, Figure, HeldOut, SignalTracks, Verdict};
+    pub use windfall_verify::descent::{Descended, DescentSummary, HeightLine, ParameterShare, SteadyFall, TouchDownLine};
     pub use windfall_verify::many::{ManySummary, Outcome, OutcomeParameter, Pooled, PooledParameter, Status, Tally};
     pub use windfall_verify::separate::{Deciding, NextRun, Separated, Separation, Sharpened};
     pub use windfall_verify::statistics::{StatisticsClosing, statistics_table};

@@ -8,7 +8,7 @@ use windfall_model::planet::PlanetFlight;
 use windfall_scenarios::{FileKind, FileSet, kind_of, write_columns_csv, write_resolved_planet};
 use windfall_sim::{PlanetEnd, PlanetTruth};
 
-pub use windfall_model::planet::{Atmosphere, Gravity, PlanetScenario, Winds};
+pub use windfall_model::planet::{Atmosphere, Dispersions, Gravity, PlanetScenario, Winds};
 pub use windfall_scenarios::{PlanetFile, read_planet};
 pub use windfall_sim::{PlanetFlown, fly_planet};
 

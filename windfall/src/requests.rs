@@ -165,6 +165,42 @@ impl Resimulate {
     }
 }
 
+/// Descents at most: quantiles are known to a thousandth of their probability by then, and each descent keeps some 5 kB.
+pub const MOST_DESCENTS: u32 = 1_000_000;
+
+/// How to fly an identified model down.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+#[serde(default, deny_unknown_fields)]
+pub struct Descend {
+    /// Number of descents, each with a model drawn from the identification's posterior; where gusts or the start differ as well, each
+    /// model flies twice
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().draws, value_parser = clap::value_parser!(u32).range(1..=MOST_DESCENTS.into())))]
+    pub draws: u32,
+    /// Seed of all chance, in place of the scenario's
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
+    pub seed: Option<u64>,
+    /// Which flight of the scenario [default: the first]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME"))]
+    pub flight: Option<String>,
+}
+
+impl Default for Descend {
+    fn default() -> Self {
+        Self { draws: 1000, seed: None, flight: None }
+    }
+}
+
+impl Descend {
+    /// Draws and seed, of sound size; `seed` where the request has none.
+    pub(crate) fn order(&self, seed: u64) -> Result<windfall_verify::descent::DescentOrder> {
+        if !(1..=MOST_DESCENTS).contains(&self.draws) {
+            return Err(Error::Request(format!("draws = {}: allowed: 1 to {MOST_DESCENTS}", self.draws)));
+        }
+        Ok(windfall_verify::descent::DescentOrder { draws: self.draws.into(), seed: self.seed.unwrap_or(seed) })
+    }
+}
+
 /// How to close the loop: nothing is to be said yet.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
@@ -229,6 +265,7 @@ mod tests {
         default::<Resimulate>();
         default::<Close>();
         default::<Study>();
+        default::<Descend>();
         round_trip(Identify {
             method: Some(Method::FilterError),
             hold: crate::hold("Cl_0=0.0125").into_iter().collect(),
@@ -257,6 +294,8 @@ mod tests {
         for (seeds, draws, word) in [(0, 0, "seeds = 0: allowed: 1 to 10000"), (1, 65_535, "draws = 65535")] {
             assert!(Resimulate { seeds, draws }.order().is_err_and(|e| e.to_string().contains(word)), "{word}");
         }
+        let many = Descend { draws: MOST_DESCENTS + 1, ..Descend::default() };
+        assert!(many.order(1).is_err_and(|e| e.to_string().contains("draws = 1000001: allowed: 1 to 1000000")));
         let both = Study { resume: true, force: true, shard: None };
         assert!(both.order().is_err_and(|e| e.to_string().contains("not both")));
     }

@@ -1,6 +1,6 @@
 //! model: what is flown over a planet. In: checked numbers of a scenario file. Out: the order that the simulator carries out.
 
-use super::{Geodetic, Planet};
+use super::{Dispersions, Geodetic, Planet};
 use crate::aero::Aero;
 use crate::frames::{Body, Ned, Vec3};
 use crate::scenario::Numerics;
@@ -85,4 +85,6 @@ pub struct PlanetScenario {
     pub body: PlanetBody,
     /// Flights, in order.
     pub flights: Vec<PlanetFlight>,
+    /// What differs from one descent to the next; a single flight has none of it.
+    pub dispersions: Dispersions,
 }

@@ -5,6 +5,7 @@
 
 mod atmosphere;
 mod body;
+mod dispersion;
 mod gravity;
 mod spheroid;
 mod us_1976;
@@ -13,6 +14,7 @@ mod wind;
 
 pub use atmosphere::{Air, Atmosphere, AtmosphereTable};
 pub use body::{FlightStart, PlanetBody, PlanetFlight, PlanetScenario, Reference};
+pub use dispersion::{Dispersions, GustProfile, StartDispersion, UncertainNumber, VehicleDispersion, VehicleLens};
 pub use gravity::Gravity;
 pub use spheroid::{Geodetic, Spheroid};
 pub use wind::{WindTable, Winds};

@@ -51,6 +51,7 @@ __all__ = [
     "check",
     "close",
     "close_statistics",
+    "descend",
     "explain",
     "identify",
     "init",
@@ -152,6 +153,29 @@ def resimulate(
     """
     model = json.dumps(identification)
     found: dict[str, Any] = json.loads(_campaign(campaign).resimulate(model, _request(seeds=seeds, draws=draws), threads))
+    return found
+
+
+def descend(
+    scenario: Path,
+    identification: Mapping[str, Any] | None = None,
+    *,
+    draws: int | None = None,
+    seed: int | None = None,
+    flight: str | None = None,
+    out: Path | None = None,
+    force: bool = False,
+    threads: int = 0,
+) -> dict[str, Any]:
+    """Fly an identified model down to the ground of a planet many times: the content of descent.json.
+
+    `scenario` is a planet scenario of a rigid body; each of `draws` descents has parameters drawn from the identification's posterior,
+    without one the scenario's own. With `out` also descent.json, descents.parquet (see :func:`read_runs`) and report.html in that folder.
+    """
+    model = None if identification is None else json.dumps(identification)
+    folder = None if out is None else os.fspath(out)
+    request = _request(draws=draws, seed=seed, flight=flight)
+    found: dict[str, Any] = json.loads(_windfall.descend(os.fspath(scenario), model, request, folder, force, threads))
     return found
 
 

@@ -1,6 +1,6 @@
 //! scenarios: keys of planet scenarios. In: nothing. Out: names, units, ranges and meanings, for the checks and the reference.
 
-use super::{Key, Kind, TINY, TableSpec, num, optional, other, plant, vec3};
+use super::{Key, Kind, TINY, TableSpec, num, optional, other, plant, uncertain, vec3};
 
 pub(crate) static PLANET_FILE: TableSpec = TableSpec {
     path: "",
@@ -13,7 +13,7 @@ pub(crate) static PLANET_FILE: TableSpec = TableSpec {
             unit: "-",
             range: [0.0, 9_007_199_254_740_992.0],
             needed: false,
-            meaning: "read as in other scenarios; nothing here is left to chance",
+            meaning: "seed of `windfall descend`; a single flight leaves nothing to chance",
         }),
         other("scenario", Kind::Table, "name and note"),
         other("vehicle", Kind::Table, "mass side"),
@@ -21,6 +21,7 @@ pub(crate) static PLANET_FILE: TableSpec = TableSpec {
         other("environment", Kind::Table, "planet and air"),
         optional(other("sensors", Kind::Table, "read and not used: the truth alone is written")),
         other("aero", Kind::Table, "the aerodynamics, [aero.<name>]; [aero.point_mass] is a body without attitude"),
+        optional(other("uncertainty", Kind::Table, "what differs from one descent to the next, for `windfall descend`")),
         optional(other("numerics", Kind::Table, "integrator settings; tolerances are 1e-13 when absent")),
         other("flight", Kind::Tables, "flights, [[flight]], or one [flight]"),
         optional(other("provenance", Kind::Table, "written by the program")),
@@ -66,6 +67,7 @@ pub(crate) static ENVIRONMENT_PLANET: TableSpec = TableSpec {
              absent: a vacuum",
         )),
         optional(other("wind", Kind::Table, "where the air goes to; absent: it turns with the planet")),
+        optional(other("turbulence", Kind::Table, "gusts, for `windfall descend`; absent: the air flows evenly")),
     ],
 };
 pub(crate) static ATMOSPHERE_PLANET: TableSpec = TableSpec {
@@ -85,6 +87,52 @@ pub(crate) static WIND_PLANET: TableSpec = TableSpec {
         optional(num("north_m_s", "m/s", -1e3, 1e3, "toward north")),
         optional(num("east_m_s", "m/s", -1e3, 1e3, "toward east")),
         optional(other("file", Kind::Text, "columns height_m (ascending), north_m_s, east_m_s; .csv or .parquet")),
+    ],
+};
+pub(crate) static TURBULENCE_PLANET: TableSpec = TableSpec {
+    path: "environment.turbulence",
+    meaning: "Gusts of Dryden form (MIL-F-8785C 1980) for `windfall descend`: longitudinal along the vertical, lateral toward north and \
+              east. The same at all heights, or a file; linear between its rows, held beyond its ends.",
+    keys: &[
+        optional(num("axial_rms_m_s", "m/s", 0.0, 1e3, "rms of vertical gusts")),
+        optional(num("lateral_rms_m_s", "m/s", 0.0, 1e3, "rms of horizontal gusts, each axis")),
+        optional(num("axial_scale_m", "m", 1e-2, 1e6, "integral scale of vertical gusts")),
+        optional(num("lateral_scale_m", "m", 1e-2, 1e6, "scale L of horizontal gusts in the Dryden form")),
+        optional(other(
+            "file",
+            Kind::Text,
+            "columns height_m (ascending), axial_rms_m_s, lateral_rms_m_s, axial_scale_m, lateral_scale_m; .csv or .parquet",
+        )),
+    ],
+};
+pub(crate) static UNCERTAINTY_PLANET: TableSpec = TableSpec {
+    path: "uncertainty",
+    meaning: "Standard uncertainties (1 sigma), normal and independent, drawn by `windfall descend`. Those of the coefficients come with \
+              its --model.",
+    keys: &[
+        optional(other("vehicle", Kind::Table, "of the mass side; the same body for a whole descent")),
+        optional(other("initial", Kind::Table, "of the state at the first sample; another one in each descent")),
+    ],
+};
+pub(crate) static UNCERTAINTY_VEHICLE_PLANET: TableSpec = TableSpec {
+    path: "uncertainty.vehicle",
+    meaning: "Standard uncertainties of the mass side.",
+    keys: &[
+        uncertain("vehicle.mass_kg"),
+        optional(other("inertia_kg_m2", Kind::Table, "moments and products of inertia about the c.m.")),
+        uncertain("vehicle.center_of_mass_m"),
+    ],
+};
+const fn std3(name: &'static str, unit: &'static str, limit: f64, meaning: &'static str) -> Key {
+    optional(Key { name, kind: Kind::Numbers(3), unit, range: [0.0, limit], needed: false, meaning })
+}
+pub(crate) static UNCERTAINTY_INITIAL: TableSpec = TableSpec {
+    path: "uncertainty.initial",
+    meaning: "Standard deviations of the state at the first sample.",
+    keys: &[
+        std3("velocity_ned_m_s", "m/s", 1e4, "of the velocity toward north, east, down"),
+        std3("attitude_body_deg", "deg", 180.0, "of a turn of the body about its own axes x, y, z"),
+        std3("rates_deg_s", "deg/s", 1e4, "of p, q, r"),
     ],
 };
 pub(crate) static FLIGHT_PLANET: TableSpec = TableSpec {
@@ -114,7 +162,7 @@ pub(crate) static INITIAL: TableSpec = TableSpec {
 };
 
 /// Tables of a planet scenario in the order of the reference.
-pub(crate) static PLANET_TABLES: [&TableSpec; 12] = [
+pub(crate) static PLANET_TABLES: [&TableSpec; 17] = [
     &PLANET_FILE,
     &super::SCENARIO,
     &VEHICLE_PLANET,
@@ -122,6 +170,11 @@ pub(crate) static PLANET_TABLES: [&TableSpec; 12] = [
     &ENVIRONMENT_PLANET,
     &ATMOSPHERE_PLANET,
     &WIND_PLANET,
+    &TURBULENCE_PLANET,
+    &UNCERTAINTY_PLANET,
+    &UNCERTAINTY_VEHICLE_PLANET,
+    &super::UNCERTAINTY_INERTIA,
+    &UNCERTAINTY_INITIAL,
     &super::AERO,
     &super::NUMERICS,
     &FLIGHT_PLANET,

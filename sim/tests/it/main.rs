@@ -4,6 +4,7 @@ mod batch;
 mod campaign;
 mod chance;
 mod common;
+mod descent;
 mod ends;
 mod instruments;
 mod lander;

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 use windfall_model::frames::Vec3;
 use windfall_model::planet::{
-    Air, Atmosphere, AtmosphereTable, FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario,
-    Reference, Spheroid, WindTable, Winds,
+    Air, Atmosphere, AtmosphereTable, Dispersions, FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight,
+    PlanetScenario, Reference, Spheroid, WindTable, Winds,
 };
 use windfall_model::{Aero, ApparentMass, Coefficient, Contribution, Factor, Inertia, Structure, Term, Variable, Vehicle};
 use windfall_sim::{PlanetEnd, PlanetFlown, SimError, fly_planet};
@@ -49,7 +49,13 @@ fn start(latitude_deg: f64, longitude_deg: f64, height_m: f64, v: [f64; 3]) -> F
 fn fly(planet: &Planet, body: &PlanetBody, start: FlightStart, duration_s: f64, rate_hz: f64) -> Result<PlanetFlown, SimError> {
     let numerics = PlanetFlight::default_numerics();
     let flight = PlanetFlight { name: "test".to_owned(), duration_s, rate_hz, start, numerics };
-    let scenario = PlanetScenario { name: "test".to_owned(), planet: planet.clone(), body: body.clone(), flights: Vec::new() };
+    let scenario = PlanetScenario {
+        name: "test".to_owned(),
+        planet: planet.clone(),
+        body: body.clone(),
+        flights: Vec::new(),
+        dispersions: Dispersions::default(),
+    };
     fly_planet(&scenario, &flight)
 }
 

@@ -8,8 +8,8 @@ use super::{Bound, Check, CheckKind};
 use crate::VerifyError;
 use windfall_model::frames::Vec3;
 use windfall_model::planet::{
-    Atmosphere, FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario, Reference, Spheroid, WindTable,
-    Winds,
+    Atmosphere, Dispersions, FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight, PlanetScenario, Reference,
+    Spheroid, WindTable, Winds,
 };
 use windfall_model::{Aero, ApparentMass, Coefficient, Contribution, Factor, Inertia, Structure, Term, Variable, Vehicle};
 use windfall_sim::{PlanetTruth, fly_planet};
@@ -130,7 +130,7 @@ fn truth(planet: Planet, body: PlanetBody, rates: [f64; 3], duration_s: f64, rat
     };
     let name = "check".to_owned();
     let flight = PlanetFlight { name: name.clone(), duration_s, rate_hz, start, numerics: PlanetFlight::default_numerics() };
-    let scenario = PlanetScenario { name, planet, body, flights: Vec::new() };
+    let scenario = PlanetScenario { name, planet, body, flights: Vec::new(), dispersions: Dispersions::default() };
     Ok(fly_planet(&scenario, &flight)?.truth)
 }
 

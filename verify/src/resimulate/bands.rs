@@ -59,7 +59,7 @@ pub(super) fn drawn(plant: &Plant, set: &DataSet, draws: usize) -> Result<Vec<Pl
 }
 
 /// Symmetric root of a covariance that may be singular: parameters of unequal size are scaled to unit variance first.
-fn root(covariance: DMatrix<f64>) -> DMatrix<f64> {
+pub(crate) fn root(covariance: DMatrix<f64>) -> DMatrix<f64> {
     let std = covariance.diagonal().map(|v| v.max(0.0).sqrt());
     let inverse = std.map(|s| if s > 0.0 { 1.0 / s } else { 0.0 });
     let unit = DMatrix::from_diagonal(&inverse) * covariance * DMatrix::from_diagonal(&inverse);

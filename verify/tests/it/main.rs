@@ -3,6 +3,7 @@
 mod checks;
 mod closing;
 mod common;
+mod descent;
 mod planet;
 mod recovery;
 mod resimulate;
