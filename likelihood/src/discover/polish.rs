@@ -109,8 +109,7 @@ fn in_likelier_form(engine: &Engine, fit: Fit) -> Fit {
     let mut best = fit;
     for k in (0..best.model.members.len()).filter(|&k| best.model.members[k].random).collect::<Vec<_>>() {
         let member = best.model.members[k].clone();
-        let parting = |i: &usize| matches!(member.parameters[*i].role, Role::Shape(tried) if tried.contains(&0.0));
-        let Some(place) = (0..member.values.len()).find(parting) else { continue };
+        let Some(place) = member.parameters.iter().position(windfall_model::Parameter::parts_forms) else { continue };
         let others = member.forms().into_iter().filter(|form| (form[place] > 0.0) != (member.values[place] > 0.0));
         let tries = others.filter_map(|form| {
             let mut model = best.model.clone();

@@ -60,6 +60,11 @@ impl Parameter {
     pub fn beyond(&self, value: f64) -> f64 {
         (self.low - value).max(value - self.high).max(0.0) / (self.high - self.low)
     }
+    /// Whether it is a shape of which zero stands for one form and a size for another, as a spectrum's bandwidth.
+    #[must_use]
+    pub fn parts_forms(&self) -> bool {
+        matches!(self.role, Role::Shape(tried) if tried.contains(&0.0) && tried.iter().any(|v| v.fract() != 0.0))
+    }
     fn strength(name: &str, unit: &'static str, limit: f64) -> Self {
         Self {
             name: name.to_owned(),

@@ -19,6 +19,11 @@ pub(super) struct Hypothesis {
     duration_s: f64,
 }
 
+/// Means over runs tell neither the run in which something acts nor the form of a spectrum; both are zero.
+fn is_searched(p: &Parameter) -> bool {
+    p.role != Role::Run && !p.parts_forms()
+}
+
 /// Values where everything is: one number in [0, 1] for each searched parameter.
 pub(super) type Place = Vec<f64>;
 
@@ -30,7 +35,7 @@ impl Hypothesis {
         let mut next = self.clone();
         let place = next.effects.len();
         next.effects.push(effect);
-        for p in (effect.parameters)(&[]).into_iter().filter(|p| p.role != Role::Run) {
+        for p in (effect.parameters)(&[]).into_iter().filter(is_searched) {
             next.free.push((place, p));
             next.signs.push(1.0);
             next.held.push(None);
@@ -120,7 +125,7 @@ impl Hypothesis {
             let mut own = (0..self.free.len()).filter(|&i| self.free[i].0 == k);
             let mut values = Vec::new();
             for p in (effect.parameters)(&[]) {
-                let searched = if p.role == Role::Run { None } else { own.next() };
+                let searched = if is_searched(&p) { own.next() } else { None };
                 values.push(searched.map_or(0.0, |i| self.value(i, x[i])));
             }
             (effect.apply)(&mut plant, &values);
