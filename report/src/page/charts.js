@@ -3,6 +3,11 @@
 (() => {
   const { data, make, number, colour, themed } = Windfall;
   const names = { measured: "measured", before: "declared model", after: "with effects", noise: "noise" };
+  /** What a role is called in a figure: as the section's key says, where it has one. */
+  function named(figure, role) {
+    const mark = figure.closest("section")?.querySelector(`.key.${role}`);
+    return mark?.nextSibling?.textContent.split(",")[0] || names[role];
+  }
   const strokes = { measured: 3, before: 1.5, after: 1.5, noise: 1.2 };
   /** How a series of that role is drawn. */
   Windfall.stroke = (role) => ({
@@ -35,7 +40,7 @@
     const bands = [];
     const used = {};
     for (const s of series) {
-      const name = names[s.role] + (used[s.role] ? " " + (used[s.role] + 1) : "");
+      const name = named(figure, s.role) + (used[s.role] ? " " + (used[s.role] + 1) : "");
       used[s.role] = (used[s.role] || 0) + 1;
       lines.push({ label: name, value, spanGaps: true, ...Windfall.stroke(s.role) });
       if (s.band) {

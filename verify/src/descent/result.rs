@@ -116,7 +116,7 @@ pub struct ParameterShare {
     pub name: String,
     /// Share of the quantity's variance that would go if the parameter were known exactly, and with it what it says of those that are
     /// correlated with it: first-order index Var(E[Y|θ])/Var(Y) of a linear relation (Saltelli and others 2008, §1.2.4, 4.5), less
-    /// its expectation without any relation.
+    /// its expectation without any relation; zero where chance makes as large a one for some parameter of one quantity in twenty.
     pub share: f64,
     /// Sign of the relation, −1 or 1.
     pub sign: i8,

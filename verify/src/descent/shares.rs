@@ -2,6 +2,7 @@
 
 use super::result::ParameterShare;
 use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Normal quantile of a 95 % interval.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -68,8 +69,11 @@ impl Regressors {
         let chance = 1.0 / (self.models - 1.0).max(1.0);
         let less = |square: f64, by: f64| ((square - by) / (1.0 - by).max(f64::EPSILON)).clamp(0.0, 1.0);
         let linear = less(correlations.dot(&coefficients), (chance * self.names.len() as f64).min(1.0));
+        // A correlation as large as some parameter's comes by chance for one quantity of twenty (Bonferroni).
+        let rare = Normal::standard().inverse_cdf(1.0 - 0.025 / self.names.len().max(1) as f64).powi(2) * chance;
         let one = |k: usize| {
-            let share = less(correlations[k].powi(2), chance);
+            let square = correlations[k].powi(2);
+            let share = if square > rare { less(square, chance) } else { 0.0 };
             ParameterShare {
                 name: self.names[k].clone(),
                 share,

@@ -24,7 +24,7 @@ pub struct Pooled {
     /// Its 95 % interval by the profile of Q (Viechtbauer 2007).
     pub tau_ci95: [f64; 2],
     /// Where the number of one more campaign lies with 95 %, its own error left out: over the confidence distribution of τ (Nagashima, Noma
-    /// and Furukawa 2019), here that of the profile of Q, and the mean's error with each; none of two campaigns.
+    /// and Furukawa 2019), here that of the profile of Q, and the mean's error with each; never inside the mean's own interval; none of two campaigns.
     pub prediction95: Option<[f64; 2]>,
     /// Heterogeneity: Σ (y_i − ȳ)²/s_i² about the mean of weights 1/s_i² (Cochran 1954).
     pub q: f64,
@@ -59,14 +59,16 @@ pub fn pool(estimates: &[(f64, f64)]) -> Option<Pooled> {
     let reach = StudentsT::new(0.0, 1.0, free).ok()?.inverse_cdf(0.975) * std_error;
     let chi = ChiSquared::new(free).ok()?;
     let q = all.at(0.0).q;
+    let ci95 = [-1.0, 1.0].map(|side| origin + unit * (at.mean + side * reach));
+    let next = || all.next(&chi).map(|x| origin + unit * x);
     Some(Pooled {
         n,
         mean: origin + unit * at.mean,
         std_error: unit * std_error,
-        ci95: [-1.0, 1.0].map(|side| origin + unit * (at.mean + side * reach)),
+        ci95,
         tau: unit * tau2.sqrt(),
         tau_ci95: [0.975, 0.025].map(|p| unit * all.where_q_is(chi.inverse_cdf(p)).sqrt()),
-        prediction95: (n > 2).then(|| all.next(&chi).map(|x| origin + unit * x)),
+        prediction95: (n > 2).then(next).map(|[low, high]| [low.min(ci95[0]), high.max(ci95[1])]),
         q,
         p_value: chi.sf(q),
     })
