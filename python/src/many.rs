@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use windfall::files::{CampaignStore, json_text};
-use windfall::results::Outcome;
+use windfall::results::CampaignOutcome;
 use windfall::{CampaignDone, Campaigns};
 
 /// What one campaign gave: hash of its content, row as JSON, name and text of its result.
@@ -87,7 +87,7 @@ impl PyMany {
     }
     /// Keeps what a campaign gave elsewhere.
     fn put(&self, py: Python<'_>, number: usize, input: String, outcome: &str, result: Option<(String, String)>) -> PyResult<()> {
-        let outcome: Outcome = serde_json::from_str(outcome).map_err(Raised::from)?;
+        let outcome: CampaignOutcome = serde_json::from_str(outcome).map_err(Raised::from)?;
         let done = CampaignDone { input, outcome, result };
         Ok(py.detach(|| self.inner.with_open(|campaigns, store| Ok(campaigns.put(store, number, &done)?)))?)
     }
@@ -97,7 +97,7 @@ impl PyMany {
         let (inner, stop) = (Arc::clone(&self.inner), Arc::new(AtomicBool::new(false)));
         let asked = Arc::clone(&stop);
         on_threads_until(py, threads, Some(&stop), move || {
-            let go_on = |_: &Outcome| !asked.load(Ordering::Relaxed);
+            let go_on = |_: &CampaignOutcome| !asked.load(Ordering::Relaxed);
             inner.with_open(|campaigns, store| Ok(campaigns.work(store, campaigns.missing(store), go_on)?))
         })
     }

@@ -6,7 +6,7 @@ use crate::draw::Look;
 use crate::html::{Cell, escape, page, section, table};
 use crate::plot::{Plot, Plots};
 use crate::words::{interval, number, p_value, with_interval};
-use windfall_verify::many::{ManySummary, Outcome, PooledParameter, Status};
+use windfall_verify::many::{CampaignOutcome, ManySummary, PooledParameter, Status};
 
 /// Title of the page.
 pub(crate) const TITLE: &str = "Many campaigns";
@@ -25,7 +25,7 @@ pub fn many_page(s: &ManySummary) -> String {
 
 /// Its body.
 pub(crate) fn many_body(s: &ManySummary, plots: &mut Plots) -> String {
-    let failed: Vec<&Outcome> = s.outcomes.iter().filter(|o| o.status == Status::Failed).collect();
+    let failed: Vec<&CampaignOutcome> = s.outcomes.iter().filter(|o| o.status == Status::Failed).collect();
     let mut out = format!("<h1>{TITLE}</h1>\n<p class=\"lead\">{}</p>\n", escape(&lead(s)));
     out += &section("Campaigns", "p: of the channel that is least like noise under the declared model.", &campaigns(s));
     let lead = "What each was refused for, or failed at; the others are not touched by it.";
@@ -55,7 +55,7 @@ fn lead(s: &ManySummary) -> String {
 
 fn campaigns(s: &ManySummary) -> String {
     let closed = s.outcomes.iter().any(|o| o.verdict.is_some());
-    let row = |o: &Outcome| {
+    let row = |o: &CampaignOutcome| {
         let number = |x: Option<f64>, as_text: fn(f64) -> String| Cell::Number(x.map_or_else(|| "–".to_owned(), as_text));
         let mut cells = vec![Cell::text(&o.path), Cell::text(&o.name)];
         let conclusion = o.verdict.map_or_else(|| o.method.clone(), |v| v.name().to_owned());
@@ -76,8 +76,8 @@ fn campaigns(s: &ManySummary) -> String {
     table(heads, &s.outcomes.iter().map(row).collect::<Vec<_>>())
 }
 
-fn failures(failed: &[&Outcome]) -> String {
-    let row = |o: &&Outcome| vec![Cell::text(&o.path), Cell::Number(o.exit_code.to_string()), Cell::text(&o.reason)];
+fn failures(failed: &[&CampaignOutcome]) -> String {
+    let row = |o: &&CampaignOutcome| vec![Cell::text(&o.path), Cell::Number(o.exit_code.to_string()), Cell::text(&o.reason)];
     let rows: Vec<Vec<Cell>> = failed.iter().map(row).collect();
     if rows.is_empty() { String::new() } else { table(&["campaign", "exit code", "reason"], &rows) }
 }

@@ -13,7 +13,7 @@ use crate::integrate::RUNAWAY_RAD_S;
 use crate::planet::forces::BodyForces;
 use crate::planet::{check, start_state};
 use crate::{Channel, Seed};
-use equations::{Equations, EvenGust, State, attitude, rates};
+use equations::{Equations, EvenGust, RigidState, attitude, rates};
 use gusts::{Gusts, streams};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use profile::Profile;
@@ -167,8 +167,8 @@ impl<'a> Descent<'a> {
     }
 
     /// State at the first sample, scattered where there is a seed.
-    fn first(&self, seed: Option<Seed>) -> State {
-        let mut y: State = start_state::<13>(self.planet, &self.flight.start).into();
+    fn first(&self, seed: Option<Seed>) -> RigidState {
+        let mut y: RigidState = start_state::<13>(self.planet, &self.flight.start).into();
         let Some(seed) = seed.filter(|_| !self.start.is_exact()) else { return y };
         let mut normals = seed.normals(Channel::Start);
         let mut scattered = |std: [f64; 3]| std.map(|s| s * normals.next().unwrap_or(0.0));
@@ -188,7 +188,7 @@ impl<'a> Descent<'a> {
     fn down(
         &self,
         equations: &Equations<'_>,
-        first: State,
+        first: RigidState,
         begin: [f64; 3],
         mut next_gust: impl FnMut(&DescentState) -> [f64; 3],
     ) -> Result<DescentFlown, SimError> {
@@ -231,10 +231,10 @@ impl<'a> Descent<'a> {
     fn contact(
         &self,
         equations: &Equations<'_>,
-        y: &State,
+        y: &RigidState,
         gust: &EvenGust,
         [before, after]: [&DescentState; 2],
-    ) -> Result<(State, DescentState), SimError> {
+    ) -> Result<(RigidState, DescentState), SimError> {
         let fall_m = before.height_m - after.height_m;
         let mut part = before.height_m / fall_m;
         let mut parts = 1;
@@ -252,7 +252,7 @@ impl<'a> Descent<'a> {
     }
 
     /// Way over the ground: both ends in axes that turn with the planet.
-    fn drift(&self, first: State, last: &State, t_s: f64) -> [f64; 2] {
+    fn drift(&self, first: RigidState, last: &RigidState, t_s: f64) -> [f64; 2] {
         let (sin, cos) = (-self.planet.rotation_rad_s * t_s).sin_cos();
         let moved: Vec3<Inertial> =
             Vec3::new(cos * last[0] - sin * last[1] - first[0], sin * last[0] + cos * last[1] - first[1], last[2] - first[2]);
@@ -266,7 +266,7 @@ fn at(error: SimError, t_s: f64) -> SimError {
     if matches!(error, SimError::StepTooSmall { .. }) { SimError::StepTooSmall { t_s } } else { error }
 }
 
-fn seen(equations: &Equations<'_>, y: &State, gust: [f64; 3], t_s: f64) -> DescentState {
+fn seen(equations: &Equations<'_>, y: &RigidState, gust: [f64; 3], t_s: f64) -> DescentState {
     let m = equations.moving(y, gust);
     let r = attitude(y);
     let [u, v, w] = (r.inverse() * m.v_air).to_array();

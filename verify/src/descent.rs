@@ -18,7 +18,7 @@ pub use result::{
 use crate::VerifyError;
 use draw::Bodies;
 use rayon::prelude::*;
-use summary::Flown;
+use summary::FlownDraw;
 use windfall_model::planet::{PlanetFlight, PlanetScenario};
 use windfall_model::study::{Column, Row};
 use windfall_pid::Identification;
@@ -83,9 +83,9 @@ pub fn descend(
         let (body, values) = bodies.draw(Seed { campaign: order.seed, run: model });
         let flown = descent.fly(&body, chance.then_some(Seed { campaign: order.seed, run: draw }));
         see();
-        Flown { model, values, flown }
+        FlownDraw { model, values, flown }
     };
-    let all: Vec<Flown> = (0..order.draws).into_par_iter().map(one).collect();
+    let all: Vec<FlownDraw> = (0..order.draws).into_par_iter().map(one).collect();
     let names: Vec<String> = bodies.drawn.iter().map(|d| d.name.clone()).collect();
     let of = |d: &draw::Drawn| DrawnParameter { name: d.name.clone(), nominal: d.nominal, std: d.std };
     let summary = DescentSummary {

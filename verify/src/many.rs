@@ -5,7 +5,7 @@ mod pool;
 mod summary;
 mod table;
 
-pub use outcome::{Outcome, OutcomeParameter, Status};
+pub use outcome::{CampaignOutcome, OutcomeParameter, Status};
 pub use pool::{Pooled, pool};
 pub use summary::{ManySummary, PooledParameter, Tally};
 pub use table::campaign_table;

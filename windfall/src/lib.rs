@@ -65,7 +65,7 @@ pub mod results {
     pub use windfall_sim::{Flown, Truth};
     pub use windfall_verify::close::{Closing, EffectLine, Figure, HeldOut, SignalTracks, Verdict};
     pub use windfall_verify::descent::{Descended, DescentSummary, HeightLine, ParameterShare, SteadyFall, TouchDownLine};
-    pub use windfall_verify::many::{ManySummary, Outcome, OutcomeParameter, Pooled, PooledParameter, Status, Tally};
+    pub use windfall_verify::many::{CampaignOutcome, ManySummary, OutcomeParameter, Pooled, PooledParameter, Status, Tally};
     pub use windfall_verify::separate::{Deciding, NextRun, Separated, Separation, Sharpened};
     pub use windfall_verify::statistics::{StatisticsClosing, statistics_table};
     pub use windfall_verify::study::{Moments, Summary};

@@ -11,7 +11,7 @@ use windfall_scenarios::{
     CampaignStore, FoundCampaign, FoundCampaigns, ManyIdentity, Opening, ResultFile, Shard, StoreError, campaign_hash,
     find_campaigns, json_text, table_bytes,
 };
-use windfall_verify::many::{ManySummary, Outcome, campaign_table};
+use windfall_verify::many::{CampaignOutcome, ManySummary, campaign_table};
 use windfall_verify::study::each;
 
 /// Name of the table of all campaigns.
@@ -66,7 +66,7 @@ pub struct CampaignDone {
     /// Hash of what the campaign says; empty where it could not be read.
     pub input: String,
     /// Its row.
-    pub outcome: Outcome,
+    pub outcome: CampaignOutcome,
     /// Its result; none where it has none.
     pub result: Option<ResultFile>,
 }
@@ -137,7 +137,7 @@ impl Campaigns {
         wanted.map(|(k, _)| k).collect()
     }
     fn is_kept(&self, store: &CampaignStore, c: &FoundCampaign) -> bool {
-        let kept = store.kept::<Outcome>(&c.result);
+        let kept = store.kept::<CampaignOutcome>(&c.result);
         // What could not be read has no content to hold it against: it is read again.
         kept.is_some_and(|(input, outcome)| {
             let now = guarded(|| Ok(self.read(c)?.1));
@@ -173,11 +173,11 @@ impl Campaigns {
             let (outcome, text) = match &self.each {
                 Each::Close(request) => {
                     let closing = campaign.close(request)?;
-                    (Outcome::of_closing(&c.path, &closing), json_text(&closing).map_err(of_json)?)
+                    (CampaignOutcome::of_closing(&c.path, &closing), json_text(&closing).map_err(of_json)?)
                 }
                 Each::Identify(request) => {
                     let found = campaign.identify(request)?;
-                    (Outcome::of_identified(&c.path, &name, &found), json_text(&found).map_err(of_json)?)
+                    (CampaignOutcome::of_identified(&c.path, &name, &found), json_text(&found).map_err(of_json)?)
                 }
             };
             Ok((outcome, text))
@@ -185,7 +185,7 @@ impl Campaigns {
         match made {
             Ok((outcome, text)) => CampaignDone { input, outcome, result: Some((self.each.file().to_owned(), text)) },
             Err((code, reason)) => {
-                CampaignDone { input, outcome: Outcome::failed(&c.path, &name, code, self.plain(&reason)), result: None }
+                CampaignDone { input, outcome: CampaignOutcome::failed(&c.path, &name, code, self.plain(&reason)), result: None }
             }
         }
     }
@@ -205,7 +205,7 @@ impl Campaigns {
     ///
     /// # Errors
     /// A full disk and the like; [`Error::Interrupted`] when `see` wants no more.
-    pub fn work(&self, store: &CampaignStore, numbers: Vec<usize>, see: impl Fn(&Outcome) -> bool + Sync) -> Result<()> {
+    pub fn work(&self, store: &CampaignStore, numbers: Vec<usize>, see: impl Fn(&CampaignOutcome) -> bool + Sync) -> Result<()> {
         each(
             numbers.into_iter(),
             |k| (k, self.one(k)),
@@ -222,14 +222,18 @@ impl Campaigns {
     /// Campaigns without a result, a full disk.
     pub fn finish(&self, store: &CampaignStore) -> Result<ManySummary> {
         // As they are kept, not as they were in memory: the same after a kill.
-        let kept: Vec<Option<Outcome>> =
-            self.found.campaigns.iter().map(|c| Some(store.kept::<Outcome>(&c.result)?.1).filter(|o| o.path == c.path)).collect();
+        let kept: Vec<Option<CampaignOutcome>> = self
+            .found
+            .campaigns
+            .iter()
+            .map(|c| Some(store.kept::<CampaignOutcome>(&c.result)?.1).filter(|o| o.path == c.path))
+            .collect();
         if let Some(first) = kept.iter().position(Option::is_none) {
             let missing = kept.iter().filter(|k| k.is_none()).count();
             let (folder, parts, first) = (store.folder().to_owned(), kept.len() as u64, first as u64);
             return Err(StoreError::Incomplete { folder, missing, parts, first }.into());
         }
-        let outcomes: Vec<Outcome> = kept.into_iter().flatten().collect();
+        let outcomes: Vec<CampaignOutcome> = kept.into_iter().flatten().collect();
         let (columns, rows) = campaign_table(&outcomes);
         let (table, hash) = table_bytes(&columns, &rows)?;
         let each = serde_json::to_value(&self.each).map_err(|e| Error::Request(e.to_string()))?;

@@ -8,7 +8,7 @@ use windfall_model::{Entry, Plant};
 use windfall_pid::equations::{ADDED, LOOSE, Local, MOTION, STATES, TunnelAir};
 
 /// A step of motion: rates at its start, states in its middle and at its end.
-struct Flown {
+struct FlownStep {
     first: [f64; MOTION],
     middle: [f64; MOTION],
     end: [f64; MOTION],
@@ -59,7 +59,7 @@ impl Filter<'_> {
     }
 
     /// Motion over a step by the classical Runge-Kutta method.
-    fn flown(&self, k: usize, z: &[f64], spread: [f64; 3], work: &mut Work) -> Option<Flown> {
+    fn flown(&self, k: usize, z: &[f64], spread: [f64; 3], work: &mut Work) -> Option<FlownStep> {
         let h = self.step_s;
         let x0 = self.motion(z);
         let from = |k: &[f64; MOTION], t: f64| -> [f64; MOTION] { std::array::from_fn(|i| x0[i] + t * k[i]) };
@@ -69,7 +69,7 @@ impl Filter<'_> {
         let k4 = self.rates_at(&from(&k3, h), z, k, Stage::End, spread, &mut work.terms)?;
         let x1: [f64; MOTION] = std::array::from_fn(|i| x0[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
         let middle: [f64; MOTION] = std::array::from_fn(|i| 0.5 * (x0[i] + x1[i]) + 0.125 * h * (k1[i] - k4[i]));
-        Some(Flown { first: k1, middle, end: x1 })
+        Some(FlownStep { first: k1, middle, end: x1 })
     }
 
     /// Push of the columns on the rates in the middle of a step.

@@ -3,7 +3,7 @@
 //! Runge and Kutta's classical method of fourth order. At 0.1 s the pitch mode of a lander (some 3 rad/s) gains a phase error of 6e-5 and
 //! loses 4e-6 of its amplitude in a step; where the stages part, as in the strong damping of large angles, the step is halved.
 
-use super::place::{Local, local};
+use super::place::{LocalAxes, local};
 use super::profile::Profile;
 use crate::dynamics::quaternion_rate;
 use crate::error::SimError;
@@ -12,7 +12,7 @@ use windfall_model::frames::{Body, Inertial, Rotation, Vec3};
 use windfall_model::planet::Planet;
 
 /// Position 0-2, velocity 3-5, inertial axes; quaternion to them 6-9; body rates 10-12.
-pub(super) type State = [f64; 13];
+pub(super) type RigidState = [f64; 13];
 
 /// Most parts of a step.
 const MOST_PARTS: u32 = 1 << 12;
@@ -43,7 +43,7 @@ pub(super) struct Equations<'a> {
 
 /// Place, velocity over the ground and against the air.
 pub(super) struct Moving {
-    pub(super) local: Local,
+    pub(super) local: LocalAxes,
     pub(super) v_ground: Vec3<Inertial>,
     pub(super) v_air: Vec3<Inertial>,
     wind: Vec3<Inertial>,
@@ -51,23 +51,23 @@ pub(super) struct Moving {
     density_kg_m3: f64,
 }
 
-fn position(y: &State) -> Vec3<Inertial> {
+fn position(y: &RigidState) -> Vec3<Inertial> {
     Vec3::new(y[0], y[1], y[2])
 }
-fn velocity(y: &State) -> Vec3<Inertial> {
+fn velocity(y: &RigidState) -> Vec3<Inertial> {
     Vec3::new(y[3], y[4], y[5])
 }
-pub(super) fn rates(y: &State) -> Vec3<Body> {
+pub(super) fn rates(y: &RigidState) -> Vec3<Body> {
     Vec3::new(y[10], y[11], y[12])
 }
-pub(super) fn attitude(y: &State) -> Rotation<Inertial, Body> {
+pub(super) fn attitude(y: &RigidState) -> Rotation<Inertial, Body> {
     Rotation::from_quaternion([y[6], y[7], y[8], y[9]])
 }
 
 impl Equations<'_> {
     /// How the body moves in a gust.
     #[inline]
-    pub(super) fn moving(&self, y: &State, gust: [f64; 3]) -> Moving {
+    pub(super) fn moving(&self, y: &RigidState, gust: [f64; 3]) -> Moving {
         let p = position(y);
         let local = local(&self.planet.figure, p);
         let air = self.profile.at(local.height_m);
@@ -77,9 +77,9 @@ impl Equations<'_> {
     }
 
     #[inline]
-    fn rate(&self, y: &State, gust: [f64; 3], gust_rate: [f64; 3]) -> State {
+    fn rate(&self, y: &RigidState, gust: [f64; 3], gust_rate: [f64; 3]) -> RigidState {
         let m = self.moving(y, gust);
-        let Local { north, east, down, .. } = m.local;
+        let LocalAxes { north, east, down, .. } = m.local;
         let climb = -m.v_ground.dot(down);
         let a_air = self.planet.ground_velocity(velocity(y) + m.wind)
             + north * (m.shear[0] * climb + gust_rate[0])
@@ -95,7 +95,7 @@ impl Equations<'_> {
     }
 
     /// The state after `step_s`; `parts` is how many steps the last one took, and this one.
-    pub(super) fn step(&self, y: &State, gust: &EvenGust, step_s: f64, parts: &mut u32) -> Result<State, SimError> {
+    pub(super) fn step(&self, y: &RigidState, gust: &EvenGust, step_s: f64, parts: &mut u32) -> Result<RigidState, SimError> {
         *parts = (*parts / 2).max(1);
         loop {
             if let Some(next) = self.in_parts(y, gust, step_s, *parts) {
@@ -108,7 +108,7 @@ impl Equations<'_> {
         }
     }
 
-    fn in_parts(&self, y: &State, gust: &EvenGust, step_s: f64, parts: u32) -> Option<State> {
+    fn in_parts(&self, y: &RigidState, gust: &EvenGust, step_s: f64, parts: u32) -> Option<RigidState> {
         let h = step_s / f64::from(parts);
         let mut y = *y;
         for k in 0..parts {
@@ -119,7 +119,7 @@ impl Equations<'_> {
 
     /// One step; none where its stages part.
     #[inline]
-    fn runge_kutta(&self, y: &State, gust: &EvenGust, t_s: f64, h: f64) -> Option<State> {
+    fn runge_kutta(&self, y: &RigidState, gust: &EvenGust, t_s: f64, h: f64) -> Option<RigidState> {
         let (middle, end) = (gust.at(t_s + 0.5 * h), gust.at(t_s + h));
         let k1 = self.rate(y, gust.at(t_s), gust.rate);
         let k2 = self.rate(&along(y, 0.5 * h, &k1), middle, gust.rate);
@@ -129,7 +129,7 @@ impl Equations<'_> {
             return None;
         }
         let k4 = self.rate(&along(y, h, &k3), end, gust.rate);
-        let mut next: State = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+        let mut next: RigidState = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
         let norm = next[6..10].iter().map(|x| x * x).sum::<f64>().sqrt();
         next[6..10].iter_mut().for_each(|x| *x /= norm);
         Some(next)
@@ -137,6 +137,6 @@ impl Equations<'_> {
 }
 
 #[inline]
-fn along(y: &State, h: f64, k: &State) -> State {
+fn along(y: &RigidState, h: f64, k: &RigidState) -> RigidState {
     std::array::from_fn(|i| y[i] + h * k[i])
 }

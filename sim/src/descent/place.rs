@@ -9,7 +9,7 @@ use windfall_model::planet::Spheroid;
 
 /// Height and north-east-down axes of a place.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Local {
+pub(super) struct LocalAxes {
     pub(super) height_m: f64,
     pub(super) north: Vec3<Inertial>,
     pub(super) east: Vec3<Inertial>,
@@ -21,7 +21,7 @@ const ROUNDS: usize = 2;
 
 /// The place of a position, m; at a pole east is that of longitude 0.
 #[inline]
-pub(super) fn local(figure: &Spheroid, p: Vec3<Inertial>) -> Local {
+pub(super) fn local(figure: &Spheroid, p: Vec3<Inertial>) -> LocalAxes {
     let (x, y, z) = (p.x(), p.y(), p.z());
     let across = (x * x + y * y).sqrt();
     let (cos_lon, sin_lon) = if across > 0.0 { (x / across, y / across) } else { (1.0, 0.0) };
@@ -31,7 +31,7 @@ pub(super) fn local(figure: &Spheroid, p: Vec3<Inertial>) -> Local {
     } else {
         ellipsoidal(figure, across, z)
     };
-    Local {
+    LocalAxes {
         height_m,
         north: Vec3::new(-sin * cos_lon, -sin * sin_lon, cos),
         east: Vec3::new(-sin_lon, cos_lon, 0.0),

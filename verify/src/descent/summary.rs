@@ -7,7 +7,7 @@ use windfall_model::study::{Cell, CellKind, Column, Row};
 use windfall_sim::{DescentFlown, SimError};
 
 /// One descent with its parameters.
-pub(super) struct Flown {
+pub(super) struct FlownDraw {
     /// Number of the drawn model.
     pub(super) model: u64,
     /// Values of what was drawn.
@@ -15,7 +15,7 @@ pub(super) struct Flown {
     pub(super) flown: Result<DescentFlown, SimError>,
 }
 
-impl Flown {
+impl FlownDraw {
     fn landed(&self) -> Option<[f64; TOUCH_DOWN.len()]> {
         let touch_down = self.flown.as_ref().ok()?.touch_down.as_ref()?;
         Some(TOUCH_DOWN.map(|(_, of)| of(touch_down)))
@@ -49,7 +49,7 @@ impl Spread {
 }
 
 /// How the descents ended.
-pub(super) fn ends(all: &[Flown]) -> DescentEnds {
+pub(super) fn ends(all: &[FlownDraw]) -> DescentEnds {
     let mut ends = DescentEnds::default();
     for f in all {
         match &f.flown {
@@ -80,12 +80,12 @@ fn note(reasons: &mut Vec<DescentReason>, error: &SimError) {
 
 /// Lines at touch-down. `paired`: draws 2k and 2k + 1 share their model; `chance`: flights of one model differ.
 pub(super) fn touch_down(
-    all: &[Flown],
+    all: &[FlownDraw],
     nominal: Option<&DescentFlown>,
     names: &[String],
     [paired, chance]: [bool; 2],
 ) -> Vec<TouchDownLine> {
-    let landed: Vec<(&Flown, [f64; TOUCH_DOWN.len()])> = all.iter().filter_map(|f| Some((f, f.landed()?))).collect();
+    let landed: Vec<(&FlownDraw, [f64; TOUCH_DOWN.len()])> = all.iter().filter_map(|f| Some((f, f.landed()?))).collect();
     if landed.is_empty() {
         return Vec::new();
     }
@@ -125,7 +125,7 @@ pub(super) fn touch_down(
 }
 
 /// Lines over height.
-pub(super) fn over_height(all: &[Flown], nominal: Option<&DescentFlown>, heights_m: &[f64]) -> Vec<HeightLine> {
+pub(super) fn over_height(all: &[FlownDraw], nominal: Option<&DescentFlown>, heights_m: &[f64]) -> Vec<HeightLine> {
     let line = |(name, of): &super::quantity::OfState| {
         let at =
             |i: usize| -> Vec<f64> { all.iter().filter_map(|f| f.flown.as_ref().ok()?.at_heights[i].as_ref().map(of)).collect() };
@@ -159,8 +159,8 @@ pub(super) fn columns(names: &[String]) -> Vec<Column> {
 }
 
 /// A row a draw.
-pub(super) fn rows(all: &[Flown]) -> Vec<Row> {
-    let row = |(draw, f): (usize, &Flown)| {
+pub(super) fn rows(all: &[FlownDraw]) -> Vec<Row> {
+    let row = |(draw, f): (usize, &FlownDraw)| {
         let failure = f.flown.as_ref().err().map_or_else(String::new, SimError::to_string);
         let mut cells = vec![Cell::Word(failure), Cell::Number(Some(f.model as f64))];
         cells.extend(f.values.iter().map(|v| Cell::Number(Some(*v))));

@@ -62,7 +62,7 @@ impl OutcomeParameter {
 
 /// What one campaign gave: a row of `campaigns.parquet`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Outcome {
+pub struct CampaignOutcome {
     /// Campaign file, relative to the folder searched, with `/`.
     pub path: String,
     /// Name as the campaign declares it; empty where it could not be read.
@@ -89,7 +89,7 @@ pub struct Outcome {
     pub parameters: Vec<OutcomeParameter>,
 }
 
-impl Outcome {
+impl CampaignOutcome {
     /// A campaign without a result.
     #[must_use]
     pub fn failed(path: &str, name: &str, exit_code: u8, reason: String) -> Self {

@@ -1,6 +1,6 @@
 //! verify: what many campaigns say together. In: a row each. Out: counts, and every parameter pooled over the campaigns that have it.
 
-use super::outcome::Outcome;
+use super::outcome::CampaignOutcome;
 use super::pool::{Pooled, pool};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -54,17 +54,17 @@ pub struct ManySummary {
     /// FNV-1a hash of its bytes.
     pub table_hash: String,
     /// What each campaign gave, in the order of their paths.
-    pub outcomes: Vec<Outcome>,
+    pub outcomes: Vec<CampaignOutcome>,
 }
 
 impl ManySummary {
     /// Counts and pools. `table`: name and hash of the table of the same campaigns.
     #[must_use]
-    pub fn new(windfall: &str, each: Value, [table, table_hash]: [String; 2], outcomes: Vec<Outcome>) -> Self {
+    pub fn new(windfall: &str, each: Value, [table, table_hash]: [String; 2], outcomes: Vec<CampaignOutcome>) -> Self {
         let ok = outcomes.iter().filter(|o| o.status == super::Status::Ok).count();
         let mut families = tallies(outcomes.iter().flat_map(|o| o.families.iter().map(String::as_str)));
         families.sort_by(|a, b| b.count.cmp(&a.count).then_with(|| a.name.cmp(&b.name)));
-        let verdict = |o: &Outcome| Some(o.verdict?.name());
+        let verdict = |o: &CampaignOutcome| Some(o.verdict?.name());
         Self {
             windfall: windfall.to_owned(),
             each,
@@ -96,8 +96,8 @@ fn tallies<'a>(names: impl Iterator<Item = &'a str>) -> Vec<Tally> {
 /// What makes parameters of two campaigns the same: coefficient or family, name, unit, whether of an effect.
 type Key<'a> = (&'a str, &'a str, &'a str, bool);
 
-fn of_key<'o>(outcomes: &'o [Outcome], key: Key<'_>) -> Vec<(&'o str, f64, f64)> {
-    let one = |o: &'o Outcome| {
+fn of_key<'o>(outcomes: &'o [CampaignOutcome], key: Key<'_>) -> Vec<(&'o str, f64, f64)> {
+    let one = |o: &'o CampaignOutcome| {
         let p = o.parameters.iter().find(|p| (p.of.as_str(), p.name.as_str(), p.unit.as_str(), p.effect) == key)?;
         let error = p.std_error.filter(|s| s.is_finite() && *s > 0.0 && p.estimate.is_finite())?;
         Some((o.path.as_str(), p.estimate, error))
@@ -105,7 +105,7 @@ fn of_key<'o>(outcomes: &'o [Outcome], key: Key<'_>) -> Vec<(&'o str, f64, f64)>
     outcomes.iter().filter(|o| o.is_pooled()).filter_map(one).collect()
 }
 
-fn pooled(outcomes: &[Outcome]) -> Vec<PooledParameter> {
+fn pooled(outcomes: &[CampaignOutcome]) -> Vec<PooledParameter> {
     let mut keys: Vec<Key<'_>> = Vec::new();
     for p in outcomes.iter().filter(|o| o.is_pooled()).flat_map(|o| &o.parameters) {
         let key = (p.of.as_str(), p.name.as_str(), p.unit.as_str(), p.effect);
@@ -129,7 +129,7 @@ mod tests {
     use crate::close::Verdict;
     use windfall_model::study::Cell;
 
-    fn outcome(path: &str, verdict: Verdict, families: &[&str], values: &[(&str, f64, Option<f64>)]) -> Outcome {
+    fn outcome(path: &str, verdict: Verdict, families: &[&str], values: &[(&str, f64, Option<f64>)]) -> CampaignOutcome {
         let one = |(name, estimate, std_error): &(&str, f64, Option<f64>)| OutcomeParameter {
             of: "CA".to_owned(),
             name: (*name).to_owned(),
@@ -138,13 +138,13 @@ mod tests {
             unit: "-".to_owned(),
             effect: false,
         };
-        Outcome {
+        CampaignOutcome {
             status: Status::Ok,
             exit_code: 0,
             verdict: Some(verdict),
             families: families.iter().map(|f| (*f).to_owned()).collect(),
             parameters: values.iter().map(one).collect(),
-            ..Outcome::failed(path, path, 0, String::new())
+            ..CampaignOutcome::failed(path, path, 0, String::new())
         }
     }
 
@@ -155,7 +155,7 @@ mod tests {
             outcome("a", Verdict::Consistent, &[], &[("x", 1.0, Some(0.1)), ("y", 5.0, None)]),
             outcome("b", Verdict::Effect, &["swirl"], &[("x", 3.0, Some(0.1)), ("y", 5.0, Some(0.1))]),
             outcome("c", Verdict::Unexplained, &["swirl", "contact"], &[("x", 99.0, Some(0.1)), ("z", 1.0, Some(1.0))]),
-            Outcome::failed("d", "", 2, "no run".to_owned()),
+            CampaignOutcome::failed("d", "", 2, "no run".to_owned()),
         ];
         let (columns, rows) = campaign_table(&all);
         let names: Vec<&str> = columns.iter().map(|c| c.name.as_str()).skip(11).collect();

@@ -1,6 +1,6 @@
 //! verify: rows of many campaigns as a table. In: what each gave. Out: columns and rows, the same for the same outcomes.
 
-use super::outcome::Outcome;
+use super::outcome::CampaignOutcome;
 use std::collections::HashMap;
 use windfall_model::study::{Cell, CellKind, Column, Row};
 
@@ -22,7 +22,7 @@ const FIXED: [(&str, CellKind); 11] = [
 /// Columns and rows: one row a campaign, numbered from 0; for every parameter that any campaign has its estimate and standard error, in
 /// the order in which they first occur.
 #[must_use]
-pub fn campaign_table(outcomes: &[Outcome]) -> (Vec<Column>, Vec<Row>) {
+pub fn campaign_table(outcomes: &[CampaignOutcome]) -> (Vec<Column>, Vec<Row>) {
     let mut columns: Vec<Column> = FIXED.iter().map(|(name, kind)| Column { name: (*name).to_owned(), kind: *kind }).collect();
     let mut places: HashMap<String, usize> = HashMap::new();
     for stem in outcomes.iter().flat_map(|o| o.parameters.iter().map(super::OutcomeParameter::stem)) {
@@ -32,7 +32,7 @@ pub fn campaign_table(outcomes: &[Outcome]) -> (Vec<Column>, Vec<Row>) {
             columns.len() - 2
         });
     }
-    let row = |(k, o): (usize, &Outcome)| {
+    let row = |(k, o): (usize, &CampaignOutcome)| {
         let mut cells = fixed(o);
         cells.resize(columns.len(), Cell::Number(None));
         for p in &o.parameters {
@@ -47,7 +47,7 @@ pub fn campaign_table(outcomes: &[Outcome]) -> (Vec<Column>, Vec<Row>) {
 }
 
 /// Cells of [`FIXED`].
-fn fixed(o: &Outcome) -> Vec<Cell> {
+fn fixed(o: &CampaignOutcome) -> Vec<Cell> {
     let word = |w: &str| Cell::Word(w.to_owned());
     vec![
         word(&o.path),
