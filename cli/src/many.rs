@@ -4,7 +4,6 @@
 use crate::args::{ManyArgs, ManyVerb};
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
-use std::path::PathBuf;
 use windfall::report::{interval, number, p_value, with_interval};
 use windfall::results::{ManySummary, Status, Tally};
 use windfall::{Campaigns, Each, Many};
@@ -17,23 +16,12 @@ pub(crate) fn run(args: &ManyArgs, session: &mut Session<'_>) -> Result<bool, Fa
     let campaigns = Campaigns::find(paths, each)?;
     session.warn_all(campaigns.notes());
     let request = Many { force: session.common.force, ..request.clone() };
-    let temporary;
-    let folder = match &session.common.out {
-        Some(folder) => folder.clone(),
-        None if session.common.json && !request.resume => {
-            temporary = tempfile::tempdir()?;
-            temporary.path().to_owned()
-        }
-        None => PathBuf::from("."),
-    };
+    let (folder, _temporary) = session.resumable(request.resume)?;
     let store = campaigns.open(&folder, &request)?;
     crate::interrupt::listen();
     let missing = session.work("reading", || Ok(campaigns.missing(&store)))?;
     let all = campaigns.names().count();
-    let bar = session.bar("campaigns", missing.len());
-    if let Ok(style) = indicatif::ProgressStyle::with_template("{prefix} {bar:30} {pos}/{len}, {eta} left  {msg}") {
-        bar.set_style(style);
-    }
+    let bar = session.telling_bar("campaigns", missing.len());
     let done = session.pool()?.install(|| {
         campaigns.work(&store, missing, |outcome| {
             bar.inc(1);

@@ -40,6 +40,10 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
     }
 }
 
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
+}
+
 /// Flags and streams of one command.
 pub(crate) struct Session<'w> {
     pub(crate) common: Common,
@@ -178,9 +182,22 @@ impl Session<'_> {
         if self.common.quiet || !std::io::stderr().is_terminal() {
             return ProgressBar::hidden();
         }
-        let style =
-            ProgressStyle::with_template("{prefix} {bar:30} {pos}/{len} {eta}").unwrap_or_else(|_| ProgressStyle::default_bar());
-        ProgressBar::new(n as u64).with_style(style).with_prefix(what)
+        ProgressBar::new(n as u64).with_style(style("{prefix} {bar:30} {pos}/{len} {eta}")).with_prefix(what)
+    }
+    /// The same with a message beside it.
+    pub(crate) fn telling_bar(&self, what: &'static str, n: usize) -> ProgressBar {
+        self.bar(what, n).with_style(style("{prefix} {bar:30} {pos}/{len}, {eta} left  {msg}"))
+    }
+    /// Folder of results that another run may go on with: `--out`, or for JSON alone a temporary one, which lives as long as the second.
+    pub(crate) fn resumable(&self, resume: bool) -> Result<(PathBuf, Option<tempfile::TempDir>), Failure> {
+        Ok(match &self.common.out {
+            Some(folder) => (folder.clone(), None),
+            None if self.common.json && !resume => {
+                let temporary = tempfile::tempdir()?;
+                (temporary.path().to_owned(), Some(temporary))
+            }
+            None => (PathBuf::from("."), None),
+        })
     }
     /// Threads as many as were asked for.
     pub(crate) fn pool(&self) -> Result<rayon::ThreadPool, Failure> {

@@ -4,7 +4,6 @@ use crate::args::StudyArgs;
 use crate::session::{Failure, Session};
 use indicatif::ProgressBar;
 use std::fmt::Write as _;
-use std::path::PathBuf;
 use std::sync::Mutex;
 use windfall::files::Store;
 use windfall::model::study::{CellKind, Row};
@@ -15,15 +14,7 @@ pub(crate) fn run(args: &StudyArgs, session: &mut Session<'_>) -> Result<bool, F
     let drawing = Drawing::read(&args.study)?;
     session.warn_all(drawing.warnings());
     let request = Study { force: session.common.force, ..args.request.clone() };
-    let temporary;
-    let folder = match &session.common.out {
-        Some(folder) => folder.clone(),
-        None if session.common.json && !request.resume => {
-            temporary = tempfile::tempdir()?;
-            temporary.path().to_owned()
-        }
-        None => PathBuf::from("."),
-    };
+    let (folder, _temporary) = session.resumable(request.resume)?;
     let store = drawing.open(&folder, &request)?;
     crate::interrupt::listen();
     let live = Live::new(&drawing, &store, session)?;
@@ -76,10 +67,7 @@ impl Live {
             let place = drawing.prepared().place(name)?;
             Some((name.to_owned(), place, columns[place].kind))
         });
-        let bar = session.bar("drawing", usize::try_from(wanted).unwrap_or(usize::MAX));
-        if let Ok(style) = indicatif::ProgressStyle::with_template("{prefix} {bar:30} {pos}/{len}, {eta} left  {msg}") {
-            bar.set_style(style);
-        }
+        let bar = session.telling_bar("drawing", usize::try_from(wanted).unwrap_or(usize::MAX));
         Ok(Self { bar, asked, seen: Mutex::default() })
     }
     fn see(&self, row: &Row) {

@@ -1,5 +1,7 @@
 //! cli: processes that are killed, and two at once. In: verbs that overwrite. Out: the complete old files or the complete new ones.
 
+mod common;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -27,9 +29,7 @@ impl Bench {
     /// Two campaigns of the same flights of 2 s at 100 Hz, `a` and `b`, by different seeds; an identification of each.
     fn new() -> Self {
         let bench = Self { dir: tempfile::tempdir().expect("a temporary folder") };
-        let whole = windfall_scenarios::bundled("sage-perturbed").expect("bundled");
-        let short = whole.replace("duration_s = 18.3", "duration_s = 2.0").replace("rate_hz = 150.0", "rate_hz = 100.0");
-        fs::write(bench.path("short.toml"), short).expect("writable");
+        fs::write(bench.path("short.toml"), common::short_scenario()).expect("writable");
         for (name, seed) in [("a", "1"), ("b", "2")] {
             bench.run(&bench.words("simulate", "short.toml", name, &["--seed", seed]));
             bench.run(&bench.words("identify", &format!("{name}/campaign.toml"), name, &["--method", "equation-error"]));

@@ -1,5 +1,7 @@
 //! cli: many campaigns as a user does them, in processes of their own. In: folders of campaigns. Out: the same bytes however they came about.
 
+mod common;
+
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,9 +19,7 @@ struct Bench {
 impl Bench {
     fn new() -> Self {
         let bench = Self { dir: tempfile::tempdir().expect("a temporary folder") };
-        let whole = windfall_scenarios::bundled("sage-perturbed").expect("bundled");
-        let short = whole.replace("duration_s = 18.3", "duration_s = 2.0").replace("rate_hz = 150.0", "rate_hz = 100.0");
-        fs::write(bench.path("short.toml"), short).expect("writable");
+        fs::write(bench.path("short.toml"), common::short_scenario()).expect("writable");
         for (seed, name) in (1..).zip(SOUND) {
             bench.fly(&format!("all/{name}"), seed);
         }

@@ -1,5 +1,7 @@
 //! cli: studies as a user runs them, in processes of their own. In: study files. Out: the same bytes however they came about.
 
+mod common;
+
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,9 +16,7 @@ struct Bench {
 impl Bench {
     fn new() -> Self {
         let dir = tempfile::tempdir().expect("a temporary folder");
-        let text = windfall_scenarios::bundled("sage-perturbed").expect("bundled");
-        let short = text.replace("duration_s = 18.3", "duration_s = 2.0").replace("rate_hz = 150.0", "rate_hz = 100.0");
-        fs::write(dir.path().join("short.toml"), short).expect("writable");
+        fs::write(dir.path().join("short.toml"), common::short_scenario()).expect("writable");
         Self { dir }
     }
     fn path(&self, name: &str) -> PathBuf {

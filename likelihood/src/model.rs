@@ -200,10 +200,7 @@ impl Model {
             for (i, p) in m.parameters.iter().enumerate() {
                 let (prior, step) = match p.role {
                     Role::Strength => (PLAUSIBLE * p.high, strength_step(p)),
-                    // Of several whole numbers none can be changed a little.
-                    Role::Shape(tried) if shapes && (tried.len() == 1 || tried.iter().any(|v| v.fract() != 0.0)) => {
-                        (0.5 * m.values[i].abs(), 1e-3 * m.values[i].abs().max(1e-6))
-                    }
+                    Role::Shape(_) if shapes && p.is_graded() => (0.5 * m.values[i].abs(), 1e-3 * m.values[i].abs().max(1e-6)),
                     Role::Instant if shapes => (0.2, 1e-3),
                     _ => continue,
                 };

@@ -1,12 +1,12 @@
 //! likelihood: what moves the model at random, as states driven by white noise. In: a plant's disturbances. Out: their transitions.
 //!
-//! A gust has Dryden's form (MIL-F-8785C 1980) or is limited to a band; it is seen through a short lag that makes its rate a state, so that what follows the gust's rate
-//! (α̇, apparent mass) feels a finite one. A narrow-band moment is an oscillator.
+//! A gust of Dryden's form (MIL-F-8785C 1980) is seen through a short lag that makes its rate a state, so that what follows the gust's rate
+//! (α̇, apparent mass) feels a finite one; that of a band has one without. A narrow-band moment is an oscillator.
 
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector};
 use windfall_model::{Disturbance, Entry, Plant, Shape};
 
-/// States of one random input.
+/// States of one random input (a band needs four; those that Dryden's form and an oscillator leave over stay at zero).
 pub(crate) const ORDER: usize = 4;
 const SQUARE: usize = ORDER * ORDER;
 /// States with their first, second and third integrals over a step.
@@ -15,10 +15,13 @@ pub(crate) const WITH_SUMS: usize = 4 * ORDER;
 const FAST: f64 = 0.1;
 const FAST_S: [f64; 2] = [0.002, 0.02];
 
+type Rates = SMatrix<f64, ORDER, ORDER>;
+type States = SVector<f64, ORDER>;
+
 /// A matrix over one input's states.
 pub(crate) type Block = [[f64; ORDER]; ORDER];
 
-/// Three states driven by white noise, over a step: what a motion that follows them needs of them, exactly, however short their own
+/// States driven by white noise, over a step: what a motion that follows them needs of them, exactly, however short their own
 /// times are.
 #[derive(Clone, Debug)]
 pub(crate) struct Driven {
@@ -97,9 +100,6 @@ fn driven(a: &Rates, b: &States, step_s: f64) -> Driven {
         stages: stages.map(|m| rows(&m)),
     }
 }
-
-type Rates = SMatrix<f64, ORDER, ORDER>;
-type States = SVector<f64, ORDER>;
 
 fn input(d: &Disturbance, step_s: f64) -> Input {
     // Rates of the states, where white noise enters, and the form by the states.

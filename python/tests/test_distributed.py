@@ -23,22 +23,27 @@ def client():
         yield client
 
 
-def test_law_a_killed_worker_changes_nothing(tmp_path, client):
-    path = study_file(tmp_path, draws=480, part=8)
-    windfall.study(path, tmp_path / "one")
-    pids = list(client.run(os.getpid).values())
-    parts, killed = tmp_path / "many" / "parts", threading.Event()
+def killed_midway(client, done, first, last):
+    """Kills a worker when `first` pieces are done; the event says that fewer than `last` were by then."""
+    pids, killed = list(client.run(os.getpid).values()), threading.Event()
 
     def kill():
-        while len(list(parts.glob("*.parquet"))) < 5:
+        while done() < first:
             time.sleep(0.002)
         os.kill(pids[0], signal.SIGKILL)
-        # Sixty parts in all: when it was killed there was still work.
-        if len(list(parts.glob("*.parquet"))) < 50:
+        if done() < last:
             killed.set()
 
     killer = threading.Thread(target=kill, daemon=True)
     killer.start()
+    return killer, killed
+
+
+def test_law_a_killed_worker_changes_nothing(tmp_path, client):
+    path = study_file(tmp_path, draws=480, part=8)
+    windfall.study(path, tmp_path / "one")
+    # Sixty parts in all: when it was killed there was still work.
+    killer, killed = killed_midway(client, lambda: len(list((tmp_path / "many/parts").glob("*.parquet"))), 5, 50)
     summary = run(path, client, tmp_path / "many")
     killer.join(timeout=10)
     assert killed.is_set()
@@ -70,19 +75,8 @@ def test_law_many_campaigns_on_a_cluster(tmp_path, client):
     found = campaigns(tmp_path, 40)
     request = {"method": "output-error", "combined": True}
     summary = windfall.many("identify", found, tmp_path / "one", **request)
-    pids = list(client.run(os.getpid).values())
-    results, killed = tmp_path / "many" / "results", threading.Event()
-
-    def kill():
-        while len(list(results.glob("*/outcome.json"))) < 4:
-            time.sleep(0.002)
-        os.kill(pids[0], signal.SIGKILL)
-        # Forty-one campaigns: when it was killed there was still work.
-        if len(list(results.glob("*/outcome.json"))) < 36:
-            killed.set()
-
-    killer = threading.Thread(target=kill, daemon=True)
-    killer.start()
+    # Forty-one campaigns: when it was killed there was still work.
+    killer, killed = killed_midway(client, lambda: len(list((tmp_path / "many/results").glob("*/outcome.json"))), 4, 36)
     assert many("identify", found, client, tmp_path / "many", **request) == summary
     killer.join(timeout=10)
     assert killed.is_set()

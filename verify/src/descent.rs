@@ -68,9 +68,10 @@ pub fn descend(
 ) -> Result<Descended, VerifyError> {
     let set = found.map(|f| f.combined().ok_or(VerifyError::NoDataSet)).transpose()?;
     let bodies = Bodies::new(scenario, set)?;
-    let linear_theory = theory(scenario, flight, &bodies);
-    let step_s = step(scenario, &linear_theory);
     let heights_m = heights(flight);
+    let at = |h: &f64| steady_fall(scenario, &bodies.nominal, &flight.start, *h);
+    let linear_theory: Vec<SteadyFall> = heights_m.iter().filter_map(at).collect();
+    let step_s = step(scenario, &linear_theory);
     let descent = Descent::new(scenario, flight, heights_m.clone(), step_s)?;
     let nominal = match descent.fly(&bodies.nominal, None) {
         Err(wrong @ SimError::Setup { .. }) => return Err(wrong.into()),
@@ -129,11 +130,6 @@ fn warnings(bodies: &Bodies, nominal: Option<&SimError>, chance: bool) -> Vec<St
 fn heights(flight: &PlanetFlight) -> Vec<f64> {
     let from_m = flight.start.place.height_m;
     (0..=INTERVALS).map(|k| from_m * (INTERVALS - k) as f64 / INTERVALS as f64).collect()
-}
-
-fn theory(scenario: &PlanetScenario, flight: &PlanetFlight, bodies: &Bodies) -> Vec<SteadyFall> {
-    let at = |h: f64| steady_fall(scenario, &bodies.nominal, &flight.start, h);
-    heights(flight).into_iter().filter_map(at).collect()
 }
 
 /// Step that resolves the pitch mode and the gusts, s.

@@ -7,6 +7,7 @@ pub mod descent;
 mod error;
 mod identify;
 pub mod many;
+mod quantile;
 mod recovery;
 mod residual;
 mod resimulate;

@@ -39,9 +39,9 @@ pub(super) fn polish(engine: &Engine, mut model: Model, floor: f64, log: &mut Ve
         if round >= 1 && fit.total < floor - HOPELESS {
             return None;
         }
-        let settled = a == b && same_forms(&again, &fit.model) || seen.iter().any(|(k, _)| *k == a && a != b);
+        let stays = a == b && same_forms(&again, &fit.model) || seen.iter().any(|(k, _)| *k == a && a != b);
         seen.push((key, fit.clone()));
-        if settled || round + 1 == ROUNDS || engine.is_exhausted() {
+        if stays || round + 1 == ROUNDS || engine.is_exhausted() {
             // Of the sets that were visited in a circle, the best.
             let (_, best) = seen
                 .into_iter()

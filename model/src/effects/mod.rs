@@ -60,10 +60,15 @@ impl Parameter {
     pub fn beyond(&self, value: f64) -> f64 {
         (self.low - value).max(value - self.high).max(0.0) / (self.high - self.low)
     }
+    /// Whether it is a shape that can be changed a little: not one of several whole numbers.
+    #[must_use]
+    pub fn is_graded(&self) -> bool {
+        matches!(self.role, Role::Shape(tried) if tried.len() == 1 || tried.iter().any(|v| v.fract() != 0.0))
+    }
     /// Whether it is a shape of which zero stands for one form and a size for another, as a spectrum's bandwidth.
     #[must_use]
     pub fn parts_forms(&self) -> bool {
-        matches!(self.role, Role::Shape(tried) if tried.contains(&0.0) && tried.iter().any(|v| v.fract() != 0.0))
+        self.is_graded() && matches!(self.role, Role::Shape(tried) if tried.contains(&0.0))
     }
     fn strength(name: &str, unit: &'static str, limit: f64) -> Self {
         Self {

@@ -3,6 +3,7 @@
 use super::quantity::{OVER_HEIGHT, TOUCH_DOWN};
 use super::result::{DescentEnds, DescentReason, HeightLine, TouchDownLine};
 use super::shares::{Regressors, of_pairs};
+use crate::quantile::quantile;
 use windfall_model::study::{Cell, CellKind, Column, Row};
 use windfall_sim::{DescentFlown, SimError};
 
@@ -38,12 +39,7 @@ impl Spread {
         let mean = x.iter().sum::<f64>() / n;
         let std = (x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0)).sqrt();
         x.sort_by(f64::total_cmp);
-        let quantiles = [0.025, 0.5, 0.975].map(|p| {
-            let place = p * (n - 1.0);
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place in the list")]
-            let i = place as usize;
-            x[i] + (place - i as f64) * (x[(i + 1).min(x.len() - 1)] - x[i])
-        });
+        let quantiles = [0.025, 0.5, 0.975].map(|p| quantile(&x, p));
         Self { mean, std, quantiles }
     }
 }

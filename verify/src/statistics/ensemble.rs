@@ -76,12 +76,8 @@ pub(super) fn moment(which: Moment, mut x: Vec<f64>) -> f64 {
     }
 }
 
-/// Quantile by linear interpolation of order statistics (Hyndman and Fan 1996, type 7). Sorts `x`.
+/// Quantile of numbers in any order, which it sorts.
 pub(super) fn quantile(x: &mut [f64], p: f64) -> f64 {
     x.sort_by(f64::total_cmp);
-    let place = p * (x.len() - 1) as f64;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 ≤ place ≤ length − 1")]
-    let below = (place.floor() as usize).min(x.len() - 1);
-    let above = (below + 1).min(x.len() - 1);
-    x[below] + (place - below as f64) * (x[above] - x[below])
+    crate::quantile::quantile(x, p)
 }
