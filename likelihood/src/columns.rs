@@ -2,7 +2,8 @@
 //! what each does to the rates of motion and to what is measured, at one instant.
 
 use crate::noise::{CHANNELS, POSE};
-use windfall_model::Plant;
+use windfall_model::{Plant, Sensors};
+use windfall_pid::equations::{STATES, Scalar};
 
 /// What a column is a change of.
 #[derive(Clone, Debug)]
@@ -140,54 +141,87 @@ pub(crate) type Shown = [f64; POSE];
 
 /// Time by which the tunnel speed's record lags the pose's, s. Only this can be told: a motion seen late, under inputs seen as late, is
 /// the same motion.
-pub(crate) fn lag_s(s: &windfall_model::Sensors) -> f64 {
+pub(crate) fn lag_s(s: &Sensors) -> f64 {
     s.wind_delay_s - s.pose_delay_s
 }
 
 /// What the pose's instruments make of a state: c.m. position, Euler angles, velocity, rates and their derivatives; each channel's mean over
-/// the node's samples, which lie about the node by `samples` (mean time and mean square, s and s²).
-pub(crate) fn shown(plant: &Plant, x: &[f64], rate: &[f64], samples: [f64; 2]) -> Shown {
-    let s = &plant.sensors;
-    let arm = plant.vehicle.p_origin_cm.to_array();
+/// the node's samples, which lie about the node by `samples` (mean time and mean square, s and s²). `arm` leads from the tracked origin to the
+/// c.m., body axes, m.
+#[inline(always)]
+pub(crate) fn shown<S: Scalar>(s: &Sensors, arm: [f64; 3], x: &[S; STATES], rate: &[f64], samples: [f64; 2]) -> [S; POSE] {
     let (first, second) = (samples[0], 0.5 * samples[1]);
     let (e, w) = ([x[3], x[4], x[5]], [x[9], x[10], x[11]]);
-    let euler_rate = |e: [f64; 3], w: [f64; 3]| {
-        let ((sy, cy), (sz, cz)) = (e[1].sin_cos(), e[2].sin_cos());
-        let rx = (w[0] * cz - w[1] * sz) / cy;
-        [rx, w[0] * sz + w[1] * cz, w[2] - sy * rx]
-    };
     let e1 = euler_rate(e, w);
     // Second derivative of the angles along the motion, by a difference: it only curves a block of samples.
     const STEP_S: f64 = 1e-4;
-    let ahead = euler_rate(std::array::from_fn(|k| e[k] + STEP_S * e1[k]), std::array::from_fn(|k| w[k] + STEP_S * rate[9 + k]));
-    let mut angles: [f64; 3] = std::array::from_fn(|k| e[k] + first * e1[k] + second * (ahead[k] - e1[k]) / STEP_S);
-    let t = body_to_tunnel(angles);
-    let place: [f64; 3] = std::array::from_fn(|k| {
-        let cm = x[k] + first * x[6 + k] + second * rate[6 + k];
+    let ahead = euler_rate(std::array::from_fn(|k| e[k] + e1[k] * STEP_S), std::array::from_fn(|k| w[k] + STEP_S * rate[9 + k]));
+    let mut angles: [S; 3] = std::array::from_fn(|k| e[k] + e1[k] * first + (ahead[k] - e1[k]) * (second / STEP_S));
+    let t = turned(angles);
+    let place: [S; 3] = std::array::from_fn(|k| {
+        let cm = x[k] + x[6 + k] * first + second * rate[6 + k];
         (cm - (t[k][0] * arm[0] + t[k][1] * arm[1] + t[k][2] * arm[2])) * (1.0 + s.length_scale)
     });
     if s.misalignment_rad.iter().any(|a| *a != 0.0) {
         let m = body_to_tunnel(s.misalignment_rad);
         let r = |i: usize, j: usize| t[i][0] * m[0][j] + t[i][1] * m[1][j] + t[i][2] * m[2][j];
-        let near = |angle: f64, to: f64| angle + std::f64::consts::TAU * ((to - angle) / std::f64::consts::TAU).round();
-        angles = [
-            near((-r(1, 2)).atan2(r(2, 2)), angles[0]),
-            r(0, 2).clamp(-1.0, 1.0).asin(),
-            near((-r(0, 1)).atan2(r(0, 0)), angles[2]),
-        ];
+        let near = |angle: S, to: S| {
+            let turns = ((to.value() - angle.value()) / std::f64::consts::TAU).round();
+            angle + std::f64::consts::TAU * turns
+        };
+        let sine = r(0, 2);
+        let cosine = (r(0, 0) * r(0, 0) + r(0, 1) * r(0, 1)).sqrt();
+        angles = [near((-r(1, 2)).atan2(r(2, 2)), angles[0]), sine.atan2(cosine), near((-r(0, 1)).atan2(r(0, 0)), angles[2])];
     }
-    let mut out = [0.0; POSE];
-    out[..3].copy_from_slice(&place);
-    out[3..].copy_from_slice(&angles);
-    out
+    [place[0], place[1], place[2], angles[0], angles[1], angles[2]]
+}
+
+/// Rates of the Euler angles by body rates.
+#[inline(always)]
+fn euler_rate<S: Scalar>(e: [S; 3], w: [S; 3]) -> [S; 3] {
+    let ((sy, cy), (sz, cz)) = (e[1].sin_cos(), e[2].sin_cos());
+    let rx = (w[0] * cz - w[1] * sz) * cy.recip();
+    [rx, w[0] * sz + w[1] * cz, w[2] - sy * rx]
 }
 
 /// Body-to-tunnel matrix of Euler angles (thesis eq. B.14).
-pub(crate) fn body_to_tunnel([rx, ry, rz]: [f64; 3]) -> [[f64; 3]; 3] {
+pub(crate) fn body_to_tunnel(angles: [f64; 3]) -> [[f64; 3]; 3] {
+    turned(angles)
+}
+
+#[inline(always)]
+fn turned<S: Scalar>([rx, ry, rz]: [S; 3]) -> [[S; 3]; 3] {
     let ((sx, cx), (sy, cy), (sz, cz)) = (rx.sin_cos(), ry.sin_cos(), rz.sin_cos());
     [
         [cz * cy, -(sz * cy), sy],
         [cz * sy * sx + sz * cx, cz * cx - sz * sy * sx, -(cy * sx)],
         [sz * sx - cz * sy * cx, sz * sy * cx + cz * sx, cy * cx],
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use windfall_pid::equations::Dual;
+
+    /// Slopes of what is shown are those of central differences, with and without a misaligned body and a scale.
+    #[test]
+    fn exact_slopes_of_what_is_shown() {
+        let arm = [0.02, -0.01, 0.03];
+        let x = [0.1, -0.2, 0.3, 0.4, -0.3, 0.2, 0.5, -0.4, 0.3, 1.0, -0.8, 0.6];
+        let rate: Vec<f64> = (0..16).map(|i| 0.3 * f64::from(i) - 1.0).collect();
+        for (misalignment, scale) in [([0.0; 3], 0.0), ([0.02, -0.03, 0.04], 0.01)] {
+            let sensors = Sensors { misalignment_rad: misalignment, length_scale: scale, ..Sensors::default() };
+            let of = |x: &[f64; STATES]| shown(&sensors, arm, x, &rate, [0.004, 3e-5]);
+            let duals = shown(&sensors, arm, &std::array::from_fn(|i| Dual::<STATES>::variable(x[i], i)), &rate, [0.004, 3e-5]);
+            for i in 0..STATES {
+                let at = |by: f64| of(&std::array::from_fn(|k| if k == i { x[k] + by } else { x[k] }));
+                let (up, down) = (at(1e-5), at(-1e-5));
+                for c in 0..POSE {
+                    // h²/6 of third derivatives of order one, and rounding over h.
+                    assert!((duals[c].slopes[i] - (up[c] - down[c]) / 2e-5).abs() < 1e-9, "{c} by {i}");
+                }
+            }
+        }
+    }
 }

@@ -19,9 +19,9 @@ mod weigh;
 
 pub use contest::Contest;
 use contest::{against_alternatives, against_gusts};
-use polish::{climb_down, declared_alone, polish};
+use polish::{Scored, climb_down, declared_alone, polish};
 pub use rivals::{Pair, Rivals, Unseen, log_odds};
-use starts::{LEVELS, Start, ladder, lead_in, sized, struck};
+use starts::{LEVELS, Start, ladder, lead_in, sized, struck, with_random};
 use weigh::{SURE, Weighed, named};
 
 /// Starts that are followed to the end.
@@ -116,13 +116,66 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     })
 }
 
-/// The best set from all starts, in noise learnt again at it, with what struck once: its fit, and all sets weighed there.
-fn searched(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Result<Option<(f64, Fit, Weighed)>, String> {
+/// The best set from all starts, in noise learnt again at it, with random inputs that no start had and what struck once: its score, its fit,
+/// and all sets weighed there.
+fn searched(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Result<Option<Scored>, String> {
     let noise = engine.noise.map(|n| format!("{:.3e}/{:.2}", n.std(), if n.coloured > 0.0 { n.correlation } else { 0.0 }));
     log.push(format!("noise {}", noise.join(" ")));
-    // Random inputs that every start may have: none, or one effect in one form at one size.
+    let Some(mut best) = from_starts(engine, declared, log)? else { return Ok(None) };
+    if !engine.is_exhausted()
+        && let Some(more) = with_random(engine, &best.1)
+    {
+        log.push(format!("random inputs beside it: {}", describe(&more.model)));
+        if let Some(other) = polish(engine, more.model, best.0, log).filter(|other| other.0 > best.0) {
+            best = other;
+        }
+    }
+    if !engine.campaign.knowledge.exact_noise && !engine.is_exhausted() {
+        best = in_own_noise(engine, best, log);
+    }
+    // Something that struck once, beside what was found.
+    if !engine.is_exhausted()
+        && let Some(struck) = struck(engine, &best.1)
+        && let Some(other) = polish(engine, struck.model, f64::NEG_INFINITY, log).filter(|other| other.0 > best.0)
+    {
+        best = other;
+    }
+    Ok(Some(best))
+}
+
+/// Noise again, by the likelihood of the best model, and the best model in it. Gusts and coloured noise may stand for each other: where both
+/// are there, a model without gusts is given the noise that suits it before the two are compared.
+fn in_own_noise(engine: &mut Engine, best: Scored, log: &mut Vec<String>) -> Scored {
+    let mut calm = best.1.model.clone();
+    calm.members.retain(|m| !m.random || m.declared);
+    let is_coloured = engine.noise.iter().any(|n| n.coloured > 0.0);
+    let other = (is_coloured && calm.members.len() < best.1.model.members.len()).then(|| {
+        let mut calm_engine = engine.clone();
+        let fit = calm_engine.climb(&calm, true, 10).ok()?;
+        calm_engine.refine_noise(&fit.model);
+        let end = polish(&calm_engine, fit.model, f64::NEG_INFINITY, log)?;
+        Some((calm_engine.noise, end))
+    });
+    let best = if engine.refine_noise(&best.1.model) {
+        log.push(format!("noise {:?}", engine.noise.map(|n| format!("{:.3e}/{:.2}", n.std(), n.correlation))));
+        polish(engine, best.1.model.clone(), f64::NEG_INFINITY, log).unwrap_or(best)
+    } else {
+        best
+    };
+    match other.flatten() {
+        Some((noise, end)) if end.0 > best.0 => {
+            engine.noise = noise;
+            end
+        }
+        _ => best,
+    }
+}
+
+/// The best set from the starts that are worth following: random inputs that every start may have are none, or one effect in one form at one
+/// size.
+fn from_starts(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Result<Option<Scored>, String> {
     let starts = ladder(&engine.coarse(), declared, log)?;
-    let mut best: Option<(f64, Fit, Weighed)> = None;
+    let mut best: Option<Scored> = None;
     let top = starts.first().map_or(f64::NEG_INFINITY, |s| s.total);
     for Start { total, at, next } in starts.into_iter().take(STARTS) {
         let floor = best.as_ref().map_or(f64::NEG_INFINITY, |b| b.0);
@@ -133,32 +186,11 @@ fn searched(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Res
             continue;
         }
         log.push(format!("start at {total:.1}: {}", describe(&at)));
-        let Some((fit, weighed)) = polish(engine, next, floor, log) else { continue };
-        let score = fit.total - cost_of(&fit.model, engine);
-        log.push(format!("  ends at {score:.1}: {}", describe(&fit.model)));
-        if best.as_ref().is_none_or(|b| score > b.0) {
-            best = Some((score, fit, weighed));
+        let Some(end) = polish(engine, next, floor, log) else { continue };
+        log.push(format!("  ends at {:.1}: {}", end.0, describe(&end.1.model)));
+        if end.0 > floor {
+            best = Some(end);
         }
-    }
-    // Noise again, by the likelihood of the best model, and the best model in it.
-    if let Some((_, fit, _)) = &best
-        && !engine.campaign.knowledge.exact_noise
-        && !engine.is_exhausted()
-        && engine.refine_noise(&fit.model)
-    {
-        log.push(format!("noise {:?}", engine.noise.map(|n| format!("{:.3e}/{:.2}", n.std(), n.correlation))));
-        if let Some((fit, weighed)) = polish(engine, fit.model.clone(), f64::NEG_INFINITY, log) {
-            best = Some((fit.total, fit, weighed));
-        }
-    }
-    // Something that struck once, beside what was found.
-    if let Some((_, fit, _)) = &best
-        && !engine.is_exhausted()
-        && let Some(struck) = struck(engine, fit)
-        && let Some((fit, weighed)) = polish(engine, struck.model, f64::NEG_INFINITY, log)
-        && best.as_ref().is_none_or(|b| fit.total - cost_of(&fit.model, engine) > b.1.total - cost_of(&b.1.model, engine))
-    {
-        best = Some((fit.total, fit, weighed));
     }
     Ok(best)
 }
@@ -184,7 +216,7 @@ pub fn identify(engine: &Engine, near: Option<&Model>) -> Result<Fit, String> {
             model.members.push(sized(&null, LEVELS[1], &forms[forms.len() / 2]));
             let fit = engine.climb(&model, false, 6).ok()?;
             let fit = engine.settle_random(&fit, 5);
-            Some((fit.total - random_cost(&fit.model, engine), fit))
+            Some((fit.total - random_cost(&fit.model, engine) - engine.random_price(&fit.model), fit))
         })
         .max_by(|a, b| a.0.total_cmp(&b.0));
     match (still, gusty) {
@@ -294,6 +326,11 @@ fn describe(model: &Model) -> String {
         .map(|m| format!("{}({})", m.effect.family, m.values.iter().map(|v| format!("{v:.4}")).collect::<Vec<_>>().join(",")))
         .collect();
     words.join(" + ")
+}
+
+/// Log marginal likelihood of a fit with what its members cost a priori taken off, its random members' numbers integrated over.
+fn score(engine: &Engine, fit: &Fit) -> f64 {
+    fit.total - cost_of(&fit.model, engine) - engine.random_price(&fit.model)
 }
 
 /// What the members of a model cost a priori.

@@ -1,7 +1,7 @@
 //! likelihood: passes over all runs, and climbing to the most likely numbers. In: campaign, model. Out: normal equations, fitted models.
 
 use crate::columns::{Basis, SensitivityColumn};
-use crate::filter::{Departed, PassSetting, Seen, pass};
+use crate::filter::{Departed, Keep, PassSetting, Seen, pass};
 use crate::gram::Gram;
 use crate::hum::{Hum, take_off};
 use crate::model::{Id, Model, Number, VAGUE_PRIOR};
@@ -94,6 +94,10 @@ const BUDGET: f64 = 1000.0;
 const FEW: usize = 3;
 /// A climb ends when no step exceeds this share of its standard error.
 const SMALL: f64 = 0.05;
+/// Gain of a whole step that is not worth another, nats.
+const LITTLE: f64 = 0.02;
+/// Ways of a step, tried in this order: share of the whole step, damping. Shorter first; where that does not help, bent by damping.
+const WAYS: [(f64, f64); 6] = [(1.0, 0.0), (0.35, 0.0), (0.12, 0.0), (1.0, 0.1), (1.0, 3.0), (1.0, 100.0)];
 /// Longest step, in standard deviations of the prior.
 const LONGEST: f64 = 3.0;
 
@@ -109,9 +113,19 @@ pub(crate) struct Summed {
 /// A model with its normal equations and channels.
 type SteppedModel = (Model, Gram, [[f64; 4]; CHANNELS]);
 
+/// Normal equations of `n` numbers and log-likelihood of all runs.
+pub(crate) fn totals(runs: &[Seen], n: usize) -> (DMatrix<f64>, DVector<f64>, f64) {
+    let (mut g, mut b) = (DMatrix::zeros(n, n), DVector::zeros(n));
+    for r in runs {
+        g += &r.g;
+        b += &r.b;
+    }
+    (g, b, runs.iter().map(|r| r.log_likelihood).sum())
+}
+
 /// What the prior takes off the log-likelihood.
-fn penalty(g: &Gram) -> f64 {
-    0.5 * g.numbers.iter().map(|n| (n.value / n.prior).powi(2)).sum::<f64>()
+pub(crate) fn penalty(numbers: &[Number]) -> f64 {
+    0.5 * numbers.iter().map(|n| (n.value / n.prior).powi(2)).sum::<f64>()
 }
 
 impl Engine {
@@ -240,15 +254,8 @@ impl Engine {
 
     /// One pass over all runs.
     pub(crate) fn sum(&self, model: &Model, numbers: &[Number], generic: &[(bool, usize, Basis)]) -> Result<Summed, Departed> {
-        let runs = self.passed(model, numbers, generic, false)?;
-        let n = numbers.len();
-        let (mut g, mut b) = (DMatrix::zeros(n, n), DVector::zeros(n));
-        let mut log_likelihood = 0.0;
-        for r in &runs {
-            g += &r.g;
-            b += &r.b;
-            log_likelihood += r.log_likelihood;
-        }
+        let runs = self.passed(model, numbers, generic, Keep::Nothing)?;
+        let (g, b, log_likelihood) = totals(&runs, numbers.len());
         let channels = std::array::from_fn(|c| {
             let sum = |k: usize| match c {
                 POSE => self.runs.iter().map(|r| r.speed.innovations[k]).sum::<f64>(),
@@ -262,7 +269,12 @@ impl Engine {
 
     /// One pass over all runs that keeps what the filter did.
     pub(crate) fn traced(&self, model: &Model, numbers: &[Number]) -> Result<Vec<Seen>, Departed> {
-        self.passed(model, numbers, &[], true)
+        self.passed(model, numbers, &[], Keep::Trace)
+    }
+
+    /// One pass over all runs that keeps the whitened slopes of the innovations.
+    pub(crate) fn with_rows(&self, model: &Model, numbers: &[Number]) -> Result<Vec<Seen>, Departed> {
+        self.passed(model, numbers, &[], Keep::Rows)
     }
 
     fn passed(
@@ -270,7 +282,7 @@ impl Engine {
         model: &Model,
         numbers: &[Number],
         generic: &[(bool, usize, Basis)],
-        traced: bool,
+        keep: Keep,
     ) -> Result<Vec<Seen>, Departed> {
         self.work.fetch_add(self.instants() as u64 * (NODE_COST + numbers.len() as u64), Ordering::Relaxed);
         let columns = model.columns(&self.campaign, numbers, generic);
@@ -285,7 +297,7 @@ impl Engine {
                 other => other.clone(),
             };
             let columns: Vec<SensitivityColumn> = columns.iter().map(of_run).collect();
-            pass(run, &PassSetting { plant: &own, noise: &self.noise, columns: &columns, slack: self.slack, traced })
+            pass(run, &PassSetting { plant: &own, noise: &self.noise, columns: &columns, slack: self.slack, keep })
         };
         let seen: Vec<Result<Seen, Departed>> = self.runs.par_iter().map(one).collect();
         seen.into_iter().collect()
@@ -321,7 +333,7 @@ impl Engine {
 
     /// Numbers that a fit of a model frees: declared parameters, constants, members' strengths, and shapes when asked for. A strength
     /// that may not be negative and stands at zero, driven there, is left out by the step's clamp.
-    fn free(&self, model: &Model, shapes: bool) -> Vec<Number> {
+    pub(crate) fn free(&self, model: &Model, shapes: bool) -> Vec<Number> {
         let mut all = model.known(&self.campaign);
         if self.slack > 0.0 {
             // Free accelerations leave parameters that are hardly seen free too: each step stays within their own size.
@@ -331,7 +343,8 @@ impl Engine {
         all
     }
 
-    /// The model after a step, shortened until the log posterior is not below `here`; where none is, the last departure of those tried.
+    /// The model after a step in the first of [`WAYS`] from `way` on in which the log posterior is not below `here`; where there is none, the
+    /// last departure of those tried.
     fn stepped(
         &self,
         model: &Model,
@@ -339,24 +352,28 @@ impl Engine {
         step: &DVector<f64>,
         here: f64,
         shapes: bool,
+        way: &mut usize,
     ) -> Result<SteppedModel, Option<Departed>> {
-        let long = (0..step.len()).map(|i| step[i].abs() / (LONGEST * gram.numbers[i].prior)).fold(1.0, f64::max);
-        let mut fraction = 1.0 / long;
         let mut departed = None;
-        for _ in 0..6 {
+        for (k, (fraction, damping)) in WAYS.into_iter().enumerate().skip(*way) {
+            let step = if damping > 0.0 { gram.damped(damping).unwrap_or_else(|| step.clone()) } else { step.clone() };
+            let long = (0..step.len()).map(|i| step[i].abs() / (LONGEST * gram.numbers[i].prior)).fold(1.0, f64::max);
+            let fraction = fraction / long;
             let mut next = model.clone();
             gram.numbers.iter().zip(step.iter()).for_each(|(n, s)| next.change(n, fraction * s));
             match self.gram(&next, self.free(&next, shapes)) {
-                Ok((g, c)) if g.log_likelihood - penalty(&g) > here - 1e-6 => return Ok((next, g, c)),
+                Ok((g, c)) if g.log_likelihood - penalty(&g.numbers) > here - 1e-6 => {
+                    *way = k;
+                    return Ok((next, g, c));
+                }
                 Ok(_) => {}
                 Err(d) => departed = Some(d),
             }
-            fraction *= 0.35;
         }
         Err(departed)
     }
 
-    /// Gauss-Newton with a prior, steps halved until the posterior rises.
+    /// Gauss-Newton with a prior, steps shortened and damped until the posterior rises.
     ///
     /// # Errors
     /// [`Departed`] where the model departs at the start already.
@@ -364,6 +381,7 @@ impl Engine {
         let mut model = model.clone();
         let (mut gram, mut chi) = self.gram(&model, self.free(&model, shapes))?;
         let mut stop = Stop::Iterations;
+        let mut way = 0;
         let most = if self.is_exhausted() { most.min(FEW) } else { most };
         for _ in 0..most {
             let Some((_, step, covariance)) = gram.laplace() else {
@@ -375,8 +393,8 @@ impl Engine {
                 stop = Stop::Converged;
                 break;
             }
-            let here = gram.log_likelihood - penalty(&gram);
-            let (next, g, c) = match self.stepped(&model, &gram, &step, here, shapes) {
+            let here = gram.log_likelihood - penalty(&gram.numbers);
+            let (next, g, c) = match self.stepped(&model, &gram, &step, here, shapes, &mut way) {
                 Ok(next) => next,
                 Err(departed) => {
                     stop = match departed {
@@ -386,12 +404,17 @@ impl Engine {
                     break;
                 }
             };
-            let gained = g.log_likelihood - penalty(&g) - here;
+            let gained = g.log_likelihood - penalty(&g.numbers) - here;
             (model, gram, chi) = (next, g, c);
-            if gained < 0.02 {
+            if gained < LITTLE && way == 0 {
                 stop = Stop::Converged;
                 break;
             }
+            if gained < 0.1 * LITTLE {
+                stop = Stop::NoAscent;
+                break;
+            }
+            way = way.saturating_sub(1);
         }
         let (total, _, covariance) = gram.laplace().unwrap_or((f64::NEG_INFINITY, DVector::zeros(0), DMatrix::zeros(0, 0)));
         let mean = chi[..POSE].iter().map(|c| c[2]).sum::<f64>() / POSE as f64;

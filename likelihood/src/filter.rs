@@ -1,7 +1,7 @@
 //! likelihood: the extended Kalman filter of one run. In: a prepared run, a plant, noise, columns. Out: innovations' log-likelihood and
 //! the normal equations of all columns, whitened.
 //!
-//! States: motion (12), loose mass (4, where the plant has one), random inputs (3 each), coloured noise (1 each). Tunnel speed is an input. Every column's sensitivity runs through the same filter: `s⁻ = Φ s⁺ + Γ`, `D = H s⁻ + ∂h`, `s⁺ = s⁻ − K D`; whitened
+//! States: motion (12), loose mass (4, where the plant has one), random inputs (2 to 4 each), coloured noise (2 each). Tunnel speed is an input. Every column's sensitivity runs through the same filter: `s⁻ = Φ s⁺ + Γ`, `D = H s⁻ + ∂h`, `s⁺ = s⁻ − K D`; whitened
 //! by the innovations' covariance `G = Σ DᵀD`, `b = Σ Dᵀν` (Durbin and Koopman 2012, §7.3; Klein and Morelli 2006, §6.2). Rates are means
 //! over two opposite points of the unresolved gust, so that what is not linear in the flow angles acts as it does on average (Gelb 1974, §6.2).
 
@@ -9,7 +9,7 @@ mod predict;
 mod update;
 
 use crate::columns::{Basis, SensitivityColumn, Shown, View, body_to_tunnel, lag_s, shown};
-use crate::noise::{CHANNELS, ChannelNoise, POSE};
+use crate::noise::{CHANNELS, ChannelNoise, MeanNoise, POSE};
 use crate::random::{Input, ORDER, inputs};
 use crate::run::Prepared;
 use crate::shock::{Taken, Trace};
@@ -37,6 +37,10 @@ pub(crate) struct Seen {
     pub(crate) channels: [[f64; 4]; POSE],
     /// Whitened innovations of the pose, a row a node (zero where nothing was measured).
     pub(crate) whitened: Vec<[f64; POSE]>,
+    /// Variances of the innovations, as those.
+    pub(crate) variances: Vec<[f64; POSE]>,
+    /// Where asked for: a row a channel taken, whitened slopes by the columns and the whitened innovation.
+    pub(crate) rows: Vec<f64>,
     /// Log-likelihood of each node.
     pub(crate) nodes: Vec<f64>,
     /// What a basis may look at, a row a node.
@@ -69,8 +73,17 @@ pub(crate) struct PassSetting<'a> {
     pub(crate) columns: &'a [SensitivityColumn],
     /// Share of [`SLACK`] that the accelerations are left free by from node to node.
     pub(crate) slack: f64,
-    /// Whether to keep what the filter did.
-    pub(crate) traced: bool,
+    pub(crate) keep: Keep,
+}
+
+/// What of a pass is kept beside its sums.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Keep {
+    Nothing,
+    /// Whitened slopes of the innovations by the columns.
+    Rows,
+    /// What the filter did.
+    Trace,
 }
 
 /// A column made ready for a run.
@@ -107,11 +120,11 @@ struct Filter<'a> {
     plant: &'a Plant,
     craft: Craft<'a>,
     random: Vec<Input>,
-    /// Coloured noise: channel, correlation, variance of node means.
-    coloured: Vec<(usize, f64, f64)>,
+    /// Coloured noise of node means, by channel.
+    coloured: Vec<(usize, MeanNoise)>,
     white: [f64; POSE],
     slack: f64,
-    traced: bool,
+    keep: Keep,
     step_s: f64,
     /// Motion states, all states, columns.
     nm: usize,
@@ -126,15 +139,10 @@ pub(crate) fn pass(run: &Prepared, s: &PassSetting<'_>) -> Result<Seen, Departed
     let columns: Vec<Ready<'_>> = s.columns.iter().map(|c| ready(c, s.plant)).collect::<Option<_>>().ok_or(fault)?;
     let step_s = run.step_s() / (1.0 + s.plant.sensors.time_base);
     let random = inputs(s.plant, run.speed_m_s, step_s);
-    let coloured: Vec<(usize, f64, f64)> = (0..POSE)
-        .filter(|&c| s.noise[c].coloured > 0.0)
-        .map(|c| {
-            let (variance, correlation) = s.noise[c].of_means(run.block);
-            (c, correlation, variance)
-        })
-        .collect();
+    let coloured: Vec<(usize, MeanNoise)> =
+        (0..POSE).filter(|&c| s.noise[c].coloured > 0.0).map(|c| (c, s.noise[c].of_means(run.block))).collect();
     let nm = if s.plant.vehicle.loose.is_some() { MOTION } else { STATES };
-    let n = nm + ORDER * random.len() + coloured.len();
+    let n = nm + random.iter().map(|r| r.order).sum::<usize>() + 2 * coloured.len();
     let white = std::array::from_fn(|c| s.noise[c].white.max(1e-6 * s.noise[c].coloured));
     let filter = Filter {
         run,
@@ -144,7 +152,7 @@ pub(crate) fn pass(run: &Prepared, s: &PassSetting<'_>) -> Result<Seen, Departed
         coloured,
         white,
         slack: s.slack,
-        traced: s.traced,
+        keep: s.keep,
         step_s,
         nm,
         n,
@@ -183,6 +191,8 @@ impl<'a> Filter<'a> {
             log_likelihood: 0.0,
             channels: [[0.0; 4]; POSE],
             whitened: Vec::with_capacity(self.run.nodes.len()),
+            variances: Vec::with_capacity(self.run.nodes.len()),
+            rows: Vec::new(),
             nodes: Vec::with_capacity(self.run.nodes.len()),
             views: Vec::with_capacity(self.run.nodes.len()),
             trace: Trace::default(),
@@ -194,13 +204,13 @@ impl<'a> Filter<'a> {
             let departed = Departed { run: self.run.index, t_s: self.run.nodes[k].t_s };
             let rate = self.rates(&z, k, Stage::Now, [0.0; 3], &mut work.terms).ok_or(departed)?;
             let view = self.view(&z, k);
-            if self.traced {
+            if self.keep == Keep::Trace {
                 seen.trace.nodes.push(Taken { t_s: self.run.nodes[k].t_s, ..Taken::default() });
             }
             self.update(k, &mut z, &mut p, &mut s, &rate, &columns, &view, &mut seen, &mut rows, &mut work);
             seen.views.push(view);
             if rows.len() >= ROWS * (nc + 1) {
-                multiply(&mut rows, &mut seen.g);
+                self.gather(&mut rows, &mut seen);
             }
             if k + 1 == self.run.nodes.len() {
                 break;
@@ -213,11 +223,20 @@ impl<'a> Filter<'a> {
                 node.phi.clone_from(&work.phi);
             }
         }
-        multiply(&mut rows, &mut seen.g);
+        self.gather(&mut rows, &mut seen);
         seen.b = DVector::from_fn(nc, |i, _| seen.g[(i, nc)]);
         seen.g = seen.g.view((0, 0), (nc, nc)).into_owned();
         let finite = seen.log_likelihood.is_finite() && seen.g.iter().all(|v| v.is_finite());
         if finite { Ok(seen) } else { Err(Departed { run: self.run.index, t_s: self.run.duration_s() }) }
+    }
+
+    /// Adds gathered rows to the normal equations, and forgets them or keeps them as was asked for.
+    fn gather(&self, rows: &mut Vec<f64>, seen: &mut Seen) {
+        multiply(rows, &mut seen.g);
+        if self.keep == Keep::Rows {
+            seen.rows.append(rows);
+        }
+        rows.clear();
     }
 
     fn start(&self) -> (Vec<f64>, Vec<f64>) {
@@ -244,22 +263,36 @@ impl<'a> Filter<'a> {
             (0..2).for_each(|i| p[(STATES + i) * n + STATES + i] = 1e-4);
             (2..4).for_each(|i| p[(STATES + i) * n + STATES + i] = 1e-4 * f * f);
         }
-        for (j, input) in self.random.iter().enumerate() {
-            let at = self.nm + ORDER * j;
-            for i in 0..ORDER {
-                (0..ORDER).for_each(|k| p[(at + i) * n + at + k] = input.stationary[i][k]);
+        for (at, input) in self.inputs() {
+            for i in 0..input.order {
+                (0..input.order).for_each(|k| p[(at + i) * n + at + k] = input.stationary[i][k]);
             }
         }
-        for (j, (_, _, variance)) in self.coloured.iter().enumerate() {
-            let at = n - self.coloured.len() + j;
-            p[at * n + at] = *variance;
+        for (at, _, noise) in self.colours() {
+            let [mean, both, last] = noise.stationary;
+            (p[at * n + at], p[(at + 1) * n + at + 1]) = (mean, last);
+            (p[at * n + at + 1], p[(at + 1) * n + at]) = (both, both);
         }
         (z, p)
     }
 
+    /// Coloured noise with the place of its mean, which the last sample follows, and its channel.
+    fn colours(&self) -> impl Iterator<Item = (usize, usize, &MeanNoise)> {
+        let from = self.n - 2 * self.coloured.len();
+        self.coloured.iter().enumerate().map(move |(j, (channel, noise))| (from + 2 * j, *channel, noise))
+    }
+
+    /// Random inputs with the places of their first states.
+    fn inputs(&self) -> impl Iterator<Item = (usize, &Input)> {
+        self.random.iter().scan(self.nm, |next, input| {
+            let at = *next;
+            *next += input.order;
+            Some((at, input))
+        })
+    }
+
     /// Inputs at an instant of a step: tunnel speed with its rate, then what the air adds.
     fn air(&self, z: &[f64], k: usize, stage: Stage, spread: [f64; 3]) -> (TunnelAir, [f64; ADDED]) {
-        let at = self.nm;
         let (fraction, place) = match stage {
             Stage::Now => (0.0, None),
             Stage::Start => (0.0, Some(0)),
@@ -271,9 +304,9 @@ impl<'a> Filter<'a> {
         let [speed, rate] = self.speed(self.plant, t_s);
         let air = TunnelAir { t_s, density_kg_m3: node.density_kg_m3, vw_m_s: speed, vw_rate_m_s2: rate };
         let mut added = [0.0; ADDED];
-        for (j, input) in self.random.iter().enumerate() {
-            let q: [f64; ORDER] = std::array::from_fn(|i| z[at + ORDER * j + i]);
-            let q = place.map_or(q, |s: usize| times(&input.driven.stages[s], q));
+        for (at, input) in self.inputs() {
+            let q = states(z, at, input.order);
+            let q = place.map_or(q, |s: usize| times(&input.stages[s], q));
             match input.entry {
                 Entry::AirVelocity(axis) => {
                     added[axis] += q[0] + spread[axis];
@@ -343,8 +376,16 @@ impl<'a> Filter<'a> {
 
     fn shown(&self, plant: &Plant, z: &[f64], rate: &[f64; MOTION], k: usize) -> Shown {
         let samples = &self.run.nodes[k].pose;
-        shown(plant, z, rate, [samples.tau_s, samples.tau2_s2])
+        let arm = plant.vehicle.p_origin_cm.to_array();
+        shown(&plant.sensors, arm, &std::array::from_fn(|i| z[i]), rate, [samples.tau_s, samples.tau2_s2])
     }
+}
+
+/// States of a random input, zero beyond its order.
+fn states(z: &[f64], at: usize, order: usize) -> [f64; ORDER] {
+    let mut q = [0.0; ORDER];
+    q[..order].copy_from_slice(&z[at..at + order]);
+    q
 }
 
 fn times(m: &crate::random::Block, q: [f64; ORDER]) -> [f64; ORDER] {
@@ -356,12 +397,11 @@ fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
     y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
 }
 
-/// `G += M Mᵀ` of the rows gathered, which are then forgotten.
-fn multiply(rows: &mut Vec<f64>, g: &mut DMatrix<f64>) {
+/// `G += M Mᵀ` of the rows gathered.
+fn multiply(rows: &[f64], g: &mut DMatrix<f64>) {
     let width = g.nrows();
     let m = nalgebra::DMatrixView::from_slice(rows, width, rows.len() / width);
     g.gemm(1.0, &m, &m.transpose(), 1.0);
-    rows.clear();
 }
 
 /// Memory of a pass.
@@ -376,7 +416,9 @@ struct Work {
     half: Vec<f64>,
     turned: Vec<f64>,
     s: Vec<f64>,
-    gamma: DMatrix<f64>,
+    gamma: Vec<f64>,
+    /// Slopes of the rates of motion by motion, and their second and third powers.
+    powers: [Vec<f64>; 3],
     terms: Vec<f64>,
     values: Vec<f64>,
 }
@@ -395,7 +437,8 @@ impl Work {
             half: vec![0.0; n * n],
             turned: vec![0.0; n * n],
             s: vec![0.0; n * nc],
-            gamma: DMatrix::zeros(0, 0),
+            gamma: vec![0.0; f.nm * f.nm],
+            powers: std::array::from_fn(|_| vec![0.0; f.nm * f.nm]),
             terms: Vec::new(),
             values: Vec::new(),
         }

@@ -33,18 +33,30 @@ impl ChannelNoise {
     pub fn std(&self) -> f64 {
         (self.white + self.coloured).sqrt()
     }
-    /// Variance of the coloured part of a mean of `m` samples, and its correlation with the next such mean.
-    pub(crate) fn of_means(&self, m: usize) -> (f64, f64) {
+    /// The coloured part of means of `m` samples in a row, by which the last sample leads to the next mean: a mean of a first-order process is
+    /// none itself.
+    pub(crate) fn of_means(&self, m: usize) -> MeanNoise {
         let (n, r) = (m as f64, self.correlation);
-        let sum = |from: usize| -> f64 {
-            (0..m)
-                .flat_map(|i| (0..m).map(move |k| (i, k + from)))
-                .map(|(i, k)| r.powi(i32::try_from(i.abs_diff(k)).unwrap_or(i32::MAX)))
-                .sum()
-        };
-        let (own, next) = (sum(0), sum(m));
-        (self.coloured * own / (n * n), if own > 0.0 { next / own } else { 0.0 })
+        let power = |k: usize| r.powi(i32::try_from(k).unwrap_or(i32::MAX));
+        let drive = self.coloured * (1.0 - r * r);
+        // What sample j's own noise does to the mean and to the last sample.
+        let in_mean = |j: usize| (j..=m).map(|i| power(i - j)).sum::<f64>() / n;
+        let sum = |f: &dyn Fn(usize) -> f64| drive * (1..=m).map(f).sum::<f64>();
+        let added = [sum(&|j| in_mean(j).powi(2)), sum(&|j| in_mean(j) * power(m - j)), sum(&|j| power(m - j).powi(2))];
+        let by_last = [(1..=m).map(power).sum::<f64>() / n, power(m)];
+        let [a, b] = by_last;
+        let stationary = [a * a, a * b, b * b].map(|x| x * self.coloured);
+        MeanNoise { by_last, added, stationary: std::array::from_fn(|i| stationary[i] + added[i]) }
     }
+}
+
+/// Coloured noise of means of samples: the mean and its last sample, by the last sample before. Covariances are those of mean and mean, mean and
+/// last, last and last.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MeanNoise {
+    pub(crate) by_last: [f64; 2],
+    pub(crate) added: [f64; 3],
+    pub(crate) stationary: [f64; 3],
 }
 
 /// Lowest frequency that is noise alone, Hz, at least this share of the sample rate; and from where motion is told from noise by its
@@ -244,6 +256,22 @@ mod tests {
             bridged: Vec::new(),
             t_s,
         }
+    }
+
+    /// Covariances of means by all pairs of their samples.
+    #[test]
+    fn exact_covariances_of_means() {
+        let noise = ChannelNoise { white: 0.0, coloured: 2.0, correlation: 0.8 };
+        let m = 3;
+        let between = |a: i32, b: i32| 2.0 * 0.8_f64.powi((a - b).abs());
+        let mean = |of: &dyn Fn(i32) -> f64| (0..3).map(of).sum::<f64>() / 3.0;
+        let own = mean(&|i| mean(&|k| between(i, k)));
+        let next = |lag: i32| mean(&|i| mean(&|k| between(i, k + 3 * lag)));
+        let found = noise.of_means(m);
+        assert!((found.stationary[0] - own).abs() < 1e-14 && (found.stationary[2] - 2.0).abs() < 1e-14);
+        // Mean, then mean again: by the last sample; and one later.
+        assert!((found.by_last[0] * found.stationary[1] - next(1)).abs() < 1e-14);
+        assert!((found.by_last[0] * found.by_last[1] * found.stationary[1] - next(2)).abs() < 1e-14);
     }
 
     #[test]

@@ -6,11 +6,11 @@
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector};
 use windfall_model::{Disturbance, Entry, Plant, Shape};
 
-/// States of one random input (a band needs four; those that Dryden's form and an oscillator leave over stay at zero).
+/// Most states of one random input: a band needs four, Dryden's form three, an oscillator two.
 pub(crate) const ORDER: usize = 4;
 const SQUARE: usize = ORDER * ORDER;
 /// States with their first, second and third integrals over a step.
-pub(crate) const WITH_SUMS: usize = 4 * ORDER;
+const WITH_SUMS: usize = 4 * ORDER;
 /// The short lag over the gust's own time, and its bounds, s.
 const FAST: f64 = 0.1;
 const FAST_S: [f64; 2] = [0.002, 0.02];
@@ -18,32 +18,51 @@ const FAST_S: [f64; 2] = [0.002, 0.02];
 type Rates = SMatrix<f64, ORDER, ORDER>;
 type States = SVector<f64, ORDER>;
 
+/// Size of a band's gusts that lies outside the band, over the size in it: no tunnel's spectrum is empty there, and a filter that is told so
+/// follows no slow motion that it has once lost.
+const OUTSIDE: f64 = 0.03;
+
 /// A matrix over one input's states.
 pub(crate) type Block = [[f64; ORDER]; ORDER];
 
 /// States driven by white noise, over a step: what a motion that follows them needs of them, exactly, however short their own
 /// times are.
 #[derive(Clone, Debug)]
-pub(crate) struct Driven {
+struct Driven {
     /// Transition of the states.
-    pub(crate) whole: Block,
+    whole: Rates,
     /// First, second and third integrals over the step, by the states at its start.
-    pub(crate) sums: [Block; 3],
+    sums: [Rates; 3],
     /// Covariance that a step adds to the states and those integrals.
-    pub(crate) added: Box<SMatrix<f64, WITH_SUMS, WITH_SUMS>>,
+    added: Box<SMatrix<f64, WITH_SUMS, WITH_SUMS>>,
     /// Values at a Runge-Kutta step's start, middle and end, by the states, that give these integrals.
-    pub(crate) stages: [Block; 3],
+    stages: [Rates; 3],
 }
+
+/// Integrals that move a body over a step: first, second and third, each of the input and of its rate.
+pub(crate) const REACH: usize = 6;
 
 /// One random input ready for a step. Its first state is the input itself.
 #[derive(Clone, Debug)]
 pub(crate) struct Input {
     pub(crate) entry: Entry,
+    /// Number of its states; the rest of what follows is zero.
+    pub(crate) order: usize,
     /// Rate of the input by its states (a gust's); zero for others.
     pub(crate) rate: [f64; ORDER],
-    pub(crate) driven: Driven,
+    /// Transition of the states over a step, and the covariance that it adds.
+    pub(crate) whole: Block,
+    pub(crate) added: Block,
+    /// Values at a Runge-Kutta step's start, middle and end, by the states, that give the step's integrals.
+    pub(crate) stages: [Block; 3],
+    /// Integrals over a step by the states at its start, the covariance that it adds to them, and to them with the states.
+    pub(crate) reach: [[f64; ORDER]; REACH],
+    pub(crate) reach_added: [[f64; REACH]; REACH],
+    pub(crate) crossed: [[f64; ORDER]; REACH],
     /// Covariance in the long run.
     pub(crate) stationary: Block,
+    /// Standard deviation of what changes from step to step beside it.
+    pub(crate) broad: f64,
 }
 
 /// The random inputs of a plant at mean speed, for steps of `step_s`.
@@ -93,35 +112,51 @@ fn driven(a: &Rates, b: &States, step_s: f64) -> Driven {
         j1 * (6.0 / (h * h)) - j2 * (12.0 / h.powi(3)),
         j0 * (6.0 / h) - j1 * (18.0 / (h * h)) + j2 * (24.0 / h.powi(3)),
     ];
-    Driven {
-        whole: rows(&phi.fixed_view::<ORDER, ORDER>(0, 0).into_owned()),
-        sums: [rows(&j0), rows(&j1), rows(&j2)],
-        added: Box::new(added),
-        stages: stages.map(|m| rows(&m)),
-    }
+    Driven { whole: phi.fixed_view::<ORDER, ORDER>(0, 0).into_owned(), sums: [j0, j1, j2], added: Box::new(added), stages }
 }
 
 fn input(d: &Disturbance, step_s: f64) -> Input {
     // Rates of the states, where white noise enters, and the form by the states.
-    let (a, b, form) = match d.shape {
-        Shape::DrydenLongitudinal { time_s } => gust(time_s, 1.0),
-        Shape::DrydenLateral { time_s } => gust(time_s, 3.0_f64.sqrt()),
-        Shape::Band { centre_rad_s, bandwidth_rad_s } => band(centre_rad_s, bandwidth_rad_s / centre_rad_s),
+    let (order, (a, b, form)) = match d.shape {
+        Shape::DrydenLongitudinal { time_s } => (3, gust(time_s, 1.0)),
+        Shape::DrydenLateral { time_s } => (3, gust(time_s, 3.0_f64.sqrt())),
+        Shape::Band { centre_rad_s, bandwidth_rad_s } => (4, band(centre_rad_s, bandwidth_rad_s / centre_rad_s)),
         Shape::Narrow { centre_rad_s: w, bandwidth_rad_s } => {
             let (mut a, mut b) = (-Rates::identity(), States::zeros());
             a.fixed_view_mut::<2, 2>(0, 0).copy_from(&Matrix2::new(0.0, 1.0, -w * w, -bandwidth_rad_s));
             b[1] = 1.0;
-            (a, b, States::x())
+            (2, (a, b, States::x()))
         }
     };
     let p = lyapunov(&a, &b);
     // The size is that of the form itself: the lag takes off its fast part, and must not add to the slow one.
     let size = d.rms / (form.transpose() * p * form)[(0, 0)].sqrt();
+    let rate = if matches!(d.entry, Entry::AirVelocity(_)) { a.row(0).transpose() } else { States::zeros() };
+    let step = driven(&a, &(b * size), step_s);
+    // Rows that make the integrals of the input and of its rate from those of the states.
+    let mut of_sums = SMatrix::<f64, REACH, WITH_SUMS>::zeros();
+    for level in 0..REACH / 2 {
+        of_sums[(2 * level, ORDER * (level + 1))] = 1.0;
+        of_sums.fixed_view_mut::<1, ORDER>(2 * level + 1, ORDER * (level + 1)).copy_from(&rate.transpose());
+    }
+    let crossed = of_sums * step.added.fixed_view::<WITH_SUMS, ORDER>(0, 0);
+    let reach_added = of_sums * *step.added * of_sums.transpose();
+    let reach = |r: usize, c: usize| {
+        let sums = &step.sums[r / 2];
+        if r % 2 == 0 { sums[(0, c)] } else { rate.dot(&sums.column(c)) }
+    };
     Input {
         entry: d.entry,
-        rate: if matches!(d.entry, Entry::AirVelocity(_)) { std::array::from_fn(|k| a[(0, k)]) } else { [0.0; ORDER] },
-        driven: driven(&a, &(b * size), step_s),
+        order,
+        rate: rate.into(),
+        whole: rows(&step.whole),
+        added: rows(&step.added.fixed_view::<ORDER, ORDER>(0, 0).into_owned()),
+        stages: step.stages.map(|m| rows(&m)),
+        reach: std::array::from_fn(|r| std::array::from_fn(|c| reach(r, c))),
+        reach_added: std::array::from_fn(|r| std::array::from_fn(|c| reach_added[(r, c)])),
+        crossed: std::array::from_fn(|r| std::array::from_fn(|c| crossed[(r, c)])),
         stationary: rows(&(p * (size * size))),
+        broad: if matches!(d.shape, Shape::Band { .. }) { OUTSIDE * d.rms } else { 0.0 },
     }
 }
 
@@ -179,8 +214,8 @@ mod tests {
             assert!((i.stationary[1][1] + 3.0 * i.stationary[2][2] - 0.09).abs() < 1e-14);
             assert!((0.6..1.0).contains(&(i.stationary[0][0] / 0.09)));
             let of = |b: &Block| Rates::from_fn(|r, c| b[r][c]);
-            let (phi, p0) = (of(&i.driven.whole), of(&i.stationary));
-            let next = phi * p0 * phi.transpose() + i.driven.added.fixed_view::<ORDER, ORDER>(0, 0);
+            let (phi, p0) = (of(&i.whole), of(&i.stationary));
+            let next = phi * p0 * phi.transpose() + of(&i.added);
             // The shortest step's series leaves (step/lag)⁵/120 of the fastest lag.
             assert!((next - p0).amax() < 1e-8 * p0.amax(), "{time_s}: {next} {p0}");
             let (a, b, _) = gust(time_s, 3.0_f64.sqrt());
@@ -227,10 +262,10 @@ mod tests {
             // ∫₀ʰ (lag (1 - e^{-s/lag}))² ds.
             let variance = lag * lag * (h - 2.0 * lag * (1.0 - e) + 0.5 * lag * (1.0 - e * e));
             assert!((d.added[(ORDER, ORDER)] / variance - 1.0).abs() < 1e-7, "{lag}");
-            assert!((d.sums[0][0][0] / (lag * (1.0 - e)) - 1.0).abs() < 1e-9);
+            assert!((d.sums[0][(0, 0)] / (lag * (1.0 - e)) - 1.0).abs() < 1e-9);
             // Simpson's sum of the stages is that integral too.
-            let simpson = h / 6.0 * (d.stages[0][0][0] + 4.0 * d.stages[1][0][0] + d.stages[2][0][0]);
-            assert!((simpson - d.sums[0][0][0]).abs() < 1e-12);
+            let simpson = h / 6.0 * (d.stages[0][(0, 0)] + 4.0 * d.stages[1][(0, 0)] + d.stages[2][(0, 0)]);
+            assert!((simpson - d.sums[0][(0, 0)]).abs() < 1e-12);
         }
     }
 }

@@ -1,74 +1,75 @@
-//! likelihood: sizes and shapes of random members. In: a model. Out: slopes of the likelihood over their logarithms, and the model at its
-//! likeliest.
+//! likelihood: sizes and shapes of random members together with all other numbers. In: a model. Out: slopes of the likelihood over their
+//! logarithms, and the model at its likeliest.
 //!
 //! Scoring (Fisher; Mehra 1970 for the innovations of a filter): the information is that of the innovations' slopes and of their variances'.
 
-use crate::engine::{Engine, Fit};
+use crate::engine::{Engine, Fit, penalty, totals};
 use crate::filter::Seen;
-use crate::model::Model;
-use nalgebra::{DMatrix, DVector};
+use crate::model::{Model, Number};
+use nalgebra::{DMatrix, DMatrixView, DVector};
 use windfall_model::Role;
 
-/// What a model's runs say of the logarithms of its random members' numbers, in the order of [`random_numbers`].
+/// What a model's runs say of its numbers and of the logarithms of its random members' numbers, those in the order of [`random_numbers`].
 pub(crate) struct RandomSlopes {
     /// Log-likelihood.
     pub(crate) here: f64,
-    /// By number, by run.
+    /// By random number, by run.
     pub(crate) slopes: Vec<Vec<Slopes>>,
-    /// Expected information.
+    /// Expected information of all: numbers first, then random ones.
     pub(crate) information: DMatrix<f64>,
+    /// Slopes of the log-likelihood, in that order.
+    pub(crate) gradient: DVector<f64>,
 }
 
 impl Engine {
-    /// Slopes at a model, by differences; none where a model departs.
-    pub(crate) fn random_slopes(&self, model: &Model) -> Option<RandomSlopes> {
-        let base = self.traced(model, &[]).ok()?;
+    /// Slopes at a model, by columns and for random numbers by differences; none where a model departs.
+    pub(crate) fn random_slopes(&self, model: &Model, numbers: &[Number]) -> Option<RandomSlopes> {
+        let base = self.with_rows(model, numbers).ok()?;
         let one = |place| {
             let (next, by) = moved(model, place);
-            Some(slopes(&base, &self.traced(&next, &[]).ok()?, by))
+            Some(slopes(&base, &self.sum(&next, &[], &[]).ok()?.runs, by))
         };
         let slopes: Vec<Vec<Slopes>> = random_numbers(model).into_iter().map(one).collect::<Option<_>>()?;
-        let n = slopes.len();
-        let each = |a: usize, b: usize| slopes[a].iter().zip(&slopes[b]).map(|(x, y)| x.information(y)).sum::<f64>();
-        let information = DMatrix::from_fn(n, n, each);
-        Some(RandomSlopes { here: base.iter().map(|s| s.log_likelihood).sum(), slopes, information })
+        let (n, m) = (numbers.len(), slopes.len());
+        let (g, b, here) = totals(&base, n);
+        let mut information = DMatrix::zeros(n + m, n + m);
+        let mut gradient = DVector::zeros(n + m);
+        information.view_mut((0, 0), (n, n)).copy_from(&g);
+        gradient.rows_mut(0, n).copy_from(&b);
+        for (k, own) in slopes.iter().enumerate() {
+            gradient[n + k] = own.iter().flat_map(|s| &s.likelihood).sum();
+            for (l, other) in slopes.iter().enumerate() {
+                information[(n + k, n + l)] = own.iter().zip(other).map(|(x, y)| x.information(y)).sum();
+            }
+            // A column's slope is that of what is predicted: the innovation's has the other sign.
+            let cross: DVector<f64> = base.iter().zip(own).map(|(seen, s)| -s.by_columns(seen, n)).sum();
+            information.view_mut((0, n + k), (n, 1)).copy_from(&cross);
+            information.view_mut((n + k, 0), (1, n)).tr_copy_from(&cross);
+        }
+        Some(RandomSlopes { here, slopes, information, gradient })
     }
 
-    /// Sizes and shapes of the random members, the rest held, by at most `most` steps of scoring, then a climb; the better of before and
-    /// after.
+    /// What integrating over the logarithms of the random members' numbers takes off the log-likelihood at its top, by Laplace's
+    /// approximation (Kass and Raftery 1995); nothing without such members.
+    pub(crate) fn random_price(&self, model: &Model) -> f64 {
+        let n = random_numbers(model).len();
+        if n == 0 {
+            return 0.0;
+        }
+        let Some(RandomSlopes { information, .. }) = self.random_slopes(model, &[]) else { return 0.0 };
+        let scaled = information * (VAGUE * VAGUE) + DMatrix::identity(n, n);
+        scaled.cholesky().map_or(0.0, |c| c.l_dirty().diagonal().iter().map(|x| x.ln()).sum())
+    }
+
+    /// A model at its likeliest, sizes and shapes of random members with all other numbers but shapes, by at most `most` steps of scoring
+    /// and a climb; the better of before and after.
     pub(crate) fn settle_random(&self, fit: &Fit, most: usize) -> Fit {
-        /// Longest step of a logarithm; what a number may be known by without the data; gain of log-likelihood that is not worth a step.
-        const LONGEST: f64 = 1.2;
-        const VAGUE: f64 = 3.0;
-        const WORTH: f64 = 0.1;
-        let places = random_numbers(&fit.model);
-        if places.is_empty() {
+        if random_numbers(&fit.model).is_empty() {
             return fit.clone();
         }
         let mut model = fit.model.clone();
         for _ in 0..most {
-            let Some(RandomSlopes { here, slopes, mut information }) = self.random_slopes(&model) else { break };
-            let gradient = DVector::from_fn(slopes.len(), |i, _| slopes[i].iter().flat_map(|s| &s.likelihood).sum());
-            (0..places.len()).for_each(|i| information[(i, i)] += 1.0 / (VAGUE * VAGUE));
-            let Some(cholesky) = information.cholesky() else { break };
-            let step = cholesky.solve(&gradient);
-            let expected = 0.5 * gradient.dot(&step);
-            let mut fraction = (LONGEST / step.amax().max(1e-12)).min(1.0);
-            let mut better = None;
-            for _ in 0..4 {
-                let mut next = model.clone();
-                for (&(m, i), s) in places.iter().zip(step.iter()) {
-                    let [low, high] = log_range(&model, m, i);
-                    next.members[m].values[i] =
-                        (model.members[m].values[i].max(1e-12).ln() + fraction * s).clamp(low, high).exp();
-                }
-                if self.sum(&next, &[], &[]).is_ok_and(|s| s.log_likelihood > here) {
-                    better = Some(next);
-                    break;
-                }
-                fraction *= 0.35;
-            }
-            let Some(next) = better else { break };
+            let Some((next, expected)) = self.scored(&model) else { break };
             model = next;
             if expected < WORTH {
                 break;
@@ -79,7 +80,48 @@ impl Engine {
             _ => fit.clone(),
         }
     }
+
+    /// The model a step of scoring further, shortened until the posterior rises, and what a whole step was expected to gain; none where no
+    /// step raises it.
+    fn scored(&self, model: &Model) -> Option<(Model, f64)> {
+        let (places, numbers) = (random_numbers(model), self.free(model, false));
+        let RandomSlopes { here, mut information, mut gradient, .. } = self.random_slopes(model, &numbers)?;
+        let n = numbers.len();
+        let scale = |i: usize| numbers.get(i).map_or(VAGUE, |number| number.prior);
+        (0..n).for_each(|i| gradient[i] -= numbers[i].value / numbers[i].prior.powi(2));
+        // In units of the priors, whose information is then one.
+        information = DMatrix::from_fn(n + places.len(), n + places.len(), |i, k| {
+            scale(i) * information[(i, k)] * scale(k) + f64::from(u8::from(i == k))
+        });
+        let scaled = DVector::from_fn(gradient.len(), |i, _| scale(i) * gradient[i]);
+        let step = information.cholesky()?.solve(&scaled);
+        let expected = 0.5 * scaled.dot(&step);
+        let longest = |i: usize| if i < n { LONGEST } else { LONGEST_LOG / VAGUE };
+        let mut fraction = (0..step.len()).map(|i| longest(i) / step[i].abs().max(1e-12)).fold(1.0, f64::min);
+        for _ in 0..4 {
+            let mut next = model.clone();
+            numbers.iter().enumerate().for_each(|(i, number)| next.change(number, fraction * scale(i) * step[i]));
+            for (k, &(m, i)) in places.iter().enumerate() {
+                let [low, high] = log_range(model, m, i);
+                let by = fraction * VAGUE * step[n + k];
+                next.members[m].values[i] = (model.members[m].values[i].max(1e-12).ln() + by).clamp(low, high).exp();
+            }
+            let there = self.sum(&next, &[], &[]).map(|s| s.log_likelihood - penalty(&self.free(&next, false)));
+            if there.is_ok_and(|there| there > here - penalty(&numbers)) {
+                return Some((next, expected));
+            }
+            fraction *= 0.35;
+        }
+        None
+    }
 }
+
+/// What a logarithm of a random number may be known by without the data; its longest step, and that of others in their priors' standard
+/// deviations; gain of log-likelihood that is not worth a step.
+const VAGUE: f64 = 3.0;
+const LONGEST_LOG: f64 = 1.2;
+const LONGEST: f64 = 3.0;
+const WORTH: f64 = 0.1;
 
 /// Slopes of a run's innovations (whitened), of the logarithms of their variances, and of its nodes' log-likelihoods.
 pub(crate) struct Slopes {
@@ -94,15 +136,22 @@ impl Slopes {
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         product(&self.innovations, &other.innovations) + 0.5 * product(&self.variances, &other.variances)
     }
+
+    /// Sum of its innovations' slopes times the whitened slopes by `n` columns, of the same run.
+    fn by_columns(&self, seen: &Seen, n: usize) -> DVector<f64> {
+        let rows = DMatrixView::from_slice(&seen.rows, n + 1, self.innovations.len());
+        (rows * DVector::from_column_slice(&self.innovations)).rows(0, n).into_owned()
+    }
 }
 
 fn slopes(base: &[Seen], moved: &[Seen], by: f64) -> Vec<Slopes> {
     let one = |(base, moved): (&Seen, &Seen)| {
         let mut slopes = Slopes { innovations: Vec::new(), variances: Vec::new(), likelihood: Vec::new() };
-        for (a, b) in base.trace.nodes.iter().zip(&moved.trace.nodes) {
-            for (x, y) in a.channels.iter().zip(&b.channels) {
-                slopes.innovations.push((y.value - x.value) / (by * x.variance.sqrt()));
-                slopes.variances.push((y.variance / x.variance).ln() / by);
+        for (k, (a, b)) in base.variances.iter().zip(&moved.variances).enumerate() {
+            for c in (0..a.len()).filter(|&c| a[c] > 0.0) {
+                let (ratio, innovation) = (b[c] / a[c], base.whitened[k][c]);
+                slopes.innovations.push((moved.whitened[k][c] * ratio.sqrt() - innovation) / by);
+                slopes.variances.push(ratio.ln() / by);
             }
         }
         slopes.likelihood = base.nodes.iter().zip(&moved.nodes).map(|(a, b)| (b - a) / by).collect();

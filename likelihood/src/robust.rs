@@ -110,7 +110,7 @@ impl Engine {
 
     /// Covariance of the logarithms of the random members' numbers. The information is what innovations and their variances say by their slopes; the score's covariance is that of what the nodes say in the long run.
     pub(crate) fn random_covariance(&self, model: &Model) -> Option<DMatrix<f64>> {
-        let RandomSlopes { slopes, information, .. } = self.random_slopes(model)?;
+        let RandomSlopes { slopes, information, .. } = self.random_slopes(model, &[])?;
         let n = slopes.len();
         let mut score = DMatrix::zeros(n, n);
         for run in 0..self.runs.len() {

@@ -1,7 +1,8 @@
 //! likelihood: effects against generic alternatives. In: the best set. Out: what stands beside time, height, angles, lines and random air.
 
-use super::weigh::{GENERIC, SURE, Weighed, weigh, weigh_beside};
-use super::{cost_of, describe, moves_air, random_cost};
+use super::polish::polish;
+use super::weigh::{GENERIC, SURE, Weighed, weigh, weigh_beside, with_set};
+use super::{describe, moves_air, random_cost, score};
 use crate::check::{Alternative, Lead, alternatives};
 use crate::columns::CHANNEL_NAMES;
 use crate::engine::{Engine, Fit};
@@ -107,8 +108,8 @@ pub(super) fn against_gusts(
     let all = alternatives(engine);
     let Some(beside) = weigh_beside(engine, &still.model, &all) else { return (fit, weighed, contest, Vec::new()) };
     let Some(other) = outcome(&beside, &all) else { return (fit, weighed, contest, Vec::new()) };
-    let here = fit.total - cost_of(&fit.model, engine);
-    let there = beside.total - random_cost(&still.model, engine);
+    let here = score(engine, &fit);
+    let there = beside.total - random_cost(&still.model, engine) - engine.random_price(&still.model);
     log.push(format!("without gusts {there:.1} for {here:.1}, {:?}", other.leads));
     if still.chi < NEAR
         && !other.leads.is_empty()
@@ -116,6 +117,16 @@ pub(super) fn against_gusts(
         && let Some(weighed) = weigh(engine, &still.model)
     {
         return (still, weighed, Some(other), Vec::new());
+    }
+    // Better without gusts by what weighing promises: the fit decides.
+    if still.chi < NEAR
+        && there > here + SURE
+        && let Some(w) = weigh(engine, &still.model)
+        && let Some((score, fit, weighed)) = polish(engine, with_set(&still.model, &w, w.choice(), engine), here, log)
+        && score > here
+    {
+        let again = self::contest(engine, &fit.model, &all);
+        return (fit, weighed, again, Vec::new());
     }
     if size >= FAINT * speed {
         return (fit, weighed, contest, Vec::new());

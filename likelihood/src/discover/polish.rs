@@ -1,57 +1,99 @@
 //! likelihood: a set fitted in full and weighed again until it stays. In: a start. Out: the fit and all sets at it.
 
 use super::weigh::{SURE, Weighed, weigh, with_set};
-use super::{cost, cost_of, describe};
-use crate::engine::{Engine, Fit};
+use super::{describe, score};
+use crate::engine::{Engine, Fit, Stop};
 use crate::model::Model;
 use windfall_model::Role;
 
 /// Rounds of fitting and weighing again.
 pub(super) const ROUNDS: usize = 6;
 
+/// Most steps of scoring of random members, and of the first that tell whether they are idle.
+const STEPS: usize = 12;
+const FEW: usize = 4;
+/// Nats by which a form that is behind after those is given up.
+const FAR_BEHIND: f64 = 15.0;
+/// Mean square of whitened innovations within which a climb is worth going on with.
+const NEAR: f64 = 3.0;
+
 /// A search this far below another's end after two rounds is given up.
 pub(super) const HOPELESS: f64 = 500.0;
 
+/// A set fitted in full: its score, its fit, and all sets weighed there.
+pub(super) type Scored = (f64, Fit, Weighed);
+
 /// Fits a set in full and weighs all sets again, until the set stays.
-pub(super) fn polish(engine: &Engine, mut model: Model, floor: f64, log: &mut Vec<String>) -> Option<(Fit, Weighed)> {
-    let mut seen: Vec<(String, Fit)> = Vec::new();
+pub(super) fn polish(engine: &Engine, mut model: Model, floor: f64, log: &mut Vec<String>) -> Option<Scored> {
+    let mut seen: Vec<(String, f64, Fit)> = Vec::new();
     for round in 0..ROUNDS {
-        let mut fit = climb_down(engine, &model)?;
-        if !crate::random_fit::random_numbers(&fit.model).is_empty() {
-            fit = settled(engine, fit);
-            if round == 0 {
-                fit = in_likelier_form(engine, fit);
-            }
-            fit = without_idle(engine, fit);
-        }
-        fit = engine.climb(&fit.model, true, 10).ok()?;
+        let fit = fitted(engine, &model, round == 0)?;
         let w = weigh(engine, &fit.model)?;
+        let here = score(engine, &fit);
         let key = names(&fit.model);
         let again = with_set(&fit.model, &w, w.choice(), engine);
         let (a, b) = (names(&again), key.clone());
         log.push(format!(
-            "  round {round}: {:.1} chi {:.3} {} | {} -> {a}",
-            fit.total - cost_of(&fit.model, engine),
+            "  round {round} ({:.0}): {here:.1} chi {:.3} {} | {} -> {a}",
+            engine.passes(),
             fit.chi,
             fit.stop.words(),
             describe(&fit.model)
         ));
-        if round >= 1 && fit.total < floor - HOPELESS {
+        if round >= 1 && here < floor - HOPELESS {
             return None;
         }
-        let stays = a == b && same_forms(&again, &fit.model) || seen.iter().any(|(k, _)| *k == a && a != b);
-        seen.push((key, fit.clone()));
+        let stays = a == b && same_forms(&again, &fit.model) || seen.iter().any(|(k, ..)| *k == a && a != b);
+        seen.push((key, here, fit));
         if stays || round + 1 == ROUNDS || engine.is_exhausted() {
             // Of the sets that were visited in a circle, the best.
-            let (_, best) = seen
-                .into_iter()
-                .max_by(|x, y| (x.1.total - cost_of(&x.1.model, engine)).total_cmp(&(y.1.total - cost_of(&y.1.model, engine))))?;
-            let w = weigh(engine, &best.model)?;
-            return Some((best, w));
+            let (_, here, best) = seen.into_iter().max_by(|x, y| x.1.total_cmp(&y.1))?;
+            return without_promises(engine, here, best, log);
         }
         model = again;
     }
     None
+}
+
+/// A fit without members that weighing only promised, and all sets without them weighed there. In gusts a number also changes how
+/// uncertain a prediction is; columns leave that out, and may promise a gain that no fit finds.
+fn without_promises(engine: &Engine, mut here: f64, mut fit: Fit, log: &mut Vec<String>) -> Option<Scored> {
+    let mut empty: Vec<&'static str> = Vec::new();
+    let in_gusts = fit.model.members.iter().any(|m| m.random);
+    for k in (0..fit.model.members.len()).rev() {
+        let m = &fit.model.members[k];
+        if !in_gusts || m.random || m.declared || m.is_local() {
+            continue;
+        }
+        let family = m.effect.family;
+        let mut without = fit.model.clone();
+        without.members.remove(k);
+        if let Ok(less) = engine.climb(&without, true, 8)
+            && let there = score(engine, &less)
+            && there > here - SURE
+        {
+            log.push(format!("  {family} brings {:.1}", here - there));
+            (here, fit) = (there, less);
+            empty.push(family);
+        }
+    }
+    let mut weighed = weigh(engine, &fit.model)?;
+    weighed.leave_out(&empty);
+    Some((here, fit, weighed))
+}
+
+/// A set at its likeliest, without random members that bring less than they cost; those in the likelier of their forms at first.
+fn fitted(engine: &Engine, model: &Model, first: bool) -> Option<Fit> {
+    let mut fit = climb_down(engine, model)?;
+    if !crate::random_fit::random_numbers(&fit.model).is_empty() {
+        // Shapes first: what a set's members leave is no gust.
+        fit = engine.climb(&fit.model, true, 10).unwrap_or(fit);
+        fit = without_idle(engine, engine.settle_random(&fit, if first { FEW } else { STEPS }));
+        if first {
+            fit = without_idle(engine, in_likelier_form(engine, engine.settle_random(&fit, STEPS)));
+        }
+    }
+    engine.climb(&fit.model, true, 10).ok()
 }
 
 pub(super) fn names(model: &Model) -> String {
@@ -86,23 +128,6 @@ pub(super) fn climb_down(engine: &Engine, model: &Model) -> Option<Fit> {
     None
 }
 
-/// Random members and what they act beside by turns, until neither gains.
-fn settled(engine: &Engine, mut fit: Fit) -> Fit {
-    /// Turns, steps of scoring in one, and gain that is worth another.
-    const TURNS: usize = 5;
-    const STEPS: usize = 8;
-    const WORTH: f64 = 0.3;
-    for _ in 0..TURNS {
-        let next = engine.settle_random(&fit, STEPS);
-        let gained = next.total - fit.total;
-        fit = next;
-        if gained < WORTH {
-            break;
-        }
-    }
-    fit
-}
-
 /// The same with random members in the other of their forms, those that a shape of zero parts (gusts of Dryden's form or of a band), where
 /// that is likelier: at its best scale of those tried, then settled.
 fn in_likelier_form(engine: &Engine, fit: Fit) -> Fit {
@@ -117,7 +142,11 @@ fn in_likelier_form(engine: &Engine, fit: Fit) -> Fit {
             engine.climb(&model, false, 0).ok()
         });
         let Some(other) = tries.max_by(|a, b| a.total.total_cmp(&b.total)) else { continue };
-        let other = settled(engine, other);
+        let other = engine.settle_random(&other, FEW);
+        if other.total < best.total - FAR_BEHIND {
+            continue;
+        }
+        let other = engine.settle_random(&other, STEPS);
         if other.total > best.total {
             best = other;
         }
@@ -134,8 +163,12 @@ pub(super) fn without_idle(engine: &Engine, fit: Fit) -> Fit {
         }
         let mut without = fit.model.clone();
         without.members.remove(k);
-        if let Ok(less) = engine.climb(&without, false, 4)
-            && less.total > fit.total - cost(&fit.model.members[k], engine) - SURE
+        let less = engine.climb(&without, false, 4);
+        // From far away, but not lost: to the end.
+        let less =
+            less.and_then(|f| if f.stop == Stop::Iterations && f.chi < NEAR { engine.climb(&f.model, false, 12) } else { Ok(f) });
+        if let Ok(less) = less
+            && score(engine, &less) > score(engine, &fit) - SURE
         {
             fit = less;
         }

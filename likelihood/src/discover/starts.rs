@@ -86,7 +86,7 @@ pub(super) fn in_gusts(engine: &Engine, declared: &Model, air: &Member, fits: &m
                 followed = fit.model.clone();
                 // Very wide gusts only lead the parameters near.
                 if k > 0 {
-                    let others = forms.iter().filter_map(|form| engine.climb(&with(&fit.model, *level, form), false, 1).ok());
+                    let others = forms.iter().filter_map(|form| engine.climb(&with(&fit.model, *level, form), false, 0).ok());
                     let best = others.max_by(|a, b| a.total.total_cmp(&b.total));
                     fits.push(best.filter(|b| b.total > fit.total).unwrap_or(fit));
                 }
@@ -145,13 +145,37 @@ pub(super) fn start(engine: &Engine, fit: Fit, log: &mut Vec<String>) -> Option<
     let total = w.total - random_cost(&fit.model, engine);
     let next = with_set(&fit.model, &w, w.choice(), engine);
     log.push(format!(
-        "  level {}: {total:.1} chi {:.3} {} -> {}",
+        "  level ({:.0}) {}: {total:.1} chi {:.3} {} -> {}",
+        engine.passes(),
         describe(&fit.model),
         fit.chi,
         fit.stop.words(),
         describe(&next)
     ));
     Some(Start { total, at: fit.model, next })
+}
+
+/// A fit with one more random input, in the form and at the size of those tried that is likeliest; none where all make its runs less
+/// likely.
+pub(super) fn with_random(engine: &Engine, fit: &Fit) -> Option<Fit> {
+    let coarse = engine.coarse();
+    let likelihood = |model: &Model| coarse.sum(model, &[], &[]).map_or(f64::NEG_INFINITY, |s| s.log_likelihood);
+    let absent = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random && !has(&fit.model, m));
+    let tries = absent.flat_map(|null| {
+        let forms = if moves_air(&null, engine) { null.forms() } else { scanned(&null) };
+        let pairs = forms.into_iter().flat_map(|form| LEVELS[2..].iter().map(move |level| (form.clone(), *level)));
+        pairs.map(|(form, level)| sized(&null, level, &form)).collect::<Vec<_>>()
+    });
+    let all = tries.map(|member| {
+        let mut model = fit.model.clone();
+        model.members.push(member);
+        (likelihood(&model), model)
+    });
+    let (best, model) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    if best <= likelihood(&fit.model) {
+        return None;
+    }
+    engine.climb(&model, false, 3).ok()
 }
 
 /// A model struck at the instant at which a kick explains most, in the likeliest duration; none where that would not be sure.

@@ -21,6 +21,12 @@ impl Weighed {
         let enough = |s: &&Set| s.gain >= best.gain - SURE;
         self.sets.iter().filter(enough).min_by_key(|s| s.units.len()).unwrap_or(best)
     }
+
+    /// Sets with one of those families are no more among them.
+    pub(super) fn leave_out(&mut self, families: &[&str]) {
+        let of = |u: usize| CATALOGUE.get(self.families[u].0).map(|e| e.family);
+        self.sets.retain(|s| !s.units.iter().any(|&u| of(u).is_some_and(|f| families.contains(&f))));
+    }
 }
 
 pub(super) struct Weighed {
@@ -56,7 +62,11 @@ pub(super) fn weigh_beside(engine: &Engine, model: &Model, alternatives: &[Alter
         }
     }
     let sum = engine.sum(model, &numbers, &generic).ok()?;
-    let gram = Gram::new(numbers, sum.g, sum.b, sum.log_likelihood);
+    outcome(engine, model, Gram::new(numbers, sum.g, sum.b, sum.log_likelihood), alternatives.len(), &group)
+}
+
+/// All sets of what a gram has, `alternatives` groups of generic columns among it.
+fn outcome(engine: &Engine, model: &Model, gram: Gram, alternatives: usize, group: &[usize]) -> Option<Weighed> {
     let base: Vec<usize> = places(&gram.numbers, |n| always(n.id, model));
     let others: Vec<usize> =
         places(&gram.numbers, |n| !always(n.id, model) && gram.g[(index(&gram.numbers, n.id), index(&gram.numbers, n.id))] > 0.0);
@@ -66,7 +76,7 @@ pub(super) fn weigh_beside(engine: &Engine, model: &Model, alternatives: &[Alter
         match id {
             Id::Strength(family, ..) => Some((family, cost(&Member::null(CATALOGUE[family], &engine.campaign), engine))),
             Id::Member(m, _) => Some((place_of(model.members[m].effect)?, cost(&model.members[m], engine))),
-            Id::Generic(i) => Some((GENERIC + group[i], families().ln() + (alternatives.len() as f64).ln())),
+            Id::Generic(i) => Some((GENERIC + group[i], families().ln() + (alternatives as f64).ln())),
             _ => None,
         }
     };
@@ -84,7 +94,7 @@ pub(super) fn weigh_beside(engine: &Engine, model: &Model, alternatives: &[Alter
     let families = families.collect();
     // What the present members' values have brought is put back into the floor: the likelihood of the empty set.
     let shift = gram.log_likelihood - quadratic_here(&gram);
-    let sets = search(&left, &all, if alternatives.is_empty() { MOST } else { MOST + 1 });
+    let sets = search(&left, &all, if alternatives == 0 { MOST } else { MOST + 1 });
     let total = shift + floor.gain + sets[0].gain;
     Some(Weighed { gram: left, whole: gram, base, others, units: all, families, sets, total })
 }

@@ -1,9 +1,8 @@
 //! likelihood: the filter from one node to the next. In: state, covariance and sensitivities after a node. Out: the same before the next.
 
-use super::{Filter, Ready, SLACK, Stage, Work, axpy, times};
+use super::{Filter, Ready, SLACK, Stage, Work, axpy, states, times};
 use crate::columns::View;
-use crate::random::ORDER;
-use nalgebra::{DMatrix, DVector};
+use crate::random::{Input, REACH};
 use windfall_model::{Entry, Plant};
 use windfall_pid::equations::{ADDED, LOOSE, Local, MOTION, STATES, TunnelAir};
 
@@ -14,12 +13,11 @@ struct FlownStep {
     end: [f64; MOTION],
 }
 
-/// The middle of a step: motion, air, what the air adds, rates and their slopes.
+/// The middle of a step: motion, air, what the air adds, rates with their slopes.
 struct At {
     middle: [f64; MOTION],
     air: TunnelAir,
     added: [f64; ADDED],
-    base: [f64; MOTION],
     local: Local,
 }
 
@@ -36,23 +34,22 @@ impl Filter<'_> {
         view: &View,
         work: &mut Work,
     ) -> Option<()> {
-        let (n, nm) = (self.n, self.nm);
+        let nm = self.nm;
         let flown = self.flown(k, z, self.spread(p, k), work)?;
         let (air, added) = self.air(z, k, Stage::Middle, [0.0; 3]);
         let local = self.craft.local(&flown.middle, air, &added, &mut work.terms)?;
         work.values.clone_from(&work.terms);
-        let base = self.craft.rates(&flown.middle, air, &added, &mut work.terms)?;
         self.transition(&local, work);
-        self.push(&At { middle: flown.middle, air, added, base, local }, columns, view, work)?;
+        self.push(&At { middle: flown.middle, air, added, local }, columns, view, work)?;
         self.carry(s, columns, &flown.first, work);
         z[..nm].copy_from_slice(&flown.end[..nm]);
-        for (j, input) in self.random.iter().enumerate() {
-            let at = nm + ORDER * j;
-            let q = times(&input.driven.whole, std::array::from_fn(|i| z[at + i]));
-            z[at..at + ORDER].copy_from_slice(&q);
+        for (at, input) in self.inputs() {
+            let q = times(&input.whole, states(z, at, input.order));
+            z[at..at + input.order].copy_from_slice(&q[..input.order]);
         }
-        for (j, (_, r, _)) in self.coloured.iter().enumerate() {
-            z[n - self.coloured.len() + j] *= r;
+        for (at, _, noise) in self.colours() {
+            let last = z[at + 1];
+            z[at..at + 2].copy_from_slice(&noise.by_last.map(|by| by * last));
         }
         self.spread_out(p, work);
         Some(())
@@ -75,7 +72,7 @@ impl Filter<'_> {
     /// Push of the columns on the rates in the middle of a step.
     fn push(&self, at: &At, columns: &mut [Ready<'_>], view: &View, work: &mut Work) -> Option<()> {
         let (nm, nc) = (self.nm, self.nc);
-        let At { middle, air, added, base, local } = at;
+        let At { middle, air, added, local } = at;
         let push = &mut work.push;
         push.fill(0.0);
         let wrench = self.craft.by_wrench(&std::array::from_fn(|i| middle[i]));
@@ -99,7 +96,7 @@ impl Filter<'_> {
                     if let Some(part) = loose {
                         swing(part, &moved, craft.plant(), self.step_s);
                     }
-                    (0..nm).for_each(|i| push[i * nc + j] = (moved[i] - base[i]) / *step);
+                    (0..nm).for_each(|i| push[i * nc + j] = (moved[i] - local.rate[i]) / *step);
                 }
                 Ready::Plant { plant, step, winds: true, .. } => {
                     let moved = self.speed(plant, air.t_s);
@@ -121,111 +118,107 @@ impl Filter<'_> {
         let mut spread = [0.0; 3];
         let pattern = k % 4;
         let sign = [1.0, if pattern < 2 { 1.0 } else { -1.0 }, if pattern.is_multiple_of(2) { 1.0 } else { -1.0 }];
-        for (j, input) in self.random.iter().enumerate() {
+        for (at, input) in self.inputs() {
             if let Entry::AirVelocity(axis) = input.entry {
-                let at = self.nm + ORDER * j;
                 spread[axis] = sign[axis] * p[at * self.n + at].max(0.0).sqrt();
             }
         }
         spread
     }
 
-    /// Transition of all states over a step and the noise that it adds. Motion by the Taylor series of its matrix exponential; inputs, and
-    /// their integrals that move it, exactly.
+    /// Transition of all states over a step and, on and below the diagonal, the noise that it adds. Motion by the Taylor series of its
+    /// matrix exponential; inputs, and their integrals that move it, exactly.
     fn transition(&self, local: &Local, work: &mut Work) {
-        let (n, nm, h) = (self.n, self.nm, self.step_s);
+        let (n, h) = (self.n, self.step_s);
         work.phi.fill(0.0);
         work.q.fill(0.0);
-        let a = DMatrix::from_fn(nm, nm, |i, j| local.by_state[i][j]);
-        let identity = DMatrix::<f64>::identity(nm, nm);
-        let a2 = &a * &a;
-        let full = &identity + &a * h + &a2 * (h * h / 2.0) + (&a2 * &a) * (h * h * h / 6.0);
-        work.gamma = &identity * h + &a * (h * h / 2.0) + &a2 * (h * h * h / 6.0);
-        for i in 0..nm {
-            (0..nm).for_each(|j| work.phi[i * n + j] = full[(i, j)]);
-        }
-        self.wind_noise(local, &a, work);
+        pulp::Arch::new().dispatch(|| self.of_motion(local, work));
+        self.wind_noise(local, work);
         for (k, a) in SLACK.iter().enumerate() {
             work.q[(6 + k) * n + 6 + k] += (self.slack * a * h).powi(2);
         }
-        // Rates of motion by the inputs, and what motion makes of those.
-        let input = self.by_inputs(local);
-        let once = &a * &input;
-        let twice = &a * &once;
-        for block in 0..self.random.len() {
-            self.driven(block, [&input, &once, &twice], work);
+        for (at, input) in self.inputs() {
+            self.driven(at, input, local, work);
         }
-        for (j, (_, r, variance)) in self.coloured.iter().enumerate() {
-            let at = n - self.coloured.len() + j;
-            work.phi[at * n + at] = *r;
-            work.q[at * n + at] = variance * (1.0 - r * r);
+        for (at, _, noise) in self.colours() {
+            let [mean, both, last] = noise.added;
+            (work.phi[at * n + at + 1], work.phi[(at + 1) * n + at + 1]) = (noise.by_last[0], noise.by_last[1]);
+            (work.q[at * n + at], work.q[(at + 1) * n + at + 1]) = (mean, last);
+            work.q[(at + 1) * n + at] = both;
         }
     }
 
-    /// Slopes of the rates of motion by the states of the random inputs.
-    fn by_inputs(&self, local: &Local) -> DMatrix<f64> {
-        let nm = self.nm;
-        let mut input = DMatrix::<f64>::zeros(nm, ORDER * self.random.len());
+    /// `Φ = I + h A + h²/2 A² + h³/6 A³` of the motion, and its integral `Γ = h I + h²/2 A + h³/6 A²`.
+    #[inline(always)]
+    fn of_motion(&self, local: &Local, work: &mut Work) {
+        let (n, nm, h) = (self.n, self.nm, self.step_s);
+        let [once, twice, thrice] = &mut work.powers;
         for i in 0..nm {
-            for (j, r) in self.random.iter().enumerate() {
-                for q in 0..ORDER {
-                    let own = if q == 0 { 1.0 } else { 0.0 };
-                    input[(i, ORDER * j + q)] = match r.entry {
-                        Entry::AirVelocity(axis) => local.by_added[i][axis] * own + local.by_added[i][3 + axis] * r.rate[q],
-                        Entry::Coefficient(c) => local.by_added[i][6 + c] * own,
-                    };
-                }
+            once[i * nm..(i + 1) * nm].copy_from_slice(&local.by_state[i][..nm]);
+        }
+        product(nm, once, once, twice);
+        product(nm, once, twice, thrice);
+        let (second, third) = (h * h / 2.0, h * h * h / 6.0);
+        for i in 0..nm {
+            for j in 0..nm {
+                let [a, b, c] = [once[i * nm + j], twice[i * nm + j], thrice[i * nm + j]];
+                let one = f64::from(u8::from(i == j));
+                work.phi[i * n + j] = one + h * a + second * b + third * c;
+                work.gamma[i * nm + j] = h * one + second * a + third * b;
             }
         }
-        input
+    }
+
+    /// `A v` of the motion.
+    fn by_motion(&self, v: &[f64; MOTION], work: &Work) -> [f64; MOTION] {
+        let nm = self.nm;
+        let row = |i: usize| work.powers[0][i * nm..(i + 1) * nm].iter().zip(v).map(|(a, x)| a * x).sum();
+        std::array::from_fn(|i| if i < nm { row(i) } else { 0.0 })
     }
 
     /// White noise that the tunnel speed's record leaves: ∫ (B + A B s)(B + A B s)ᵀ ds.
-    fn wind_noise(&self, local: &Local, a: &DMatrix<f64>, work: &mut Work) {
+    fn wind_noise(&self, local: &Local, work: &mut Work) {
         let (n, nm, h) = (self.n, self.nm, self.step_s);
-        let noise = &mut work.q;
-        let wind = DVector::from_fn(nm, |i, _| local.by_speed[i][0]);
-        let next = a * &wind;
+        let wind = local.by_speed.map(|slopes| slopes[0]);
+        let next = self.by_motion(&wind, work);
         let density = self.run.speed.density / (1.0 + self.plant.sensors.wind_scale).powi(2);
         for i in 0..nm {
-            for k in 0..nm {
+            for k in 0..=i {
                 let mixed = wind[i] * next[k] + next[i] * wind[k];
-                noise[i * n + k] += density * h * (wind[i] * wind[k] + 0.5 * h * mixed + h * h / 3.0 * next[i] * next[k]);
+                work.q[i * n + k] += density * h * (wind[i] * wind[k] + 0.5 * h * mixed + h * h / 3.0 * next[i] * next[k]);
             }
         }
     }
 
-    /// What a random input does to motion and to itself over a step, by its first, second and third integrals.
-    fn driven(&self, block: usize, integrals: [&DMatrix<f64>; 3], work: &mut Work) {
+    /// What a random input, its first state at `at`, does to motion and to itself over a step.
+    fn driven(&self, at: usize, input: &Input, local: &Local, work: &mut Work) {
         let (n, nm) = (self.n, self.nm);
-        let (phi, noise) = (&mut work.phi, &mut work.q);
-        let driven = &self.random[block].driven;
-        let from = ORDER * block;
-        let by = |i: usize, s: usize| integrals[s / ORDER][(i, from + s % ORDER)];
-        let mut spread = [[0.0; 4 * ORDER]; MOTION];
+        // Rates of motion by the input and by its rate, and what motion makes of those.
+        let column = |k: usize| local.by_added.map(|slopes| slopes[k]);
+        let (own, rate) = match input.entry {
+            Entry::AirVelocity(axis) => (column(axis), column(3 + axis)),
+            Entry::Coefficient(c) => (column(6 + c), [0.0; MOTION]),
+        };
+        let (own_1, rate_1) = (self.by_motion(&own, work), self.by_motion(&rate, work));
+        let (own_2, rate_2) = (self.by_motion(&own_1, work), self.by_motion(&rate_1, work));
+        let moved: [[f64; REACH]; MOTION] = std::array::from_fn(|i| [own[i], rate[i], own_1[i], rate_1[i], own_2[i], rate_2[i]]);
+        let broad = (input.broad * self.step_s).powi(2);
+        let Work { phi, q, .. } = work;
         for i in 0..nm {
-            let row: [f64; 3 * ORDER] = std::array::from_fn(|s| by(i, s));
-            for c in 0..ORDER {
-                phi[i * n + nm + from + c] = (0..3 * ORDER).map(|s| row[s] * driven.sums[s / ORDER][s % ORDER][c]).sum();
+            let by = |m: &[f64; REACH]| -> f64 { moved[i].iter().zip(m).map(|(a, b)| a * b).sum() };
+            for c in 0..input.order {
+                phi[i * n + at + c] = by(&input.reach.map(|r| r[c]));
+                q[(at + c) * n + i] = by(&input.crossed.map(|r| r[c]));
             }
-            for (c, x) in spread[i].iter_mut().enumerate() {
-                *x = (0..3 * ORDER).map(|s| row[s] * driven.added[(ORDER + s, c)]).sum();
-            }
-            for c in 0..ORDER {
-                noise[i * n + nm + from + c] = spread[i][c];
-                noise[(nm + from + c) * n + i] = spread[i][c];
+            let spread = input.reach_added.map(|r| by(&r));
+            for k in 0..=i {
+                q[i * n + k] += moved[k].iter().zip(&spread).map(|(a, b)| a * b).sum::<f64>() + broad * own[i] * own[k];
             }
         }
-        for i in 0..nm {
-            let row: [f64; 3 * ORDER] = std::array::from_fn(|s| by(i, s));
-            for (k, of) in spread.iter().enumerate().take(nm) {
-                noise[k * n + i] += row.iter().zip(&of[ORDER..]).map(|(r, x)| r * x).sum::<f64>();
-            }
-        }
-        for i in 0..ORDER {
-            for k in 0..ORDER {
-                phi[(nm + from + i) * n + nm + from + k] = driven.whole[i][k];
-                noise[(nm + from + i) * n + nm + from + k] = driven.added[(i, k)];
+        for i in 0..input.order {
+            for k in 0..input.order {
+                phi[(at + i) * n + at + k] = input.whole[i][k];
+                q[(at + i) * n + at + k] = input.added[i][k];
             }
         }
     }
@@ -265,7 +258,7 @@ impl Filter<'_> {
             }
             if i < nm {
                 for k in 6..nm {
-                    let f = work.gamma[(i, k)];
+                    let f = work.gamma[i * nm + k];
                     if f != 0.0 {
                         axpy(f, &work.push[k * nc..(k + 1) * nc], row);
                     }
@@ -297,20 +290,34 @@ impl Filter<'_> {
         for i in 0..n {
             (0..n).for_each(|j| turned[j * n + i] = half[i * n + j]);
         }
-        half.copy_from_slice(&work.q);
+        // On and below the diagonal; the rest is the same.
         for i in 0..n {
+            let row = &mut half[i * n..=i * n + i];
+            row.copy_from_slice(&work.q[i * n..=i * n + i]);
             for k in 0..n {
                 let f = work.phi[i * n + k];
                 if f != 0.0 {
-                    axpy(f, &turned[k * n..(k + 1) * n], &mut half[i * n..(i + 1) * n]);
+                    axpy(f, &turned[k * n..=k * n + i], row);
                 }
             }
+            for (j, value) in row.iter().enumerate() {
+                p[i * n + j] = *value;
+                p[j * n + i] = *value;
+            }
         }
-        for i in 0..n {
-            for j in 0..=i {
-                let value = 0.5 * (half[i * n + j] + half[j * n + i]);
-                p[i * n + j] = value;
-                p[j * n + i] = value;
+    }
+}
+
+/// `out = a b` of square matrices by rows.
+#[inline(always)]
+fn product(n: usize, a: &[f64], b: &[f64], out: &mut [f64]) {
+    for i in 0..n {
+        let row = &mut out[i * n..(i + 1) * n];
+        row.fill(0.0);
+        for k in 0..n {
+            let f = a[i * n + k];
+            if f != 0.0 {
+                axpy(f, &b[k * n..(k + 1) * n], row);
             }
         }
     }

@@ -1,14 +1,11 @@
 //! likelihood: what a measurement does to the filter. In: state, covariance and sensitivities before a node. Out: the same after it.
 
 use super::{Filter, Ready, SETTLED_S, Seen, Work, axpy};
-use crate::columns::{Shown, View};
+use crate::columns::{Shown, View, shown};
 use crate::noise::POSE;
 use crate::run::Node;
 use crate::shock::Innovation;
-use windfall_pid::equations::{MOTION, STATES};
-
-/// Step of differences by a state.
-const STEP: f64 = 1e-6;
+use windfall_pid::equations::{Dual, MOTION, STATES};
 
 impl Filter<'_> {
     /// Measurement update at a node, channel by channel (their white noise is independent).
@@ -27,10 +24,9 @@ impl Filter<'_> {
         work: &mut Work,
     ) {
         let (n, node) = (self.n, &self.run.nodes[k]);
-        let predicted = self.shown(self.plant, z, rate, k);
-        self.slopes_by_states(k, z, rate, &predicted, work);
+        let predicted = self.slopes_by_states(k, z, rate, work);
         self.slopes_by_columns(k, z, rate, &predicted, columns, view, work);
-        let mut whitened = [0.0; POSE];
+        let (mut whitened, mut variances) = ([0.0; POSE], [0.0; POSE]);
         let so_far = seen.log_likelihood;
         let before = z.to_vec();
         for c in 0..if node.pose.count > 0.0 { POSE } else { 0 } {
@@ -42,7 +38,7 @@ impl Filter<'_> {
                 let sums = &mut seen.channels[c];
                 *sums = [sums[0] + innovation * innovation, sums[1] + variance, sums[2] + w * w, sums[3] + 1.0];
             }
-            whitened[c] = w;
+            (whitened[c], variances[c]) = (w, variance);
             rows.extend(work.d.iter().map(|x| x / root));
             rows.push(w);
             if let Some(node) = seen.trace.nodes.last_mut() {
@@ -58,24 +54,26 @@ impl Filter<'_> {
             self.correct(z, p, s, innovation, variance, work);
         }
         seen.whitened.push(whitened);
+        seen.variances.push(variances);
         seen.nodes.push(seen.log_likelihood - so_far);
     }
 
-    /// Slopes by the states that a channel shows, by differences.
-    fn slopes_by_states(&self, k: usize, z: &mut [f64], rate: &[f64; MOTION], predicted: &Shown, work: &mut Work) {
+    /// What the channels show, and their slopes by the states.
+    fn slopes_by_states(&self, k: usize, z: &[f64], rate: &[f64; MOTION], work: &mut Work) -> Shown {
         let n = self.n;
+        let samples = &self.run.nodes[k].pose;
+        let x = std::array::from_fn(|i| Dual::<STATES>::variable(z[i], i));
+        let arm = self.plant.vehicle.p_origin_cm.to_array();
+        let all = pulp::Arch::new().dispatch(|| shown(&self.plant.sensors, arm, &x, rate, [samples.tau_s, samples.tau2_s2]));
         let h = &mut work.h;
         h.fill(0.0);
-        for i in 0..STATES {
-            let kept = z[i];
-            z[i] = kept + STEP;
-            let moved = self.shown(self.plant, z, rate, k);
-            z[i] = kept;
-            (0..POSE).for_each(|c| h[c * n + i] = (moved[c] - predicted[c]) / STEP);
+        for (c, channel) in all.iter().enumerate() {
+            h[c * n..c * n + STATES].copy_from_slice(&channel.slopes);
         }
-        for (j, (channel, ..)) in self.coloured.iter().enumerate() {
-            h[channel * n + n - self.coloured.len() + j] = 1.0;
+        for (at, channel, _) in self.colours() {
+            h[channel * n + at] = 1.0;
         }
+        all.map(|channel| channel.value)
     }
 
     /// What columns do to the channels at once.
@@ -131,7 +129,7 @@ impl Filter<'_> {
             axpy(hc[i], &p[i * n..(i + 1) * n], ph);
             axpy(hc[i], &s[i * nc..(i + 1) * nc], d);
             carried += hc[i] * (z[i] - before[i]);
-            if i >= n - self.coloured.len() {
+            if i >= n - 2 * self.coloured.len() {
                 noise_state += hc[i] * before[i];
             }
         }

@@ -10,7 +10,7 @@ mod transition;
 
 use crate::PidError;
 pub use local::{ADDED, Local, MOTION};
-pub(crate) use number::{Dual, Scalar};
+pub use number::{Dual, Scalar};
 use terms::Terms;
 pub(crate) use transition::{Drive, INPUTS, Segment, Transition};
 use windfall_model::{Plant, VARIABLES, Variable};

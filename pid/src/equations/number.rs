@@ -6,7 +6,7 @@
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// What the equations of motion are written in: plain numbers, or numbers with derivatives.
-pub(crate) trait Scalar:
+pub trait Scalar:
     Copy
     + Default
     + Add<Output = Self>
@@ -25,25 +25,30 @@ pub(crate) trait Scalar:
     /// A function of two numbers: its value and both slopes here.
     fn chain2(self, other: Self, value: f64, slopes: [f64; 2]) -> Self;
 
+    /// Square root.
     #[inline(always)]
     fn sqrt(self) -> Self {
         let root = self.value().sqrt();
         self.chain(root, 0.5 / root)
     }
+    /// Sine and cosine.
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         let (s, c) = self.value().sin_cos();
         (self.chain(s, c), self.chain(c, -s))
     }
+    /// One over it.
     #[inline(always)]
     fn recip(self) -> Self {
         let r = 1.0 / self.value();
         self.chain(r, -r * r)
     }
+    /// Absolute value.
     #[inline(always)]
     fn abs(self) -> Self {
         self.chain(self.value().abs(), self.value().signum())
     }
+    /// Power, of a small whole exponent.
     #[inline(always)]
     fn powi(self, n: u8) -> Self {
         match n {
@@ -63,6 +68,7 @@ pub(crate) trait Scalar:
         let value = x.cosh().powi(-2);
         self.chain(value, -2.0 * value * x.tanh() / width)
     }
+    /// Hyperbolic tangent.
     #[inline(always)]
     fn tanh(self) -> Self {
         let t = self.value().tanh();
@@ -98,15 +104,18 @@ impl Scalar for f64 {
 
 /// A value and its derivatives along `N` directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Dual<const N: usize> {
-    pub(crate) value: f64,
-    pub(crate) slopes: [f64; N],
+pub struct Dual<const N: usize> {
+    /// The value.
+    pub value: f64,
+    /// Its derivatives.
+    pub slopes: [f64; N],
 }
 
 impl<const N: usize> Dual<N> {
     /// The variable of direction `direction`.
     #[inline(always)]
-    pub(crate) fn variable(value: f64, direction: usize) -> Self {
+    #[must_use]
+    pub fn variable(value: f64, direction: usize) -> Self {
         let mut slopes = [0.0; N];
         slopes[direction] = 1.0;
         Self { value, slopes }
