@@ -14,6 +14,7 @@ mod innovations;
 mod lead;
 mod likely;
 mod points;
+mod poses;
 mod result;
 mod tracks;
 
@@ -55,5 +56,5 @@ pub(crate) fn runs_of(campaign: &Campaign, used: Use) -> Vec<usize> {
 /// A record that is not what its campaign says it is, no run to identify on, runs too short, or a declared model that cannot be fitted.
 pub fn close(campaign: &Campaign, options: &Options) -> Result<Closing, VerifyError> {
     windfall_pid::plausible::plausible(campaign)?;
-    if campaign.is_point_mass() { points::close(campaign, options) } else { likely::close(campaign, options) }
+    if campaign.has_tracks() { points::close(campaign, options) } else { likely::close(campaign, options) }
 }

@@ -95,11 +95,11 @@ pub struct TrackSignal {
 }
 
 impl TrackSignal {
-    fn new(name: &str, unit: &str, noise_std: Option<f64>) -> Self {
+    pub(super) fn new(name: &str, unit: &str, noise_std: Option<f64>) -> Self {
         let none = Vec::new;
         Self { name: name.to_owned(), unit: unit.to_owned(), noise_std, measured: none(), before: none(), after: none() }
     }
-    fn side(&mut self, role: Role) -> &mut Vec<f64> {
+    pub(super) fn side(&mut self, role: Role) -> &mut Vec<f64> {
         match role {
             Role::Measured | Role::Noise => &mut self.measured,
             Role::Before => &mut self.before,
@@ -171,10 +171,12 @@ fn identified(campaign: &Campaign, found: &Identification) -> Result<Plant, Veri
 
 fn empty(campaign: &Campaign) -> SignalTracks {
     let plant = &campaign.plant;
-    let tether = plant.tether.as_ref().filter(|_| !campaign.is_point_mass());
+    let tether = plant.tether.as_ref().filter(|_| !campaign.has_tracks());
+    // Of a rigid body in free flight nothing is known of its shape but an area.
+    let of_area = |f: &windfall_model::FreeFlight| 2.0 * (f.area_m2 / std::f64::consts::PI).sqrt();
     let body = BodyShape {
-        rigid: !campaign.is_point_mass(),
-        diameter_m: plant.vehicle.diameter_m,
+        rigid: !campaign.has_tracks(),
+        diameter_m: plant.free_flight.as_ref().map_or(plant.vehicle.diameter_m, of_area),
         center_of_mass_m: plant.vehicle.p_origin_cm.to_array(),
         attachment_m: tether.map(|t| t.p_origin_hook.to_array()),
         ring_m: tether.map(|t| t.ring().to_array()),
@@ -184,7 +186,10 @@ fn empty(campaign: &Campaign) -> SignalTracks {
 
 fn of_runs(campaign: &Campaign, sides: &Sides) -> Result<Vec<RunTracks>, VerifyError> {
     let thin = thinning(campaign, SAMPLES);
-    if campaign.is_point_mass() {
+    if campaign.measured() == Measured::Pose {
+        return super::poses::runs(campaign, sides);
+    }
+    if campaign.has_tracks() {
         return points(campaign, sides, thin);
     }
     let one = |(i, run): (usize, &Run)| -> Option<RunTracks> {
@@ -204,7 +209,7 @@ fn thinning(campaign: &Campaign, most: usize) -> usize {
     campaign.runs.iter().map(samples).sum::<usize>().div_ceil(most).max(1)
 }
 
-fn named(run: &Run) -> RunTracks {
+pub(super) fn named(run: &Run) -> RunTracks {
     RunTracks {
         name: run.name.clone(),
         kind: run.kind.clone(),
@@ -290,12 +295,12 @@ fn points(campaign: &Campaign, sides: &Sides, thin: usize) -> Result<Vec<RunTrac
     let indices: Vec<usize> = (0..campaign.runs.len()).collect();
     let evidence = TrackEvidence::new(campaign, &indices, &sides.before)?;
     let kind = campaign.measured();
-    let (names, unit, per_unit) = match kind {
-        Measured::Position => (["X (down)", "Y", "Z"], "m", 1.0),
+    let (names, unit, per_unit): (&[&str], _, _) = match kind {
+        Measured::Position | Measured::Pose => (&["X (down)", "Y", "Z"], "m", 1.0),
         Measured::SpecificForce => (kind.names(), "m/s2", 1.0),
         Measured::Angle => (kind.names(), "deg", 1.0_f64.to_degrees()),
     };
-    let noise = Some(per_unit * stated_std(&campaign.plant, kind)).filter(|s| *s > 0.0);
+    let noise = Some(per_unit * stated_std(&campaign.plant, kind, 0)).filter(|s| *s > 0.0);
     let mut all: Vec<RunTracks> = Vec::new();
     for run in &campaign.runs {
         let Data::Point(track) = &run.data else { continue };

@@ -91,7 +91,7 @@ impl<'a> TrackContest<'a> {
 
     /// Factor on twice a gain of log-likelihood by `tested` numbers, as few runs allow it.
     pub(super) fn factor(&self, tested: usize) -> f64 {
-        self.evidence.witnesses().map_or(1.0, |w| w.factor(self.declared.fit.free.len(), tested))
+        self.evidence.factor(self.declared.fit.free.len(), tested)
     }
 
     /// The best set without its `k`-th family.
@@ -229,8 +229,8 @@ impl<'a> TrackContest<'a> {
             Free::Constant(_) | Free::Declared(_) => 0.0,
             f => fit.hypothesis.get(f) / prior[i],
         });
-        // The constants' prior is in the covariance and the likelihood already; what is left of it is its norm.
-        let open = |i: usize| !matches!(fit.free[i], Free::Constant(_));
+        // A declared prior is in the covariance and the likelihood already; what is left of it is its norm.
+        let open = |i: usize| fit.hypothesis.prior(fit.free[i]).is_none();
         let scaled = DMatrix::from_fn(n, n, |i, j| fit.covariance[(i, j)] / (prior[i] * prior[j]));
         let wide = DMatrix::from_fn(n, n, |i, j| scaled[(i, j)] + f64::from(u8::from(i == j && open(i))));
         let (Some(of_data), Some(of_both)) = (scaled.cholesky(), wide.cholesky()) else { return f64::NEG_INFINITY };
@@ -239,6 +239,9 @@ impl<'a> TrackContest<'a> {
     }
 
     fn prior(&self, fit: &TrackFit, f: Free, width: &dyn Fn(usize) -> f64) -> f64 {
+        if let Some((_, std)) = fit.hypothesis.prior(f) {
+            return std;
+        }
         match f {
             Free::Declared(i) => VAGUE * self.campaign.plant.aero.values[i].abs().max(1.0),
             Free::Constant(i) => fit.hypothesis.constants[i].0.std,
