@@ -259,7 +259,7 @@ impl FreeBody {
         let inertia: Vec3<Body> = (self.second_kg_m2 * w.xyz).into();
         f = f - w.cross(v) * self.mass_kg - w.cross(w.cross(l));
         m = m - l.cross(w.cross(v)) - w.cross(inertia);
-        if self.apparent_kg != [0.0; 3] {
+        if self.apparent_kg.iter().any(|m| m.abs() > 0.0) {
             let r_body_tunnel = Rotation::<Tunnel, Body>::from_quaternion(s.attitude).inverse();
             let air = r_body_tunnel * self.v_tunnel_air;
             let times = |x: Vec3<Body>| {

@@ -42,7 +42,11 @@ pub(crate) fn fits(file: &Table<'_>, plant: &Plant) {
         refuse("pivot", "holds a body without attitude", "remove one of the tables");
     }
     if plant.point.atmosphere.is_some() {
-        refuse("environment", "has an atmosphere over height, and [free_flight] is through air of one density", "air_density_kg_m3");
+        refuse(
+            "environment",
+            "has an atmosphere over height, and [free_flight] is through air of one density",
+            "air_density_kg_m3",
+        );
     }
     if plant.aero.structure.contributions.iter().any(|c| c.term.factors.iter().any(|f: &Factor| f.needs_rates())) {
         let what = "has a term of q_alpha_dot_hat or r_beta_dot_hat, which [free_flight] does not fly";

@@ -40,7 +40,13 @@ pub(crate) fn read_declared(file: &Table<'_>, scenario: bool) -> Option<Declared
     let free = (!scenario && file.has("free_flight")).then(|| free_flight::free_flight(file));
     if free.is_some() && point_mass {
         let what = "is a body without attitude, and [free_flight] is of a rigid one";
-        file.source.fault(None, "[aero.point_mass]", "", what, "[aero.<name>] with structure = \"file.toml\", or no [free_flight]");
+        file.source.fault(
+            None,
+            "[aero.point_mass]",
+            "",
+            what,
+            "[aero.<name>] with structure = \"file.toml\", or no [free_flight]",
+        );
         return None;
     }
     let vehicle = if point_mass { vehicle_point(file) } else { vehicle(file, scenario, free.is_some()) };

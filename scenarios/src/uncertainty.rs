@@ -47,7 +47,13 @@ pub(crate) fn read_uncertainty(file: &Table<'_>, plant: &Plant, point_mass: bool
     }
     if outer.has("free_flight") && plant.free_flight.is_none() {
         let what = "is about a rigid body in free flight, and the file declares none";
-        outer.source.fault(outer.at("free_flight"), "[uncertainty.free_flight]", "", what, "add [free_flight], or remove this table");
+        outer.source.fault(
+            outer.at("free_flight"),
+            "[uncertainty.free_flight]",
+            "",
+            what,
+            "add [free_flight], or remove this table",
+        );
     }
     if outer.has("aero") {
         aero(&outer, plant, into);

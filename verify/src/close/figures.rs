@@ -331,7 +331,8 @@ fn means(x: &[f64], y: &[f64]) -> Option<Means> {
 /// Title, factor and label of a channel's residual.
 fn label(kind: Measured, channel: usize) -> (&'static str, f64, &'static str) {
     let down = ["X (down)", "Y", "Z"];
-    let name = if kind != Measured::Angle && channel < 3 { down[channel] } else { kind.names().get(channel).copied().unwrap_or("") };
+    let name =
+        if kind != Measured::Angle && channel < 3 { down[channel] } else { kind.names().get(channel).copied().unwrap_or("") };
     let (per_unit, y_label) = match kind {
         Measured::SpecificForce => (1.0, "specific force error (m/s²)"),
         Measured::Angle => (1.0_f64.to_degrees(), "angle error (deg)"),

@@ -8,7 +8,8 @@ use windfall_model::frames::{Body, Rotation, Tunnel, r_ned_tunnel};
 use windfall_model::{Campaign, Data, Measured, PointRecord, Run};
 
 /// Position along tunnel axes, then the angles of roll, pitch and heading from level.
-const CHANNELS: [(&str, &str); 6] = [("X (down)", "m"), ("Y", "m"), ("Z", "m"), ("roll", "deg"), ("pitch", "deg"), ("heading", "deg")];
+const CHANNELS: [(&str, &str); 6] =
+    [("X (down)", "m"), ("Y", "m"), ("Z", "m"), ("roll", "deg"), ("pitch", "deg"), ("heading", "deg")];
 
 /// Every run at the samples that closing looks at.
 pub(super) fn runs(campaign: &Campaign, sides: &Sides) -> Result<Vec<RunTracks>, VerifyError> {
@@ -69,7 +70,7 @@ fn simulated(track: &PointRecord, r: &TrackResidual) -> Vec<Pose> {
 
 /// The six channels of poses; the heading without jumps.
 fn series(poses: &[Pose]) -> Vec<Vec<f64>> {
-    let mut all: Vec<Vec<f64>> = vec![Vec::with_capacity(poses.len()); 6];
+    let mut all: Vec<Vec<f64>> = vec![Vec::new(); 6];
     let mut heading: Option<f64> = None;
     for (p, attitude) in poses {
         let m = (r_ned_tunnel() * *attitude).matrix;

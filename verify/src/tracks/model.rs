@@ -107,9 +107,7 @@ impl TrackModel {
     pub fn prior(&self, f: Free) -> Option<(f64, f64)> {
         match f {
             Free::Constant(i) => Some((self.constants[i].1, self.constants[i].0.std)),
-            Free::Declared(i) => {
-                self.priors.iter().find(|p| p.0 == i).map(|(_, value, std)| (self.declared[i] - value, *std))
-            }
+            Free::Declared(i) => self.priors.iter().find(|p| p.0 == i).map(|(_, value, std)| (self.declared[i] - value, *std)),
             Free::Effect(..) => None,
         }
     }

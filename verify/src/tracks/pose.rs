@@ -61,17 +61,17 @@ fn first_of(record: &PointRecord) -> Option<[[f64; 6]; 2]> {
     let span = record.t_s[n - 1] - record.t_s[0];
     let svd = DMatrix::from_fn(n, 4, |i, k| ((record.t_s[i] - record.t_s[0]) / span).powi(k as i32)).svd(true, true);
     let from_first = Rotation::<Tunnel, Body>::from_quaternion(record.attitude[0]).inverse();
-    let mut out = [[0.0; 6]; 2];
-    for a in 0..6 {
+    let [mut values, mut rates] = [[0.0; 6]; 2];
+    for (a, (value, rate)) in values.iter_mut().zip(&mut rates).enumerate() {
         let at = |i: usize| match record.position_m.get(a) {
             Some(series) => series.as_ref().map(|x| x[i]),
             None => Some(rotation_vector(from_first * Rotation::from_quaternion(record.attitude[i]))[a - 3]),
         };
         let series = (0..n).map(at).collect::<Option<Vec<f64>>>()?;
         let c = svd.solve(&DVector::from_vec(series), 1e-12).ok()?;
-        (out[0][a], out[1][a]) = (c[0], c[1] / span);
+        (*value, *rate) = (c[0], c[1] / span);
     }
-    Some(out)
+    Some([values, rates])
 }
 
 /// Every so-manieth sample of a record of that length is kept.

@@ -45,8 +45,10 @@ pub(super) fn with_noise(noise: &[Cov], scatter: &Cov) -> Vec<Cov> {
     noise.iter().map(|n| n + scatter).collect()
 }
 
-/// Whether one channel's numbers repeat from run to run or follow the runs' inputs: an F test of the regression of each on a constant and the
-/// inputs, the smaller p-value of the numbers times their count. `values` has a column for each number of the channel, a row for each run.
+/// Whether one channel's numbers repeat from run to run or follow the runs' inputs: the squares that a regression on a constant and the inputs takes
+/// away, over those that it leaves, both summed over the channel's numbers, so that a number which hardly scatters hardly counts; an F test whose degrees of
+/// freedom are those of so many numbers of unequal size (Satterthwaite 1946). `values` has a column for each number of the
+/// channel, a row for each run.
 pub(super) fn judge(channel: &str, values: &DMatrix<f64>, inputs: &DMatrix<f64>, fitted: f64) -> ChannelResidual {
     let (runs, count) = values.shape();
     let rms = (values.norm_squared() / values.len().max(1) as f64).sqrt();
@@ -66,16 +68,18 @@ pub(super) fn judge(channel: &str, values: &DMatrix<f64>, inputs: &DMatrix<f64>,
     };
     let mut order: Vec<usize> = (0..svd.singular_values.len()).collect();
     order.sort_by(|a, b| svd.singular_values[*b].total_cmp(&svd.singular_values[*a]));
-    let (mut least, mut scatter) = (1.0_f64, 0.0);
+    let (mut followed, mut rest, mut squares) = (0.0, 0.0, 0.0);
     for z in values.column_iter() {
-        let followed: f64 = order[..rank].iter().map(|k| u.column(*k).dot(&z).powi(2)).sum();
-        let rest = (z.norm_squared() - followed).max(f64::MIN_POSITIVE) / spare;
-        scatter += rest;
-        let p = FisherSnedecor::new(rank as f64, spare).map_or(1.0, |f| f.sf(followed / rank as f64 / rest));
-        least = least.min(p);
+        let of_number: f64 = order[..rank].iter().map(|k| u.column(*k).dot(&z).powi(2)).sum();
+        let scatter = (z.norm_squared() - of_number).max(f64::MIN_POSITIVE) / spare;
+        followed += of_number / rank as f64;
+        rest += scatter;
+        squares += scatter * scatter;
     }
-    let expected_rms = (scatter / count.max(1) as f64).sqrt();
-    ChannelResidual { channel: channel.to_owned(), rms, expected_rms, p_value: (least * count as f64).min(1.0) }
+    let numbers = rest * rest / squares;
+    let p_value = FisherSnedecor::new(rank as f64 * numbers, spare * numbers).map_or(1.0, |f| f.sf(followed / rest));
+    let expected_rms = (rest / count.max(1) as f64).sqrt();
+    ChannelResidual { channel: channel.to_owned(), rms, expected_rms, p_value }
 }
 
 #[cfg(test)]
