@@ -11,6 +11,9 @@ use windfall_model::{Campaign, Effect, Measured, Role};
 /// Log odds by which a larger set must beat a smaller one: gains are held back already by what few runs know of their scatter
 /// ([`TrackContest::factor`]), and 1 in 100 campaigns without an effect get one all the same (`law_few_false_names` of the tests).
 const SURE: f64 = 1.0;
+/// The same of poses, twenty to one: flights of unlike settings do not scatter alike, which one covariance for all takes no note of, and
+/// controls have shown odds of six to one for an effect that was not there.
+const SURE_OF_POSES: f64 = 3.0;
 /// Prior standard deviations of an effect's strengths, as shares of the most that a body can have: each as likely, for effects are of any
 /// size.
 const PLAUSIBLE: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
@@ -252,17 +255,21 @@ impl<'a> TrackContest<'a> {
         }
     }
 
-    /// Where to move: a smaller set that the best does not beat by [`SURE`] or that the runs kept for choosing prefer; else the best of
-    /// those that beat it, a larger one by [`SURE`].
+    fn sure(&self) -> f64 {
+        if self.campaign.measured() == Measured::Pose { SURE_OF_POSES } else { SURE }
+    }
+
+    /// Where to move: a smaller set that the best does not beat by [`Self::sure`] or that the runs kept for choosing prefer; else the best of
+    /// those that beat it, a larger one by as much.
     fn next(&self) -> Option<Scored> {
         let n = self.best.families.len();
         let smaller = (0..n).filter_map(|k| self.without(k));
-        let needless = smaller.filter(|s| self.best.score < s.score + SURE || !self.tells(s, &self.best));
+        let needless = smaller.filter(|s| self.best.score < s.score + self.sure() || !self.tells(s, &self.best));
         if let Some(s) = needless.max_by(|a, b| a.score.total_cmp(&b.score)) {
             return Some(s.clone());
         }
         let better = |s: &&Scored| match s.families.len().cmp(&n) {
-            std::cmp::Ordering::Greater => s.score > self.best.score + SURE && self.tells(&self.best, s),
+            std::cmp::Ordering::Greater => s.score > self.best.score + self.sure() && self.tells(&self.best, s),
             std::cmp::Ordering::Equal => s.score > self.best.score + 0.01,
             std::cmp::Ordering::Less => false,
         };
