@@ -16,6 +16,7 @@ mod likely;
 mod points;
 mod poses;
 mod result;
+mod signals;
 mod tracks;
 
 pub use crate::residual::ChannelResidual;
@@ -27,7 +28,8 @@ pub use result::{
     After, CandidateLine, Closing, ConstantLine, EffectBound, EffectLine, Form, FormCheck, HeldOut, HeldOutTrajectory, NoiseLine,
     ParameterLine, SetLine, Shift, Unexplained, Verdict,
 };
-pub use tracks::{BodyShape, RunTracks, SignalTracks, TrackSignal, coefficient_tracks, flight_tracks, tracks};
+pub use signals::{BodyShape, RunTracks, SignalTracks, TrackSignal};
+pub use tracks::{coefficient_tracks, flight_tracks, tracks};
 
 /// Error rates and effort.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! verify: measured poses of rigid bodies beside flown ones, for the page. In: a campaign and its models. Out: series per channel and run.
 
 use super::figures::{Sides, runs_flown, short};
-use super::tracks::{RunTracks, TrackSignal};
+use super::signals::{RunTracks, TrackSignal, named};
 use crate::VerifyError;
 use crate::tracks::{TrackEvidence, TrackResidual, kept_of, rotation_of, stated_std};
 use windfall_model::frames::{Body, Rotation, Tunnel, r_ned_tunnel};
@@ -32,8 +32,8 @@ pub(super) fn runs(campaign: &Campaign, sides: &Sides) -> Result<Vec<RunTracks>,
 type Pose = ([f64; 3], Rotation<Tunnel, Body>);
 
 fn measured(campaign: &Campaign, run: &Run) -> RunTracks {
-    let named = super::tracks::named(run);
-    let Data::Point(track) = &run.data else { return named };
+    let empty = named(run);
+    let Data::Point(track) = &run.data else { return empty };
     let by = kept_of(track.t_s.len());
     let poses: Vec<Pose> = (0..track.t_s.len()).step_by(by).map(|i| pose(track, i)).collect();
     let std = |k: usize| {
@@ -47,7 +47,7 @@ fn measured(campaign: &Campaign, run: &Run) -> RunTracks {
     RunTracks {
         t_s: track.t_s.iter().step_by(by).map(|t| short(t - track.t_s[0])).collect(),
         channels: series(&poses).into_iter().enumerate().map(one).collect(),
-        ..named
+        ..empty
     }
 }
 

@@ -9,6 +9,7 @@ mod likelihood;
 mod model;
 mod normal;
 mod pose;
+mod pose_flown;
 mod scatter;
 mod track;
 mod witnesses;
