@@ -330,7 +330,8 @@ fn inertia_warning(source: &Source<'_>, declared: &Declared) -> Option<String> {
     let odd = declared.plant.free_flight.is_some() && !declared.plant.vehicle.inertia.is_physical();
     odd.then(|| {
         format!(
-            "{}: [vehicle] inertia_kg_m2 is no rigid body's: one principal moment is larger than the sum of the others; it is taken as declared (is              the air's apparent inertia in it?)",
+            "{}: [vehicle] inertia_kg_m2 is no rigid body's: one principal moment is larger than the sum of the others; it is taken \
+             as declared (is the air's apparent inertia in it?)",
             source.path().display()
         )
     })
