@@ -46,7 +46,8 @@ pub(crate) fn run(args: &CheckArgs, session: &mut Session<'_>) -> Result<bool, F
 
 fn plant_lines(plant: &Plant, declared: &[bool]) -> Vec<String> {
     let v = &plant.vehicle;
-    let mut all = vec![format!("vehicle: {} kg, d = {} m, S = {:.6} m2", v.mass_kg, v.diameter_m, v.area_m2())];
+    let area_m2 = plant.free_flight.as_ref().map_or_else(|| v.area_m2(), |free| free.area_m2);
+    let mut all = vec![format!("vehicle: {} kg, d = {} m, S = {area_m2:.6} m2", v.mass_kg, v.diameter_m)];
     all.push(match &plant.tether {
         Some(t) => format!("tether: drag area {} m2, effective weight {} N", t.drag_area_m2, t.weight_n),
         None => "no tether: free flight".to_owned(),

@@ -13,6 +13,10 @@ pub enum Acts {
     Pivot,
     /// A body without attitude, in free flight or on a pivot.
     PointOrPivot,
+    /// A rigid body in free flight through air at rest.
+    FreeFlight,
+    /// A body with attitude: a lander, or a rigid body in free flight.
+    Attitude,
     /// Any: an instrument that all are measured by.
     Any,
 }
@@ -24,6 +28,7 @@ impl Acts {
         self == Self::Any
             || self == body
             || (self == Self::PointMass && body == Self::Altimeter)
+            || (self == Self::Attitude && matches!(body, Self::Lander | Self::FreeFlight))
             || (self == Self::PointOrPivot && matches!(body, Self::PointMass | Self::Altimeter | Self::Pivot))
     }
 }

@@ -12,7 +12,7 @@ use crate::scenario::Flight;
 pub enum Data {
     /// A tunnel run with attitude.
     Tunnel(Record),
-    /// A flight of a point mass.
+    /// A track: a flight of a point mass, a swing, or a flight of a rigid body through air at rest.
     Point(PointRecord),
 }
 
@@ -79,17 +79,21 @@ impl Campaign {
             knowledge: knowledge.clone(),
         }
     }
-    /// True when its runs are flights of a point mass.
+    /// True when its runs are tracks: of a body without attitude, or of a rigid one in free flight through air at rest.
     #[must_use]
-    pub fn is_point_mass(&self) -> bool {
+    pub fn has_tracks(&self) -> bool {
         matches!(self.runs.first().map(|r| &r.data), Some(Data::Point(_)))
     }
     /// Kind of its body, for the catalogue of effects.
     #[must_use]
     pub fn body(&self) -> Acts {
-        if self.is_point_mass() { self.plant.point.body() } else { Acts::Lander }
+        match (self.has_tracks(), &self.plant.free_flight) {
+            (true, Some(_)) => Acts::FreeFlight,
+            (true, None) => self.plant.point.body(),
+            (false, _) => Acts::Lander,
+        }
     }
-    /// What its runs of a body without attitude measured.
+    /// What its tracks measured.
     #[must_use]
     pub fn measured(&self) -> Measured {
         match self.runs.first().map(|r| &r.data) {

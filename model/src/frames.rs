@@ -147,6 +147,11 @@ impl<To: Axes, From: Axes> Rotation<To, From> {
     pub fn from_matrix(matrix: Matrix3<f64>) -> Self {
         Self { matrix, axes: PhantomData }
     }
+    /// Rotation from the rows of a direction cosine matrix, which the caller guarantees to be orthonormal.
+    #[must_use]
+    pub fn from_rows(rows: [[f64; 3]; 3]) -> Self {
+        Self::from_matrix(Matrix3::from_fn(|i, j| rows[i][j]))
+    }
     /// Rotation from a quaternion `[w, x, y, z]`; it need not be of unit length (a simulator's drifts by its tolerance).
     #[must_use]
     pub fn from_quaternion(q: [f64; 4]) -> Self {

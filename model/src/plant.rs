@@ -5,6 +5,7 @@ use crate::air::{Environment, dynamic_pressure_pa};
 use crate::disturbance::{Disturbance, Turbulence, WakeShedding};
 use crate::flow::{FlowState, MeanFlow};
 use crate::frames::{Body, Rotation, Tunnel, Vec3};
+use crate::free_flight::FreeFlight;
 use crate::point::{PointAir, PointMass};
 use crate::sensors::Sensors;
 use crate::tether::Tether;
@@ -33,6 +34,8 @@ pub struct Plant {
     pub sensors: Sensors,
     /// What a body without attitude has beyond drag; unused by tunnel runs.
     pub point: PointMass,
+    /// What a rigid body in free flight through air at rest has beyond its mass; none of other bodies.
+    pub free_flight: Option<FreeFlight>,
 }
 
 /// A smooth pulse of force and moment inside a run: `sin²(π (t − start)/duration)` in time.

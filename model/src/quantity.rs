@@ -20,7 +20,7 @@ pub struct Dimension {
 pub enum Given {
     /// In campaign and scenario files, under its key.
     Declared,
-    /// In campaigns of bodies without attitude alone.
+    /// In campaigns of tracks alone: bodies without attitude, and rigid ones in free flight.
     DeclaredOfPoint,
     /// Declared as null; its uncertainty can be given, and effects change it.
     Uncertain,
@@ -93,6 +93,10 @@ const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 const CM: &str = "c.m. from the geometric origin, body axes";
 const HOOK: &str = "attachment from the geometric origin, body axes";
 const RING: &str = "centering ring from the tunnel origin, tunnel axes (X down)";
+const LIFTS: &str = "where the displaced air lifts, from the geometric origin, body axes";
+const DAMPS: &str = "moment per body rate about each of the coefficients' axes; negative damps";
+const SHIFTED: &str = "where parts and thrusts are less where the runs' inputs say, body axes";
+const TRACKED: &str = "point of the body whose position is recorded, from the geometric origin, body axes";
 const TURNED: &str = "rotation from the true body axes to the reported ones, about each of x, y, z";
 
 /// The table. A line: part of the plant, key, component, SI unit, dimension, range in files, where it is given, meaning, place in the part.
@@ -121,6 +125,9 @@ macro_rules! place {
     };
     (pivot $x:ident $place:expr) => {
         |plant| plant.point.pivot.as_mut().map(|$x| $place)
+    };
+    (free $x:ident $place:expr) => {
+        |plant| plant.free_flight.as_mut().map(|$x| $place)
     };
     (loose $x:ident $place:expr) => {
         |plant| plant.vehicle.loose.as_mut().map(|$x| $place)
@@ -185,6 +192,31 @@ plant_numbers! {
     pivot "pivot.inertia_kg_m2" "", "kg m2" INERTIA [0.0, 1e9], DeclaredOfPoint "moment of inertia about the mass centre", p => &mut p.inertia_kg_m2;
     pivot "pivot.viscous_n_m_s" "", "N m s" MOMENT_TIME [0.0, 1e6], DeclaredOfPoint "torque of the bearing per rate", p => &mut p.viscous_n_m_s;
     pivot "pivot.dry_n_m" "", "N m" MOMENT ANY, Effect "torque of dry friction", p => &mut p.dry_n_m;
+    free "free_flight.reference_area_m2" "", "m2" AREA [TINY, 1e6], DeclaredOfPoint "area that the coefficients are of", f => &mut f.area_m2;
+    free "free_flight.buoyancy_kg" "", "kg" MASS [0.0, 1e7], DeclaredOfPoint "displaced air, as a mass", f => &mut f.buoyancy_kg;
+    free "free_flight.center_of_buoyancy_m" "x", "m" LENGTH [-1e3, 1e3], DeclaredOfPoint LIFTS, f => &mut f.p_origin_buoyancy.xyz[0];
+    free "free_flight.center_of_buoyancy_m" "y", "m" LENGTH [-1e3, 1e3], DeclaredOfPoint LIFTS, f => &mut f.p_origin_buoyancy.xyz[1];
+    free "free_flight.center_of_buoyancy_m" "z", "m" LENGTH [-1e3, 1e3], DeclaredOfPoint LIFTS, f => &mut f.p_origin_buoyancy.xyz[2];
+    free "free_flight.rate_damping_n_m_s" "x", "N m s" MOMENT_TIME [-1e6, 1e6], DeclaredOfPoint DAMPS, f => &mut f.rate_damping_n_m_s[0];
+    free "free_flight.rate_damping_n_m_s" "y", "N m s" MOMENT_TIME [-1e6, 1e6], DeclaredOfPoint DAMPS, f => &mut f.rate_damping_n_m_s[1];
+    free "free_flight.rate_damping_n_m_s" "z", "N m s" MOMENT_TIME [-1e6, 1e6], DeclaredOfPoint DAMPS, f => &mut f.rate_damping_n_m_s[2];
+    free "free_flight.thrust_excess" "", "-" PURE [-1.0, 10.0], Uncertain "thrusts over those declared, less 1", f => &mut f.thrust_excess;
+    free "free_flight.thrust_unequal" "", "-" PURE [-1.0, 1.0], Uncertain "relative excess of thrusts on the right, and lack of those on the left", f => &mut f.thrust_unequal;
+    free "free_flight.part_shift_m" "x", "m" LENGTH [-1e3, 1e3], Uncertain SHIFTED, f => &mut f.part_shift.xyz[0];
+    free "free_flight.part_shift_m" "y", "m" LENGTH [-1e3, 1e3], Uncertain SHIFTED, f => &mut f.part_shift.xyz[1];
+    free "free_flight.part_shift_m" "z", "m" LENGTH [-1e3, 1e3], Uncertain SHIFTED, f => &mut f.part_shift.xyz[2];
+    free "free_flight.tracked_point_m" "x", "m" LENGTH [-1e3, 1e3], Uncertain TRACKED, f => &mut f.p_origin_tracked.xyz[0];
+    free "free_flight.tracked_point_m" "y", "m" LENGTH [-1e3, 1e3], Uncertain TRACKED, f => &mut f.p_origin_tracked.xyz[1];
+    free "free_flight.tracked_point_m" "z", "m" LENGTH [-1e3, 1e3], Uncertain TRACKED, f => &mut f.p_origin_tracked.xyz[2];
+    free "free_flight.damping_excess" "x", "-" PURE ANY, Effect "rate damping over that declared, less 1", f => &mut f.damping_excess[0];
+    free "free_flight.damping_excess" "y", "-" PURE ANY, Effect "rate damping over that declared, less 1", f => &mut f.damping_excess[1];
+    free "free_flight.damping_excess" "z", "-" PURE ANY, Effect "rate damping over that declared, less 1", f => &mut f.damping_excess[2];
+    free "free_flight.apparent_kg" "x", "kg" MASS ANY, Effect "apparent mass along a body axis", f => &mut f.apparent_kg[0];
+    free "free_flight.apparent_kg" "y", "kg" MASS ANY, Effect "apparent mass along a body axis", f => &mut f.apparent_kg[1];
+    free "free_flight.apparent_kg" "z", "kg" MASS ANY, Effect "apparent mass along a body axis", f => &mut f.apparent_kg[2];
+    free "free_flight.air_m_s" "X", "m/s" SPEED ANY, Effect "velocity of the air", f => &mut f.v_tunnel_air.xyz[0];
+    free "free_flight.air_m_s" "Y", "m/s" SPEED ANY, Effect "velocity of the air", f => &mut f.v_tunnel_air.xyz[1];
+    free "free_flight.air_m_s" "Z", "m/s" SPEED ANY, Effect "velocity of the air", f => &mut f.v_tunnel_air.xyz[2];
     plant "sensors.position_std_m" "", "m" LENGTH [0.0, 10.0], Declared "position, each axis", p => &mut p.sensors.position_std_m;
     plant "sensors.roll_std_deg" "", "rad" PURE [0.0, 90.0], Declared "roll angle R_x", p => &mut p.sensors.roll_std_rad;
     plant "sensors.pitch_yaw_std_deg" "", "rad" PURE [0.0, 90.0], Declared "pitch and yaw angles R_y, R_z", p => &mut p.sensors.pitch_yaw_std_rad;

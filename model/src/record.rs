@@ -64,7 +64,7 @@ impl Record {
     }
 }
 
-/// What a track of a body without attitude is a series of.
+/// What a track is a series of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Measured {
     /// Position along tunnel axes, m.
@@ -74,36 +74,42 @@ pub enum Measured {
     SpecificForce,
     /// Angle of a body on a pivot from hanging down, rad.
     Angle,
+    /// Position along tunnel axes, m, and attitude of a rigid body.
+    Pose,
 }
 
 impl Measured {
-    /// Names of its series, in the order of [`PointRecord::series`].
+    /// Names of its channels: those of [`PointRecord::series`] in their order, then the attitude's about the body's x, y and z.
     #[must_use]
-    pub fn names(self) -> [&'static str; 3] {
+    pub fn names(self) -> &'static [&'static str] {
         match self {
-            Self::Position => ["X", "Y", "Z"],
-            Self::SpecificForce => ["fX", "fY", "fZ"],
-            Self::Angle => ["angle", "", ""],
+            Self::Position => &["X", "Y", "Z"],
+            Self::SpecificForce => &["fX", "fY", "fZ"],
+            Self::Angle => &["angle", "", ""],
+            Self::Pose => &["X", "Y", "Z", "about x", "about y", "about z"],
         }
     }
-    /// SI unit.
+    /// SI unit of a channel.
     #[must_use]
-    pub fn unit(self) -> &'static str {
+    pub fn unit(self, channel: usize) -> &'static str {
         match self {
-            Self::Position => "m",
+            Self::Pose if channel > 2 => "rad",
+            Self::Position | Self::Pose => "m",
             Self::SpecificForce => "m/s2",
             Self::Angle => "rad",
         }
     }
 }
 
-/// Track of a body without attitude: times (may be uneven) and what was measured; tunnel axes, X down.
+/// Track of a body without attitude, or of a rigid one in free flight: times (may be uneven) and what was measured; tunnel axes, X down.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointRecord {
     /// Sample times, s, increasing.
     pub t_s: Vec<f64>,
     /// Position series along tunnel X, Y, Z, m; an axis that was not measured is absent. Of other measurements see `measured`.
     pub position_m: [Option<Vec<f64>>; 3],
+    /// Attitude of a rigid body at every time as a unit quaternion `[w, x, y, z]`, tunnel from body; empty of other bodies.
+    pub attitude: Vec<[f64; 4]>,
     /// What the series are; of an angle the first alone is there.
     pub measured: Measured,
     /// Run inputs that were recorded row by row, by their place in [`crate::Campaign::inputs`]; the others are constant.

@@ -32,6 +32,11 @@ impl Inertia {
     pub fn matrix(&self) -> Matrix3<f64> {
         Matrix3::new(self.xx, -self.xy, -self.xz, -self.xy, self.yy, -self.yz, -self.xz, -self.yz, self.zz)
     }
+    /// True when the matrix is positive definite.
+    #[must_use]
+    pub fn is_positive(&self) -> bool {
+        self.matrix().symmetric_eigenvalues().iter().all(|e| *e > 0.0)
+    }
     /// True when the matrix is positive definite and its moments obey the triangle inequality of a real body.
     #[must_use]
     pub fn is_physical(&self) -> bool {

@@ -2,8 +2,8 @@
 
 use windfall_model::frames::Vec3;
 use windfall_model::{
-    Acts, Aero, ApparentMass, CATALOGUE, Environment, FroudeScale, Given, Inertia, LooseMass, MeanFlow, PLANT_NUMBERS, Pivot,
-    Plant, PlantNumber, PointMass, Sensors, Structure, Tether, Turbulence, Vehicle, WakeShedding, effects,
+    Acts, Aero, ApparentMass, CATALOGUE, Environment, FreeFlight, FroudeScale, Given, Inertia, LooseMass, MeanFlow,
+    PLANT_NUMBERS, Pivot, Plant, PlantNumber, PointMass, Sensors, Structure, Tether, Turbulence, Vehicle, WakeShedding, effects,
 };
 
 /// A plant that has every part.
@@ -26,6 +26,7 @@ fn plant() -> Plant {
         environment: Environment { gravity_m_s2: 9.8, gas_constant_j_kg_k: 287.0 },
         sensors: Sensors::default(),
         point: PointMass { pivot: Some(Pivot::default()), ..PointMass::default() },
+        free_flight: Some(FreeFlight::default()),
     }
 }
 
@@ -43,12 +44,9 @@ fn law_every_number_has_its_own_place_and_name() {
     names.dedup();
     assert_eq!(names.len(), PLANT_NUMBERS.len());
     let mut free = plant.clone();
-    (free.tether, free.vehicle.loose, free.point.pivot) = (None, None, None);
-    assert!(
-        PLANT_NUMBERS
-            .iter()
-            .all(|n| (n.lens)(&mut free).is_none() == ["tether", "loose", "pivot"].iter().any(|part| n.name().contains(part)))
-    );
+    (free.tether, free.vehicle.loose, free.point.pivot, free.free_flight) = (None, None, None, None);
+    assert!(PLANT_NUMBERS.iter().all(|n| (n.lens)(&mut free).is_none()
+        == ["tether", "loose", "pivot", "free_flight"].iter().any(|part| n.name().contains(part))));
 }
 
 /// The dimension that a unit says: its letters against the exponents. Angles, hertz and the gas constant apart.

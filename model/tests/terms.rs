@@ -116,6 +116,7 @@ fn plant() -> Plant {
         environment: Environment { gravity_m_s2: 9.8, gas_constant_j_kg_k: 287.0 },
         sensors: Sensors::default(),
         point: PointMass::default(),
+        free_flight: None,
     }
 }
 

@@ -1,6 +1,7 @@
 //! scenarios: campaign files. In: a path. Out: a checked campaign with its runs read, or every fault.
 
 use crate::error::ReadError;
+use crate::free_flight;
 use crate::keys;
 use crate::limits;
 use crate::open::text_of;
@@ -51,11 +52,14 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
         t.text_if("note");
         t.text("name")
     });
-    let declared = read_declared(&file, false);
+    let mut declared = read_declared(&file, false);
     let down = down_of(&file, declared.as_ref());
-    let entries = entries(&file, declared.as_ref().is_some_and(|d| d.point_mass));
+    let entries = entries(&file, declared.as_ref());
     let inputs = inputs_of(&source, &entries);
-    let acts = declared.as_ref().filter(|d| d.point_mass).map_or(Acts::Lander, |d| d.plant.point.body());
+    if let Some(d) = declared.as_mut() {
+        free_flight::parts_and_thrusts(&file, &inputs, &mut d.plant);
+    }
+    let acts = declared.as_ref().map_or(Acts::Lander, Declared::body);
     let effects = declared_effects(&file, acts, &inputs);
     // Run files are read against the sensors and the plant, so the tables must be right first.
     let Some(declared) = declared.filter(|_| !source.has_faults()) else {
@@ -63,6 +67,7 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
         return source.finish(None);
     };
     let mut warnings = undeclared_warnings(&source, &file, &declared);
+    warnings.extend(inertia_warning(&source, &declared));
     let mut runs = Vec::new();
     for e in &entries {
         match read_run(e, &declared, down, &inputs) {
@@ -80,13 +85,33 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
     effects_in_runs(&source, &effects, &inputs, runs.len());
     let campaign = Campaign {
         name: name.unwrap_or_default(),
+        declared: declared.free_parameters(),
         plant: declared.plant,
-        declared: declared.declared,
         inputs,
         runs,
         knowledge: Knowledge { effects, ..declared.knowledge },
     };
     source.finish(Some((campaign, warnings)))
+}
+
+impl Declared {
+    /// Whether its runs are tracks.
+    fn tracked(&self) -> bool {
+        self.point_mass || self.plant.free_flight.is_some()
+    }
+    /// Kind of the body, for the catalogue of effects.
+    fn body(&self) -> Acts {
+        match (self.point_mass, &self.plant.free_flight) {
+            (true, _) => self.plant.point.body(),
+            (false, Some(_)) => Acts::FreeFlight,
+            (false, None) => Acts::Lander,
+        }
+    }
+    /// Which parameters of the structure a fit moves: all that are declared, or those with a prior where the others are held.
+    fn free_parameters(&self) -> Vec<bool> {
+        let known = |i: usize| self.knowledge.priors.iter().any(|(k, _)| *k == i);
+        self.declared.iter().enumerate().map(|(i, d)| *d && (!self.held || known(i))).collect()
+    }
 }
 
 fn down_of(file: &Table<'_>, declared: Option<&Declared>) -> Option<Down> {
@@ -96,8 +121,8 @@ fn down_of(file: &Table<'_>, declared: Option<&Declared>) -> Option<Down> {
             && declared.is_some()
             && let Some(t) = file.table("axes", &keys::AXES)
         {
-            let what = "a tunnel run's axes are fixed (X down)";
-            t.source.fault(Some(t.span.clone()), "[axes]", "", what, "remove the table; it is for [aero.point_mass]");
+            let what = "a run with attitude has tunnel axes (X down)";
+            t.source.fault(Some(t.span.clone()), "[axes]", "", what, "[columns.axes]; this table is for [aero.point_mass]");
         }
         return None;
     }
@@ -117,7 +142,9 @@ fn down_of(file: &Table<'_>, declared: Option<&Declared>) -> Option<Down> {
     file.table("axes", &keys::AXES)?.choice("down").map(Down::from_choice)
 }
 
-fn entries(file: &Table<'_>, point: bool) -> Vec<RunEntry> {
+fn entries(file: &Table<'_>, declared: Option<&Declared>) -> Vec<RunEntry> {
+    let point = declared.is_some_and(|d| d.point_mass);
+    let tracked = declared.is_some_and(Declared::tracked);
     let all_runs = own::read(file, point).unwrap_or_default();
     let all: Vec<RunEntry> = file
         .tables("run", &keys::RUN)
@@ -131,7 +158,7 @@ fn entries(file: &Table<'_>, point: bool) -> Vec<RunEntry> {
                 used: used(t),
                 window_s: window_of(t),
                 inputs: input_values(t, point),
-                own: point_body::run_own(t, point),
+                own: point_body::run_own(t, tracked),
                 columns: own::read(t, point).unwrap_or_else(|| all_runs.clone()),
                 span: t.span.clone(),
             }
@@ -223,7 +250,7 @@ fn read_run(e: &RunEntry, declared: &Declared, down: Option<Down>, inputs: &[Str
         data,
         notes,
     };
-    if declared.point_mass {
+    if declared.tracked() {
         let (mut track, notes) = read_own_track(&e.path, &e.columns, &asked(e, declared, down, inputs))?;
         track.own_departures = e.own.departures(&declared.plant);
         track.drag_over_mach.clone_from(&e.own.drag);
@@ -261,7 +288,7 @@ fn asked<'a>(e: &'a RunEntry, declared: &Declared, down: Option<Down>, inputs: &
         measured: declared.measured,
         down: down.unwrap_or(Down { axis: 0, negative: false }),
         std: match declared.measured {
-            Measured::Position => sensors.position_std_m,
+            Measured::Position | Measured::Pose => sensors.position_std_m,
             Measured::SpecificForce => sensors.specific_force_std_m_s2,
             Measured::Angle => sensors.angle_std_rad,
         },
@@ -296,6 +323,18 @@ fn undeclared_warnings(source: &Source<'_>, file: &Table<'_>, declared: &Declare
             )
         })
         .collect()
+}
+
+/// An inertia that no rigid body has, where it may be that of the air as well.
+fn inertia_warning(source: &Source<'_>, declared: &Declared) -> Option<String> {
+    let odd = declared.plant.free_flight.is_some() && !declared.plant.vehicle.inertia.is_physical();
+    odd.then(|| {
+        format!(
+            "{}: [vehicle] inertia_kg_m2 is no rigid body's: one principal moment is larger than the sum of the others; it is taken \
+             as declared (is the air's apparent inertia in it?)",
+            source.path().display()
+        )
+    })
 }
 
 /// A declared effect in one run must name one of the runs, split ones counted piece by piece.

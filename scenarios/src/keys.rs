@@ -1,11 +1,13 @@
 //! scenarios: every key of every table, once. In: nothing. Out: names, units, ranges and meanings, for the checks and the reference.
 
 mod columns;
+mod free_flight;
 mod planet;
 pub(crate) mod spec;
 
 use crate::limits;
 pub(crate) use columns::{COLUMN, COLUMNS, COLUMNS_ATTITUDE, COLUMNS_AXES};
+pub(crate) use free_flight::{FREE_FLIGHT, PART, SENSORS_FREE, THRUST, UNCERTAINTY_FREE_FLIGHT, UNCERTAINTY_SENSORS_FREE};
 pub(crate) use planet::{
     ATMOSPHERE_PLANET, ENVIRONMENT_PLANET, FLIGHT_PLANET, INITIAL, PLANET_FILE, TURBULENCE_PLANET, UNCERTAINTY_INITIAL,
     UNCERTAINTY_PLANET, UNCERTAINTY_VEHICLE_PLANET, VEHICLE_PLANET, WIND_PLANET,
@@ -87,6 +89,9 @@ pub(crate) static CAMPAIGN_FILE: TableSpec = TableSpec {
         optional(other("tether", Kind::Table, "safety tether; absent: free flight")),
         optional(other("axes", Kind::Table, "axes of a point mass' files")),
         optional(other("pivot", Kind::Table, "pivot that holds a point mass; absent: it flies")),
+        optional(other("free_flight", Kind::Table, "what a rigid body in free flight through air at rest has beyond its mass")),
+        optional(other("part", Kind::Tables, "point masses that run inputs move, [[part]], with [free_flight]")),
+        optional(other("thrust", Kind::Tables, "thrusts, [[thrust]], with [free_flight]")),
         other("environment", Kind::Table, "gravity and gas"),
         other("sensors", Kind::Table, "noise of the instruments"),
         optional(other("uncertainty", Kind::Table, "standard uncertainties of declared numbers, [uncertainty.<table>]")),
@@ -260,6 +265,7 @@ pub(crate) static UNCERTAINTY: TableSpec = TableSpec {
         optional(other("vehicle", Kind::Table, "of [vehicle]")),
         optional(other("tether", Kind::Table, "of [tether]")),
         optional(other("pivot", Kind::Table, "of [pivot]")),
+        optional(other("free_flight", Kind::Table, "of [free_flight]")),
         optional(other("environment", Kind::Table, "of [environment]")),
         optional(other("sensors", Kind::Table, "of [sensors], and of what the instruments do to the truth")),
         optional(other("aero", Kind::Table, "of the starting values in [aero.<name>], before the runs")),
@@ -707,18 +713,24 @@ pub(crate) static ALL: [(&str, &[&TableSpec]); 5] = [
             &ENVIRONMENT_POINT,
             &ATMOSPHERE_PLANET,
             &PIVOT,
+            &FREE_FLIGHT,
+            &PART,
+            &THRUST,
             &SENSORS,
             &SENSORS_POINT,
+            &SENSORS_FREE,
             &UNCERTAINTY,
             &UNCERTAINTY_VEHICLE,
             &UNCERTAINTY_INERTIA,
             &UNCERTAINTY_VEHICLE_POINT,
             &UNCERTAINTY_TETHER,
             &UNCERTAINTY_PIVOT,
+            &UNCERTAINTY_FREE_FLIGHT,
             &UNCERTAINTY_ENVIRONMENT,
             &UNCERTAINTY_ENVIRONMENT_POINT,
             &UNCERTAINTY_SENSORS,
             &UNCERTAINTY_SENSORS_POINT,
+            &UNCERTAINTY_SENSORS_FREE,
             &UNCERTAINTY_AERO,
             &AERO,
             &AERO_TABLE,

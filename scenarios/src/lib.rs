@@ -13,6 +13,7 @@ mod error;
 mod file_set;
 mod find;
 mod formats;
+mod free_flight;
 mod grid;
 mod guess;
 mod hash;

@@ -6,7 +6,7 @@ mod read;
 mod unit;
 
 pub(crate) use attitude::SEQUENCES;
-use attitude::{Attitude, OwnAxes};
+use attitude::{Attitude, OwnAxes, Turned};
 pub(crate) use read::read;
 use unit::{ColumnUnit, UnitQuantity};
 
@@ -34,8 +34,20 @@ pub(crate) const OURS: [(&str, UnitQuantity); 15] = [
 ];
 const POSITION: [&str; 3] = ["X_m", "Y_m", "Z_m"];
 const ANGLES: [&str; 3] = ["Rx_deg", "Ry_deg", "Rz_deg"];
+/// Columns that an attitude makes beside the angles: quaternion tunnel from body. No file's column is called so.
+const QUATERNION: [&str; 4] = ["tunnel<-body w", "tunnel<-body x", "tunnel<-body y", "tunnel<-body z"];
 /// Columns that may be one number for a whole run.
 const MAY_BE_CONSTANT: [&str; 3] = ["ps_Pa", "VW_m_s", "Ts_K"];
+
+/// The quaternion columns of an attitude, made of our angles where the file has those; `None` without an attitude.
+pub(crate) fn quaternions(columns: &mut Columns) -> Option<[&'static str; 4]> {
+    if columns.get(QUATERNION[0]).is_none() {
+        let [Some(a), Some(b), Some(c)] = ANGLES.map(|n| columns.get(n).map(<[f64]>::to_vec)) else { return None };
+        let turned = Turned::of_ours([a, b, c], OwnAxes::default());
+        QUATERNION.iter().zip(turned.quaternion).for_each(|(n, c)| columns.put(n, c));
+    }
+    Some(QUATERNION)
+}
 
 /// Where one of our columns comes from.
 #[derive(Clone, Debug, PartialEq)]
@@ -144,19 +156,21 @@ impl Own {
         {
             POSITION.iter().zip(self.axes.tunnel([x, y, z])).for_each(|(n, c)| ours.put(n, c));
         }
-        let angles = match &self.attitude {
-            Some(attitude) => Some(attitude.angles_deg(file, self.axes)),
-            None if self.axes != OwnAxes::default() => match ANGLES.map(|n| ours.get(n).map(<[f64]>::to_vec)) {
-                [Some(a), Some(b), Some(c)] => Some(Ok((attitude::turned_deg([a, b, c], self.axes), None))),
-                _ => None,
-            },
+        let ours_or_none = || match ANGLES.map(|n| ours.get(n).map(<[f64]>::to_vec)) {
+            [Some(a), Some(b), Some(c)] => Some(Ok((Turned::of_ours([a, b, c], self.axes), None))),
+            _ => None,
+        };
+        let turned = match &self.attitude {
+            Some(attitude) => Some(attitude.turned(file, self.axes)),
+            None if self.axes != OwnAxes::default() => ours_or_none(),
             None => None,
         };
-        let Some(angles) = angles else { return Ok(()) };
-        let (angles, note) = angles.map_err(|(value, what, remedy)| {
+        let Some(turned) = turned else { return Ok(()) };
+        let (turned, note) = turned.map_err(|(value, what, remedy)| {
             ReadError::Faults(vec![fault(path, None, "[columns.attitude]", &value, &what, &remedy)])
         })?;
-        ANGLES.iter().zip(angles).for_each(|(n, c)| ours.put(n, c));
+        ANGLES.iter().zip(turned.angles_deg).for_each(|(n, c)| ours.put(n, c));
+        QUATERNION.iter().zip(turned.quaternion).for_each(|(n, c)| ours.put(n, c));
         ours.notes.extend(note);
         Ok(())
     }

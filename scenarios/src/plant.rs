@@ -1,5 +1,6 @@
 //! scenarios: the tables that campaign and scenario files share. In: open tables. Out: parts of a plant, in SI and rad.
 
+use crate::free_flight;
 use crate::keys;
 use crate::point_body;
 use crate::structure::{DeclaredAero, read_aero};
@@ -19,6 +20,8 @@ pub(crate) struct Declared {
     pub(crate) knowledge: Knowledge,
     pub(crate) structure_file: Option<String>,
     pub(crate) point_mass: bool,
+    /// Whether aerodynamic parameters without a prior are exact.
+    pub(crate) held: bool,
     /// What the runs of a point mass measured.
     pub(crate) measured: Measured,
     /// Static pressure (Pa) and temperature (K), in scenario files.
@@ -34,19 +37,36 @@ pub(crate) fn read_declared(file: &Table<'_>, scenario: bool) -> Option<Declared
         file.source.fault(None, "[aero.point_mass]", "", what, "[aero.axisymmetric]");
         return None;
     }
-    let vehicle = if point_mass { vehicle_point(file) } else { vehicle(file, scenario) };
+    let free = (!scenario && file.has("free_flight")).then(|| free_flight::free_flight(file));
+    if free.is_some() && point_mass {
+        let what = "is a body without attitude, and [free_flight] is of a rigid one";
+        file.source.fault(
+            None,
+            "[aero.point_mass]",
+            "",
+            what,
+            "[aero.<name>] with structure = \"file.toml\", or no [free_flight]",
+        );
+        return None;
+    }
+    let vehicle = if point_mass { vehicle_point(file) } else { vehicle(file, scenario, free.is_some()) };
     let tether = tether(file, point_mass);
     let mut point = PointMass::default();
-    let (environment, air) = environment(file, scenario, point_mass.then_some(&mut point));
-    let read = if point_mass { point_body::sensors(file, &mut point) } else { sensors(file) };
+    let (environment, air) = environment(file, scenario, (point_mass || free.is_some()).then_some(&mut point));
+    let read = match (point_mass, &free) {
+        (true, _) => point_body::sensors(file, &mut point),
+        (false, Some(_)) => free_flight::sensors(file),
+        (false, None) => sensors(file),
+    };
     if point_mass {
         point.pivot = point_body::pivot(file);
-    } else if file.has("pivot") {
+    } else if file.has("pivot") && free.is_none() {
         file.source.fault(file.at("pivot"), "[pivot]", "", "holds a body without attitude", "[aero.point_mass]");
     }
     let DeclaredAero { aero, mut declared, structure_file, drag_over_mach } = aero?;
     point.drag_over_mach = drag_over_mach;
     point_body::fits(file, &point);
+    let (free_flight, held) = free.map_or(Some((None, false)), |f| f.map(|(free, held)| (Some(free), held)))?;
     let (sensors, measured, exact_noise) = read?;
     let plant = Plant {
         vehicle: vehicle?,
@@ -59,18 +79,22 @@ pub(crate) fn read_declared(file: &Table<'_>, scenario: bool) -> Option<Declared
         environment: environment?,
         sensors,
         point,
+        free_flight,
     };
+    if plant.free_flight.is_some() {
+        free_flight::fits(file, &plant);
+    }
     let mut knowledge = Knowledge { exact_noise, ..Knowledge::default() };
     read_uncertainty(file, &plant, point_mass, &mut knowledge);
     if point_mass {
         point_body::prior_of_drag(&mut declared, &plant, &mut knowledge);
     }
-    Some(Declared { plant, declared, knowledge, structure_file, point_mass, measured, air })
+    Some(Declared { plant, declared, knowledge, structure_file, point_mass, held, measured, air })
 }
 
-fn vehicle(file: &Table<'_>, scenario: bool) -> Option<Vehicle> {
+fn vehicle(file: &Table<'_>, scenario: bool, free: bool) -> Option<Vehicle> {
     let t = file.table("vehicle", &keys::VEHICLE)?;
-    let (inertia, mass_kg, diameter_m) = (inertia(&t), t.number("mass_kg"), t.number("reference_diameter_m"));
+    let (inertia, mass_kg, diameter_m) = (inertia_of(&t, !free), t.number("mass_kg"), t.number("reference_diameter_m"));
     // A campaign's records say more of what is wrong with its constants; they are asked later.
     if let Some(inertia) = inertia.as_ref().filter(|_| scenario) {
         gyration(&t, inertia, mass_kg, diameter_m);
@@ -103,6 +127,12 @@ fn gyration(t: &Table<'_>, inertia: &Inertia, mass_kg: f64, diameter_m: f64) {
 
 /// Moments and products of inertia of `[vehicle]`, which must be a real body's.
 pub(crate) fn inertia(t: &Table<'_>) -> Option<Inertia> {
+    inertia_of(t, true)
+}
+
+/// The same; in free flight through air as heavy as the body (`real` is false), what is declared may have the air's share in it, which no
+/// triangle binds: the reader of campaigns warns of it.
+fn inertia_of(t: &Table<'_>, real: bool) -> Option<Inertia> {
     t.table("inertia_kg_m2", &keys::INERTIA).map(|i| {
         let read = Inertia {
             xx: i.number("xx"),
@@ -113,7 +143,8 @@ pub(crate) fn inertia(t: &Table<'_>) -> Option<Inertia> {
             yz: i.number("yz"),
         };
         let all = [read.xx, read.yy, read.zz, read.xy, read.xz, read.yz];
-        if all.iter().all(|x| x.is_finite()) && !read.is_physical() {
+        let can_be = if real { read.is_physical() } else { read.is_positive() };
+        if all.iter().all(|x| x.is_finite()) && !can_be {
             let what =
                 "is not the inertia of a real body: eigenvalues must be positive and none larger than the sum of the others";
             let try_ = "check units (kg m2) and the sign of products (positive integrals of x y dm)";

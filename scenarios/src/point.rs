@@ -1,10 +1,11 @@
-//! scenarios: tracks of bodies without attitude. In: a path and the axis that points down. Out: track in tunnel axes.
+//! scenarios: tracks of bodies without attitude, and of rigid ones in free flight. In: a path and the axis that points down. Out: track in
+//! tunnel axes.
 
 use crate::clean::remove_spikes;
-use crate::columns::{fault, some_of};
+use crate::columns::{Columns, fault, some_of};
 use crate::error::ReadError;
 use crate::formats::read_columns;
-use crate::own::Own;
+use crate::own::{Own, quaternions};
 use crate::record::{spike_note, times};
 use crate::units::median;
 use std::path::Path;
@@ -53,7 +54,7 @@ impl Asked<'_> {
     /// Names of its columns, and the one that it cannot be without.
     fn columns(&self) -> ([&'static str; 3], &'static str) {
         let all = match self.measured {
-            Measured::Position => COLUMNS,
+            Measured::Position | Measured::Pose => COLUMNS,
             Measured::SpecificForce => ["fX_m_s2", "fY_m_s2", "fZ_m_s2"],
             Measured::Angle => return (["angle_deg", "", ""], "angle_deg"),
         };
@@ -62,7 +63,7 @@ impl Asked<'_> {
     /// Largest median of a column, and its unit.
     fn limit(&self) -> (f64, &'static str) {
         match self.measured {
-            Measured::Position => (1e5, "metres"),
+            Measured::Position | Measured::Pose => (1e5, "metres"),
             Measured::SpecificForce => (1e4, "m/s2"),
             Measured::Angle => (1e5, "degrees"),
         }
@@ -92,7 +93,9 @@ pub(crate) fn read_own_track(path: &Path, own: &Own, asked: &Asked<'_>) -> Resul
     let one =
         |key: &str, value: &str, what: &str, remedy: &str| ReadError::Faults(vec![fault(path, None, key, value, what, remedy)]);
     let (names, vertical) = asked.columns();
-    let needed = ["t_s", vertical].into_iter().chain(asked.inputs.iter().map(|(_, c, _)| *c));
+    let attitude = if asked.measured == Measured::Pose { Some(attitude_columns(path, &mut columns)?) } else { None };
+    let all_axes = attitude.iter().flat_map(|_| names);
+    let needed = ["t_s", vertical].into_iter().chain(all_axes).chain(asked.inputs.iter().map(|(_, c, _)| *c));
     for needed in needed {
         if columns.get(needed).is_none() {
             let what = format!("column is missing; the file has {}", some_of(columns.names()));
@@ -101,12 +104,17 @@ pub(crate) fn read_own_track(path: &Path, own: &Own, asked: &Asked<'_>) -> Resul
         }
     }
     let inputs = asked.inputs.iter().map(|(_, c, _)| *c);
-    let present: Vec<&str> = names.into_iter().filter(|c| columns.get(c).is_some()).chain(inputs).collect();
+    let turned = attitude.into_iter().flatten();
+    let present: Vec<&str> = names.into_iter().filter(|c| columns.get(c).is_some()).chain(inputs).chain(turned).collect();
     let complete: Vec<bool> =
         (0..columns.rows()).map(|i| present.iter().all(|c| columns.get(c).is_some_and(|x| x[i].is_finite()))).collect();
     let lost = complete.iter().filter(|c| !**c).count();
     if lost > 0 {
-        let what = if asked.measured == Measured::Position { "position" } else { "value" };
+        let what = match asked.measured {
+            Measured::Position => "position",
+            Measured::Pose => "position or attitude",
+            Measured::SpecificForce | Measured::Angle => "value",
+        };
         notes.push(format!("{lost} rows with a missing {what} dropped"));
         columns.retain(&complete);
     }
@@ -136,14 +144,27 @@ pub(crate) fn read_own_track(path: &Path, own: &Own, asked: &Asked<'_>) -> Resul
         (*place, u)
     };
     let recorded_inputs = asked.inputs.iter().map(recorded).collect();
+    let mut quaternion = attitude.map(|names| names.map(|n| columns.get(n).map_or_else(Vec::new, <[f64]>::to_vec)));
+    quaternion.iter_mut().flatten().for_each(keep);
+    let attitude = quaternion.map_or_else(Vec::new, |q| (0..t_s.len()).map(|i| [q[0][i], q[1][i], q[2][i], q[3][i]]).collect());
     let position_m = if asked.measured == Measured::Angle {
         file_axes.map(|axis| axis.map(|x| x.into_iter().map(f64::to_radians).collect()))
     } else {
         let turned = |(axis, sign): (usize, f64)| file_axes[axis].as_ref().map(|x| x.iter().map(|v| sign * v).collect());
         asked.down.tunnel_from_file().map(turned)
     };
-    let record = PointRecord { t_s, position_m, measured: asked.measured, recorded_inputs, ..PointRecord::default() };
+    let record = PointRecord { t_s, position_m, attitude, measured: asked.measured, recorded_inputs, ..PointRecord::default() };
     Ok((record, notes))
+}
+
+/// Columns of the attitude of a rigid body's file.
+fn attitude_columns(path: &Path, columns: &mut Columns) -> Result<[&'static str; 4], ReadError> {
+    let names = some_of(columns.names());
+    quaternions(columns).ok_or_else(|| {
+        let what = format!("is missing: the file of a rigid body needs an attitude; the file has {names}");
+        let remedy = "[columns.attitude] with a quaternion or Euler angles, or columns Rx_deg, Ry_deg, Rz_deg";
+        ReadError::Faults(vec![fault(path, None, "attitude", "", &what, remedy)])
+    })
 }
 
 #[cfg(test)]

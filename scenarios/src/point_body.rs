@@ -165,10 +165,10 @@ pub(crate) struct RunOwn {
     pub(crate) recording: Option<String>,
 }
 
-/// Reads `vehicle`, `environment`, `aero` and `recording` of a `[[run]]`; `point`: of a body without attitude.
-pub(crate) fn run_own(t: &Table<'_>, point: bool) -> RunOwn {
+/// Reads `vehicle`, `environment`, `aero` and `recording` of a `[[run]]`; `tracked`: of a body in free flight or on a pivot.
+pub(crate) fn run_own(t: &Table<'_>, tracked: bool) -> RunOwn {
     let mut own = RunOwn::default();
-    if !point {
+    if !tracked {
         for key in ["vehicle", "environment", "aero", "recording"].into_iter().filter(|k| t.has(k)) {
             t.source.fault(t.at(key), t.full(key), "", "is for bodies without attitude", "remove it; [vehicle] is of all runs");
         }

@@ -81,6 +81,8 @@ fn allowed(k: &Key) -> String {
         Kind::WordOrTable(words) => format!("{}, table", words.join(", ")),
         Kind::Bool => "true, false".to_owned(),
         Kind::Words => "list of names".to_owned(),
+        Kind::Setting => "number, name of a run input".to_owned(),
+        Kind::Settings => "three numbers or names of run inputs".to_owned(),
         Kind::Column => "name, number, table".to_owned(),
         Kind::Table => "table".to_owned(),
         Kind::Tables => "one table or more".to_owned(),

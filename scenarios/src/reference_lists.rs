@@ -53,7 +53,7 @@ const AXES: [(&str, &str); 4] = [
 pub(crate) fn lists(text: &mut String) {
     text.push_str(
         "\n## Run file\n\nCSV or Parquet, one row per sample. A point mass (`[aero.point_mass]`) has `t_s` and any of X_m, Y_m, Z_m, or of fX_m_s2, fY_m_s2, \
-         fZ_m_s2 (specific force), or angle_deg (on a pivot).\n",
+         fZ_m_s2 (specific force), or angle_deg (on a pivot). A rigid body in free flight (`[free_flight]`) has `t_s`, X_m, Y_m, Z_m and an attitude.\n",
     );
     text.push_str("\n| column | unit | needed | meaning |\n|---|---|---|---|\n");
     RUN_COLUMNS.iter().for_each(|(n, u, y, m)| text.push_str(&format!("| `{n}` | {u} | {y} | {m} |\n")));
@@ -80,7 +80,8 @@ fn effect(text: &mut String, e: &Effect) {
         Acts::Altimeter => " (point mass with a pressure altimeter)",
         Acts::Pivot => " (point mass on a pivot)",
         Acts::PointOrPivot => " (point mass, free or on a pivot)",
-        Acts::Lander | Acts::Any => "",
+        Acts::FreeFlight => " (rigid body in free flight)",
+        Acts::Lander | Acts::Attitude | Acts::Any => "",
     };
     let _ = write!(text, "\n### `{}`{acts}\n\n{} Source: {}.\n", e.family, e.physics, e.source);
     text.push_str("\n| parameter | unit | allowed | kind |\n|---|---|---|---|\n");

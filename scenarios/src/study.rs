@@ -165,7 +165,7 @@ fn from_scenario(head: &Table<'_>, word: &str) -> Option<Base> {
 fn from_campaign(head: &Table<'_>, word: &str) -> Option<Base> {
     let path = beside(head, word);
     let (campaign, warnings) = report(head, "campaign", word, crate::read_campaign_with_warnings(&path))?;
-    if campaign.is_point_mass() {
+    if campaign.has_tracks() {
         let what = "is of point masses; a study flies bodies with attitude";
         head.source.fault(head.at("campaign"), head.full("campaign"), word, what, "a campaign of tunnel runs");
         return None;

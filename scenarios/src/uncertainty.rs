@@ -8,7 +8,14 @@ use windfall_model::{Constant, Knowledge, PLANT_NUMBERS, Plant, PlantNumber};
 /// Reads the uncertainties of a campaign or scenario file. Zero is exact: no constant is made of it.
 pub(crate) fn read_uncertainty(file: &Table<'_>, plant: &Plant, point_mass: bool, into: &mut Knowledge) {
     let Some(outer) = file.has("uncertainty").then(|| file.table("uncertainty", &keys::UNCERTAINTY)).flatten() else { return };
-    let specs: &[(&str, &'static TableSpec)] = if point_mass {
+    let specs: &[(&str, &'static TableSpec)] = if plant.free_flight.is_some() {
+        &[
+            ("vehicle", &keys::UNCERTAINTY_VEHICLE),
+            ("free_flight", &keys::UNCERTAINTY_FREE_FLIGHT),
+            ("environment", &keys::UNCERTAINTY_ENVIRONMENT_POINT),
+            ("sensors", &keys::UNCERTAINTY_SENSORS_FREE),
+        ]
+    } else if point_mass {
         &[
             ("vehicle", &keys::UNCERTAINTY_VEHICLE_POINT),
             ("pivot", &keys::UNCERTAINTY_PIVOT),
@@ -37,6 +44,16 @@ pub(crate) fn read_uncertainty(file: &Table<'_>, plant: &Plant, point_mass: bool
             continue;
         }
         table(&t, name, spec, &mut into.constants);
+    }
+    if outer.has("free_flight") && plant.free_flight.is_none() {
+        let what = "is about a rigid body in free flight, and the file declares none";
+        outer.source.fault(
+            outer.at("free_flight"),
+            "[uncertainty.free_flight]",
+            "",
+            what,
+            "add [free_flight], or remove this table",
+        );
     }
     if outer.has("aero") {
         aero(&outer, plant, into);

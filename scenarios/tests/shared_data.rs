@@ -87,7 +87,7 @@ fn pub_open_00_is_read_as_its_files_say() {
 fn pub_balls_fall_along_tunnel_x() {
     let Some(file) = shared("pub_balls_fall_along_tunnel_x", "data/measured/ball-drops/golf-ball.toml") else { return };
     let campaign = read_campaign(&file).expect("the shared campaign is valid");
-    assert!(campaign.is_point_mass());
+    assert!(campaign.has_tracks());
     assert_eq!(campaign.declared, [false]);
     assert!((campaign.plant.point.air_density_kg_m3 - 1.19).abs() < 1e-15);
     let Data::Point(track) = &campaign.runs[0].data else { panic!("a track") };

@@ -165,6 +165,7 @@ mod tests {
             environment: Environment { gravity_m_s2: 9.8, gas_constant_j_kg_k: 287.0 },
             sensors: Sensors::default(),
             point: PointMass::default(),
+            free_flight: None,
         }
     }
 

@@ -14,7 +14,9 @@ mod innovations;
 mod lead;
 mod likely;
 mod points;
+mod poses;
 mod result;
+mod signals;
 mod tracks;
 
 pub use crate::residual::ChannelResidual;
@@ -26,7 +28,8 @@ pub use result::{
     After, CandidateLine, Closing, ConstantLine, EffectBound, EffectLine, Form, FormCheck, HeldOut, HeldOutTrajectory, NoiseLine,
     ParameterLine, SetLine, Shift, Unexplained, Verdict,
 };
-pub use tracks::{BodyShape, RunTracks, SignalTracks, TrackSignal, coefficient_tracks, flight_tracks, tracks};
+pub use signals::{BodyShape, RunTracks, SignalTracks, TrackSignal};
+pub use tracks::{coefficient_tracks, flight_tracks, tracks};
 
 /// Error rates and effort.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,5 +58,5 @@ pub(crate) fn runs_of(campaign: &Campaign, used: Use) -> Vec<usize> {
 /// A record that is not what its campaign says it is, no run to identify on, runs too short, or a declared model that cannot be fitted.
 pub fn close(campaign: &Campaign, options: &Options) -> Result<Closing, VerifyError> {
     windfall_pid::plausible::plausible(campaign)?;
-    if campaign.is_point_mass() { points::close(campaign, options) } else { likely::close(campaign, options) }
+    if campaign.has_tracks() { points::close(campaign, options) } else { likely::close(campaign, options) }
 }

@@ -100,7 +100,7 @@ const LIKELIHOOD: &str = "likelihood";
 /// Whether a campaign says what is uncertain of its constants, or which effects its model has.
 fn says_more(campaign: &Campaign) -> bool {
     let k = &campaign.knowledge;
-    !campaign.is_point_mass() && (!k.constants.is_empty() || !k.effects.is_empty())
+    !campaign.has_tracks() && (!k.constants.is_empty() || !k.effects.is_empty())
 }
 
 /// Parameters by the likelihood that carries what a campaign says; the other methods take constants as exact. How well each coefficient is

@@ -36,7 +36,14 @@ fn problem<'a>(c: &'a Campaign, e: &'a TrackEvidence) -> Problem<'a> {
 
 fn declared(c: &Campaign, e: &TrackEvidence) -> TrackFit {
     let generic = vec![0.0; e.components()];
-    let start = TrackModel { declared: c.plant.aero.values.clone(), constants: Vec::new(), effects: Vec::new(), generic };
+    let start = TrackModel {
+        declared: c.plant.aero.values.clone(),
+        constants: Vec::new(),
+        effects: Vec::new(),
+        generic,
+        priors: Vec::new(),
+        scatter: None,
+    };
     problem(c, e).fit(&start, false)
 }
 

@@ -4,7 +4,7 @@ use super::{Acts, Effect, Parameter};
 
 pub(super) static EFFECT: Effect = Effect {
     family: "pose-misalignment",
-    acts: Acts::Lander,
+    acts: Acts::Attitude,
     physics: "The reflective dots are registered at a slightly wrong attitude: reported body axes are turned against the real ones.",
     source: "Thesis §2.1.4; Klein and Morelli, Aircraft System Identification, 2006, §10.2",
     separate_by: "a static calibration of the dots on a surface plate",

@@ -38,6 +38,7 @@ fn plant() -> Plant {
         environment: Environment { gravity_m_s2: 9.80665, gas_constant_j_kg_k: 287.05287 },
         sensors: Sensors::default(),
         point: PointMass::default(),
+        free_flight: None,
     }
 }
 

@@ -59,6 +59,7 @@ pub(crate) fn lander() -> Plant {
             ..Sensors::default()
         },
         point: PointMass::default(),
+        free_flight: None,
     }
 }
 

@@ -21,6 +21,10 @@ pub(crate) enum Kind {
     Words,
     /// One of these words, or a table.
     WordOrTable(&'static [&'static str]),
+    /// A number, or the name of a run input.
+    Setting,
+    /// Three of them.
+    Settings,
     /// A column of a run file: a name, a number or a table.
     Column,
     /// A table with keys of its own, read by its own rules.

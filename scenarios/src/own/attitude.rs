@@ -4,6 +4,7 @@
 
 use super::unit::ColumnUnit;
 use crate::columns::Columns;
+use windfall_model::frames::{Body, Rotation, Tunnel};
 
 type Matrix = [[f64; 3]; 3];
 const ONE: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -79,8 +80,15 @@ pub(crate) struct Attitude {
     pub(super) to_body: bool,
 }
 
-/// Our three angles and what to note; or value, what is wrong and what to try.
-type Angles = Result<([Vec<f64>; 3], Option<String>), (String, String, String)>;
+/// An attitude row by row: our three angles in deg, and the quaternion tunnel from body, scalar first, which has no singular attitude.
+#[derive(Default)]
+pub(super) struct Turned {
+    pub(super) angles_deg: [Vec<f64>; 3],
+    pub(super) quaternion: [Vec<f64>; 4],
+}
+
+/// Our attitude and what to note; or value, what is wrong and what to try.
+type Attitudes = Result<(Turned, Option<String>), (String, String, String)>;
 
 impl Attitude {
     pub(super) fn columns(&self) -> &[String] {
@@ -89,9 +97,9 @@ impl Attitude {
             GivenAttitude::Euler { angles, .. } => angles,
         }
     }
-    pub(super) fn angles_deg(&self, file: &Columns, axes: OwnAxes) -> Angles {
+    pub(super) fn turned(&self, file: &Columns, axes: OwnAxes) -> Attitudes {
         let column = |name: &String| file.get(name).unwrap_or_default();
-        let mut out: [Vec<f64>; 3] = Default::default();
+        let mut out = Turned::default();
         let mut long = 0;
         for i in 0..file.rows() {
             let rotation = match &self.given {
@@ -108,8 +116,7 @@ impl Attitude {
             };
             let rotation = rotation.unwrap_or([[f64::NAN; 3]; 3]);
             let rotation = if self.to_body { transposed(&rotation) } else { rotation };
-            let angles = ours_deg(&product(&product(&axes.room, &rotation), &transposed(&axes.body)));
-            out.iter_mut().zip(angles).for_each(|(c, a)| c.push(a));
+            out.push(&product(&product(&axes.room, &rotation), &transposed(&axes.body)));
         }
         if long as f64 > MOST * file.rows() as f64 {
             let what = format!("{long} of {} quaternions differ in length from one by more than {LENGTH}", file.rows());
@@ -120,15 +127,23 @@ impl Attitude {
     }
 }
 
-/// Angles of our own sequence, in deg, about other axes.
-pub(super) fn turned_deg([x, y, z]: [Vec<f64>; 3], axes: OwnAxes) -> [Vec<f64>; 3] {
-    let mut out: [Vec<f64>; 3] = Default::default();
-    for ((x, y), z) in x.into_iter().zip(y).zip(z) {
-        let rotation = of_euler([x, y, z].map(f64::to_radians), [0, 1, 2]);
-        let turned = ours_deg(&product(&product(&axes.room, &rotation), &transposed(&axes.body)));
-        out.iter_mut().zip(turned).for_each(|(c, a)| c.push(a));
+impl Turned {
+    /// Adds a row: the matrix tunnel from body, NaN where there is none.
+    fn push(&mut self, t: &Matrix) {
+        self.angles_deg.iter_mut().zip(ours_deg(t)).for_each(|(c, a)| c.push(a));
+        let finite = t.iter().flatten().all(|x| x.is_finite());
+        let q = if finite { Rotation::<Tunnel, Body>::from_rows(*t).to_quaternion() } else { [f64::NAN; 4] };
+        self.quaternion.iter_mut().zip(q).for_each(|(c, x)| c.push(x));
     }
-    out
+    /// Of angles of our own sequence, in deg, about other axes.
+    pub(super) fn of_ours([x, y, z]: [Vec<f64>; 3], axes: OwnAxes) -> Self {
+        let mut out = Self::default();
+        for ((x, y), z) in x.into_iter().zip(y).zip(z) {
+            let rotation = of_euler([x, y, z].map(f64::to_radians), [0, 1, 2]);
+            out.push(&product(&product(&axes.room, &rotation), &transposed(&axes.body)));
+        }
+        out
+    }
 }
 
 /// Rotation by `angle` about axis 0, 1 or 2, right-handed.

@@ -6,6 +6,7 @@ mod chance;
 mod common;
 mod descent;
 mod ends;
+mod free_flight;
 mod instruments;
 mod lander;
 mod nothing;

@@ -86,7 +86,7 @@ pub fn figures(campaign: &Campaign, closing: &Closing, options: &Options) -> Res
     let used = runs_of(campaign, Use::Identify);
     let held = runs_of(campaign, Use::HoldOut);
     let mut sides = sides_of(campaign, closing);
-    if campaign.is_point_mass() {
+    if campaign.has_tracks() {
         sides.after.iter_mut().for_each(|p| set_constants(campaign, closing, p));
         let evidence = TrackEvidence::new(campaign, if held.is_empty() { &used } else { &held }, &sides.before)?;
         let mut all = tracks(&evidence, &sides);
@@ -328,17 +328,28 @@ fn means(x: &[f64], y: &[f64]) -> Option<Means> {
     Some(Means { share: between / total.max(f64::MIN_POSITIVE), x: xs, y: ys })
 }
 
-/// Residual of point-mass tracks along each axis over time: rms over runs.
+/// Title, factor and label of a channel's residual.
+fn label(kind: Measured, channel: usize) -> (&'static str, f64, &'static str) {
+    let down = ["X (down)", "Y", "Z"];
+    let name =
+        if kind != Measured::Angle && channel < 3 { down[channel] } else { kind.names().get(channel).copied().unwrap_or("") };
+    let (per_unit, y_label) = match kind {
+        Measured::SpecificForce => (1.0, "specific force error (m/s²)"),
+        Measured::Angle => (1.0_f64.to_degrees(), "angle error (deg)"),
+        Measured::Pose if channel > 2 => (1.0_f64.to_degrees(), "attitude error (deg)"),
+        Measured::Position | Measured::Pose => (1e3, "position error (mm)"),
+    };
+    (name, per_unit, y_label)
+}
+
+/// Residual of tracks in each channel over time: rms over runs.
 fn tracks(evidence: &TrackEvidence, sides: &Sides) -> Vec<Figure> {
     let all = runs_flown(evidence, sides);
-    let (names, per_unit, y_label) = match all.iter().flat_map(|(_, r)| r).next().map(|r| r.measured) {
-        Some(Measured::SpecificForce) => (["X (down)", "Y", "Z"], 1.0, "specific force error (m/s²)"),
-        Some(Measured::Angle) => (["angle", "", ""], 1.0_f64.to_degrees(), "angle error (deg)"),
-        _ => (["X (down)", "Y", "Z"], 1e3, "position error (mm)"),
-    };
+    let kind = all.iter().flat_map(|(_, r)| r).next().map_or(Measured::Position, |r| r.measured);
     let end_s = all.iter().flat_map(|(_, r)| r).filter_map(|r| r.t_s.last().copied()).fold(0.0, f64::max);
-    (0..3)
+    (0..6)
         .filter_map(|axis| {
+            let (name, per_unit, y_label) = label(kind, axis);
             let series: Vec<Series> = all
                 .iter()
                 .filter_map(|(role, runs)| {
@@ -357,7 +368,7 @@ fn tracks(evidence: &TrackEvidence, sides: &Sides) -> Vec<Figure> {
                 .collect();
             (!series.is_empty()).then(|| Figure {
                 topic: Topic::Trajectory,
-                title: format!("{}: measured less re-simulated, rms over runs", names[axis]),
+                title: format!("{name}: measured less re-simulated, rms over runs"),
                 x_label: "time in the run (s)".to_owned(),
                 y_label: y_label.to_owned(),
                 log_y: false,

@@ -1,4 +1,4 @@
-//! verify: closing on flights of bodies without attitude. In: a campaign of tracks. Out: the closing, from a contest of sets of effects.
+//! verify: closing on tracks: flights of bodies without attitude, and of rigid ones whose pose was recorded. In: a campaign of tracks. Out: the closing, from a contest of sets of effects.
 //!
 //! Sets are fitted in full and weighed by their log marginal likelihood (Laplace's approximation, normal priors), grown, pruned and
 //! swapped one family at a time until none is better. What every run has of its own - its initial state, a slow push, the drift of its
@@ -13,7 +13,7 @@ use super::{
 use crate::VerifyError;
 use crate::close::result::FormCheck;
 use crate::tracks::{Free, Problem, TrackEvidence, TrackFit, TrackModel};
-use windfall_model::{Acts, Campaign, Use};
+use windfall_model::{Acts, Campaign, Measured, Use};
 
 mod contest;
 mod settings;
@@ -208,16 +208,12 @@ fn bounds(found: &TrackContest<'_>, settings: &Settings) -> Vec<EffectBound> {
 }
 
 fn noise(found: &TrackContest<'_>, campaign: &Campaign, left: &[ChannelResidual]) -> Vec<NoiseLine> {
+    let place = |c: &ChannelResidual| campaign.measured().names().iter().position(|n| *n == c.channel);
     left.iter()
         .map(|c| NoiseLine {
             channel: c.channel.clone(),
-            declared_std: found.evidence.stated_std(),
-            learnt_std: campaign
-                .measured()
-                .names()
-                .iter()
-                .position(|n| *n == c.channel)
-                .map_or(f64::NAN, |a| found.evidence.white_variance(a).sqrt()),
+            declared_std: place(c).map_or(f64::NAN, |a| found.evidence.stated_std(a)),
+            learnt_std: place(c).map_or(f64::NAN, |a| found.evidence.white_variance(a).sqrt()),
             colour: 0.0,
             coloured_share: 0.0,
             lines_hz: Vec::new(),
@@ -251,6 +247,9 @@ fn side(campaign: &Campaign, fit: &TrackFit, held: Option<&TrackEvidence>) -> Af
     let of = |h: &TrackEvidence| {
         let problem = problem(campaign, h);
         let plant = fit.hypothesis.plant(&campaign.plant);
+        if campaign.measured() == Measured::Pose {
+            return HeldOut::of_poses(h.pose_rms(&plant), Some(problem.predict(&fit.hypothesis)));
+        }
         HeldOut::of_points(campaign.measured(), h.rms_m(&plant), plant.point.pivot, Some(problem.predict(&fit.hypothesis)))
     };
     After { parameters: parameter_lines(campaign, fit), hold_out: held.map(of) }
@@ -266,10 +265,18 @@ fn declared(campaign: &Campaign, settings: &Settings, generic: usize) -> TrackMo
     let effects = campaign.knowledge.effects.iter().map(|(e, v)| settings.inward(settings.null(e, campaign), v)).collect();
     TrackModel {
         declared: campaign.plant.aero.values.clone(),
+        priors: priors(campaign),
         constants: campaign.knowledge.constants.iter().map(|c| (*c, 0.0)).collect(),
         effects,
         generic: vec![0.0; generic],
+        scatter: None,
     }
+}
+
+/// Priors of the parameters that are fitted.
+fn priors(campaign: &Campaign) -> Vec<(usize, f64, f64)> {
+    let known = campaign.knowledge.priors.iter().filter(|(i, _)| campaign.declared[*i]);
+    known.map(|(i, std)| (*i, campaign.plant.aero.values[*i], *std)).collect()
 }
 
 fn problem<'a>(campaign: &'a Campaign, evidence: &'a TrackEvidence) -> Problem<'a> {

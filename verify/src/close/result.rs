@@ -272,12 +272,20 @@ impl HeldOut {
             log_likelihood,
         }
     }
+    /// Of poses of a rigid body: rms of the distance of positions, m, and of the angle of attitudes, rad.
+    pub(crate) fn of_poses([position_m, attitude_rad]: [f64; 2], log_likelihood: Option<f64>) -> Self {
+        let mut held = Self::of_points(Measured::Pose, position_m, None, log_likelihood);
+        if let Some(t) = held.trajectory.as_mut() {
+            t.attitude_rms_deg = Some(attitude_rad.to_degrees()).filter(|x| x.is_finite());
+        }
+        held
+    }
     /// Of a body without attitude: `rms` in the unit of what was measured. On a pivot the mass centre's error along its path is the
     /// angle's times the arm.
     pub(crate) fn of_points(measured: Measured, rms: f64, pivot: Option<Pivot>, log_likelihood: Option<f64>) -> Self {
         let rms = Some(rms).filter(|x| x.is_finite());
         let position_m = match measured {
-            Measured::Position => rms,
+            Measured::Position | Measured::Pose => rms,
             Measured::Angle => rms.map(|x| x * pivot.map_or(f64::NAN, |p| p.arm_m)),
             Measured::SpecificForce => None,
         };

@@ -2,12 +2,12 @@
 //! channel and run: `tracks.json`, `coefficients.json`, `flights.json`.
 
 use super::figures::{Sides, runs_flown, short, sides_of};
+use super::signals::{BodyShape, RunTracks, SignalTracks, TrackSignal, named};
 use super::{Closing, Role};
 use crate::VerifyError;
 use crate::resimulate::{Replay, estimate_initial};
 use crate::tracks::{TrackEvidence, stated_std};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 use windfall_model::{Campaign, Coefficient, Data, Measured, Plant, Record, Run};
 use windfall_pid::coefficients::coefficients;
 use windfall_pid::{Identification, rates_and_angles};
@@ -17,96 +17,6 @@ use windfall_sim::Flown;
 const SAMPLES: usize = 20_000;
 /// Most samples of coefficients, which are smooth.
 const COEFFICIENT_SAMPLES: usize = 6_000;
-
-/// What is drawn of the body.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct BodyShape {
-    /// True for a body with attitude; a point body is drawn as a sphere.
-    pub rigid: bool,
-    /// Reference diameter, m.
-    pub diameter_m: f64,
-    /// Centre of mass from the geometric origin, body axes, m.
-    pub center_of_mass_m: [f64; 3],
-    /// Tether's attachment, body axes, m; none in free flight.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub attachment_m: Option<[f64; 3]>,
-    /// Tether's ring, tunnel axes, m.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ring_m: Option<[f64; 3]>,
-}
-
-/// Signals of some runs.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct SignalTracks {
-    /// Campaign.
-    #[serde(default)]
-    pub campaign: String,
-    /// What is drawn of the body.
-    #[serde(default)]
-    pub body: BodyShape,
-    /// What the model of role `before` is called; empty where there is none.
-    #[serde(default)]
-    pub before: String,
-    /// What the model of role `after` is called; empty where there is none.
-    #[serde(default)]
-    pub after: String,
-    /// Each run.
-    pub runs: Vec<RunTracks>,
-}
-
-/// Signals of one run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RunTracks {
-    /// Name.
-    pub name: String,
-    /// Kind.
-    pub kind: String,
-    /// `identify`, `select` or `hold-out`.
-    #[serde(rename = "use")]
-    pub used: String,
-    /// Times from the first sample, s.
-    pub t_s: Vec<f64>,
-    /// Signals.
-    pub channels: Vec<TrackSignal>,
-    /// What reading the file bridged, removed or split.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub notes: Vec<String>,
-}
-
-/// One signal. A series that ends early was flown no further; an empty one is not known.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TrackSignal {
-    /// Name.
-    pub name: String,
-    /// Unit.
-    pub unit: String,
-    /// Standard deviation of its sensor's noise as declared; none where it is no raw signal.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub noise_std: Option<f64>,
-    /// Measured.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub measured: Vec<f64>,
-    /// With the declared model.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub before: Vec<f64>,
-    /// With the effects added, or with the identified model.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub after: Vec<f64>,
-}
-
-impl TrackSignal {
-    fn new(name: &str, unit: &str, noise_std: Option<f64>) -> Self {
-        let none = Vec::new;
-        Self { name: name.to_owned(), unit: unit.to_owned(), noise_std, measured: none(), before: none(), after: none() }
-    }
-    fn side(&mut self, role: Role) -> &mut Vec<f64> {
-        match role {
-            Role::Measured | Role::Noise => &mut self.measured,
-            Role::Before => &mut self.before,
-            Role::After => &mut self.after,
-        }
-    }
-}
 
 /// Measured pose, rates and tunnel speed of every run beside flights from its own initial state, with the declared model and with the
 /// effects added. Of point bodies the position.
@@ -171,10 +81,12 @@ fn identified(campaign: &Campaign, found: &Identification) -> Result<Plant, Veri
 
 fn empty(campaign: &Campaign) -> SignalTracks {
     let plant = &campaign.plant;
-    let tether = plant.tether.as_ref().filter(|_| !campaign.is_point_mass());
+    let tether = plant.tether.as_ref().filter(|_| !campaign.has_tracks());
+    // Of a rigid body in free flight nothing is known of its shape but an area.
+    let of_area = |f: &windfall_model::FreeFlight| 2.0 * (f.area_m2 / std::f64::consts::PI).sqrt();
     let body = BodyShape {
-        rigid: !campaign.is_point_mass(),
-        diameter_m: plant.vehicle.diameter_m,
+        rigid: !campaign.has_tracks(),
+        diameter_m: plant.free_flight.as_ref().map_or(plant.vehicle.diameter_m, of_area),
         center_of_mass_m: plant.vehicle.p_origin_cm.to_array(),
         attachment_m: tether.map(|t| t.p_origin_hook.to_array()),
         ring_m: tether.map(|t| t.ring().to_array()),
@@ -184,7 +96,10 @@ fn empty(campaign: &Campaign) -> SignalTracks {
 
 fn of_runs(campaign: &Campaign, sides: &Sides) -> Result<Vec<RunTracks>, VerifyError> {
     let thin = thinning(campaign, SAMPLES);
-    if campaign.is_point_mass() {
+    if campaign.measured() == Measured::Pose {
+        return super::poses::runs(campaign, sides);
+    }
+    if campaign.has_tracks() {
         return points(campaign, sides, thin);
     }
     let one = |(i, run): (usize, &Run)| -> Option<RunTracks> {
@@ -202,17 +117,6 @@ fn thinning(campaign: &Campaign, most: usize) -> usize {
         Data::Point(p) => p.t_s.len(),
     };
     campaign.runs.iter().map(samples).sum::<usize>().div_ceil(most).max(1)
-}
-
-fn named(run: &Run) -> RunTracks {
-    RunTracks {
-        name: run.name.clone(),
-        kind: run.kind.clone(),
-        used: run.used.name().to_owned(),
-        t_s: Vec::new(),
-        channels: Vec::new(),
-        notes: run.notes.clone(),
-    }
 }
 
 /// Times from the first sample.
@@ -290,12 +194,12 @@ fn points(campaign: &Campaign, sides: &Sides, thin: usize) -> Result<Vec<RunTrac
     let indices: Vec<usize> = (0..campaign.runs.len()).collect();
     let evidence = TrackEvidence::new(campaign, &indices, &sides.before)?;
     let kind = campaign.measured();
-    let (names, unit, per_unit) = match kind {
-        Measured::Position => (["X (down)", "Y", "Z"], "m", 1.0),
+    let (names, unit, per_unit): (&[&str], _, _) = match kind {
+        Measured::Position | Measured::Pose => (&["X (down)", "Y", "Z"], "m", 1.0),
         Measured::SpecificForce => (kind.names(), "m/s2", 1.0),
         Measured::Angle => (kind.names(), "deg", 1.0_f64.to_degrees()),
     };
-    let noise = Some(per_unit * stated_std(&campaign.plant, kind)).filter(|s| *s > 0.0);
+    let noise = Some(per_unit * stated_std(&campaign.plant, kind, 0)).filter(|s| *s > 0.0);
     let mut all: Vec<RunTracks> = Vec::new();
     for run in &campaign.runs {
         let Data::Point(track) = &run.data else { continue };

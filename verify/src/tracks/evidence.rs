@@ -1,4 +1,4 @@
-//! verify: evidence from flights of a body without attitude. In: tracks and a plant. Out: residuals in bins, their noise.
+//! verify: evidence from tracks: flights of a body without attitude, or of a rigid one whose pose was recorded. In: tracks and a plant. Out: residuals in bins, their noise.
 //!
 //! A run's residual is its measured track (positions, specific forces or an angle) less the simulated one, with the initial position and velocity along the measured axes
 //! estimated inside (variable projection, Golub and Pereyra 1973). What is left is written in an orthonormal basis that is
@@ -15,11 +15,12 @@
 
 use super::bins::{BIN, Cov};
 use super::drift::AxisNoise;
+use super::scatter;
 use super::track::Track;
 use super::witnesses::Witnesses;
 use crate::VerifyError;
 use crate::residual::{ChannelResidual, LeadTable};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use windfall_model::{Campaign, Data, Measured, Plant};
 
@@ -38,20 +39,21 @@ pub struct TrackResidual {
     pub measured: Measured,
     /// Times from the first sample, s.
     pub t_s: Vec<f64>,
-    /// Measured less simulated along tunnel X, Y, Z, in the unit of what was measured; absent for an axis that was not.
-    pub residual_m: [Option<Vec<f64>>; 3],
+    /// Measured less simulated, in the channels' units, in the order of [`Measured::names`]: along tunnel X, Y, Z, of poses rotations about
+    /// the body's axes (rad) after them; absent for a channel that was not measured.
+    pub residual_m: [Option<Vec<f64>>; 6],
     /// Estimated position at the first sample, m, tunnel axes (zero along an axis that was not measured).
     pub position_m: [f64; 3],
     /// Estimated velocity at the first sample, m/s, tunnel axes.
     pub velocity_m_s: [f64; 3],
 }
 
-/// Evidence of flights of a point mass.
+/// Evidence of tracks.
 pub struct TrackEvidence {
     tracks: Vec<Track>,
     kind: Measured,
-    /// Of one sample, as stated, in the unit of what was measured.
-    variance: f64,
+    /// Of one sample of each channel, as stated, in its unit.
+    variances: [f64; 6],
     inputs: Vec<String>,
     noise: Vec<Cov>,
     generic: Vec<Vec<Cov>>,
@@ -73,9 +75,9 @@ impl TrackEvidence {
                 Data::Tunnel(_) => Err(VerifyError::NotPoint { run: campaign.runs[i].name.clone() }),
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let variance = super::track::stated_std(&campaign.plant, kind).max(FLOOR).powi(2);
+        let variances = std::array::from_fn(|c| super::track::stated_std(&campaign.plant, kind, c).max(FLOOR).powi(2));
         let inputs = campaign.inputs.clone();
-        let mut evidence = Self { tracks, kind, variance, inputs, noise: Vec::new(), generic: Vec::new() };
+        let mut evidence = Self { tracks, kind, variances, inputs, noise: Vec::new(), generic: Vec::new() };
         evidence.measure();
         Ok(evidence)
     }
@@ -83,12 +85,13 @@ impl TrackEvidence {
     /// Covariances in the bases as they lie.
     fn measure(&mut self) {
         let tracks = &self.tracks;
-        let white: [f64; 3] = std::array::from_fn(|axis| self.white_variance(axis));
+        let white: [f64; 6] = std::array::from_fn(|axis| self.white_variance(axis));
         let noise =
             tracks.iter().flat_map(|t| t.blocks(|a, s, r| if same(s, r) { white[a] / t.group } else { 0.0 }, 1.0)).collect();
         let scatter = self.recordings() >= RUNS_FOR_SCATTER;
-        let generic = self
-            .axes()
+        // Of poses the scatter between runs is all of it.
+        let axes = if self.kind == Measured::Pose { Vec::new() } else { self.axes() };
+        let generic = axes
             .into_iter()
             .flat_map(|axis| {
                 let variance = white[axis];
@@ -111,6 +114,9 @@ impl TrackEvidence {
     /// Variance of one sample's white noise along an axis: as stated, or the median square of the fast half of the orders over that of
     /// a unit normal (0.4549), if that is less.
     pub(crate) fn white_variance(&self, axis: usize) -> f64 {
+        if self.kind == Measured::Pose {
+            return self.variances[axis];
+        }
         let fast = |t: &Track| -> Vec<f64> {
             let m = t.axes.len();
             let Some(k) = t.axes.iter().position(|a| *a == axis) else { return Vec::new() };
@@ -119,12 +125,12 @@ impl TrackEvidence {
         let mut squares: Vec<f64> = self.tracks.iter().flat_map(fast).collect();
         squares.sort_by(f64::total_cmp);
         let median = squares.get(squares.len() / 2).map_or(f64::INFINITY, |m| m / 0.4549);
-        self.variance.min(median).max(FLOOR * FLOOR)
+        self.variances[axis].min(median).max(FLOOR * FLOOR)
     }
 
-    /// Standard deviation of one sample as the campaign states it.
-    pub(crate) fn stated_std(&self) -> f64 {
-        self.variance.sqrt()
+    /// Standard deviation of one sample of a channel as the campaign states it.
+    pub(crate) fn stated_std(&self, channel: usize) -> f64 {
+        self.variances[channel].sqrt()
     }
 
     /// Recordings that its runs are of.
@@ -137,7 +143,7 @@ impl TrackEvidence {
 
     /// Axes that any run has measured.
     fn axes(&self) -> Vec<usize> {
-        (0..3).filter(|axis| self.tracks.iter().any(|t| t.axes.contains(axis))).collect()
+        (0..6).filter(|axis| self.tracks.iter().any(|t| t.axes.contains(axis))).collect()
     }
 
     /// Where the numbers of an axis stand among all numbers of the bins: place, order from slow (0) to fast, and frequency, Hz.
@@ -153,6 +159,19 @@ impl TrackEvidence {
             start += t.bins() * BIN;
         }
         all
+    }
+
+    /// Root mean squares over all samples of the distance from measured to flown position, m, and of the angle between the attitudes, rad, of
+    /// poses, with every run's initial state estimated from that run; NaN when a flight is not finite.
+    #[must_use]
+    pub fn pose_rms(&self, plant: &Plant) -> [f64; 2] {
+        let squares = |t: &Track| {
+            let n = t.t_s.len();
+            self.least(t, plant).map(|(_, e)| [e.rows(0, 3 * n).norm_squared(), e.rows(3 * n, 3 * n).norm_squared(), n as f64])
+        };
+        let all: Vec<_> = self.tracks.par_iter().map(squares).collect();
+        let sum = |k: usize| all.iter().map(|x| x.map_or(f64::NAN, |s| s[k])).sum::<f64>();
+        [0, 1].map(|k| (sum(k) / sum(2)).sqrt())
     }
 
     /// Root mean square of the residual over all samples and measured axes, in the unit of what was measured (m of positions), with every
@@ -174,7 +193,7 @@ impl TrackEvidence {
     fn series_of(&self, t: &Track, plant: &Plant) -> Option<TrackResidual> {
         let (theta, e) = self.least(t, plant)?;
         let n = t.t_s.len();
-        let mut residual_m = [None, None, None];
+        let mut residual_m = [const { None }; 6];
         for (k, &axis) in t.axes.iter().enumerate() {
             residual_m[axis] = Some(e.as_slice()[k * n..(k + 1) * n].to_vec());
         }
@@ -204,7 +223,26 @@ impl TrackEvidence {
     pub fn residual(&self, plant: &Plant) -> Vec<f64> {
         let all = self.residuals(plant, Track::binned);
         let nan = |t: &Track| vec![f64::NAN; t.bins() * BIN];
-        all.into_iter().zip(&self.tracks).flat_map(|(z, t)| z.unwrap_or_else(|| nan(t))).collect()
+        let mut z: Vec<f64> = all.into_iter().zip(&self.tracks).flat_map(|(z, t)| z.unwrap_or_else(|| nan(t))).collect();
+        if let Some(used) = self.slow_numbers() {
+            z.chunks_exact_mut(BIN).for_each(|run| run[used..].fill(0.0));
+        }
+        z
+    }
+    /// How many slow numbers a run is, of poses; none where every order counts.
+    pub(crate) fn slow_numbers(&self) -> Option<usize> {
+        (self.kind == Measured::Pose).then(|| scatter::numbers(self.recordings()))
+    }
+    /// Factor on variances of estimates, as few runs tell the covariance between runs; those of other tracks are fitted as they are.
+    pub(crate) fn inflation(&self) -> f64 {
+        if self.kind == Measured::Pose { 1.0 / scatter::share(self.recordings()).max(1e-3) } else { 1.0 }
+    }
+    /// Factor on twice a gain of log-likelihood by `tested` numbers over a fit with `known` ones, as few runs allow it.
+    pub(crate) fn factor(&self, known: usize, tested: usize) -> f64 {
+        match self.kind {
+            Measured::Pose => scatter::share(self.recordings()),
+            _ => self.witnesses().map_or(1.0, |w| w.factor(known, tested)),
+        }
     }
     /// Covariance that sensor noise leaves, per bin.
     pub(crate) fn noise(&self) -> &[Cov] {
@@ -231,6 +269,9 @@ impl TrackEvidence {
     pub fn channel_residuals(&self, z: &[f64], fitted: usize) -> Vec<ChannelResidual> {
         let axes = self.axes();
         let share = fitted as f64 / axes.len().max(1) as f64;
+        if let Some(used) = self.slow_numbers() {
+            return axes.iter().map(|&c| self.judged(c, z, used, share)).collect();
+        }
         axes.iter()
             .enumerate()
             .map(|(c, &axis)| {
@@ -241,30 +282,33 @@ impl TrackEvidence {
             })
             .collect()
     }
+    /// Whether the slow numbers of a channel of poses repeat or follow the inputs.
+    fn judged(&self, channel: usize, z: &[f64], used: usize, fitted: f64) -> ChannelResidual {
+        let runs = self.tracks.len();
+        let values = DMatrix::from_fn(runs, used / 6, |r, k| z[r * BIN + 6 * k + channel]);
+        let inputs = DMatrix::from_fn(runs, self.inputs.len(), |r, k| self.tracks[r].inputs[k]);
+        scatter::judge(self.kind.names()[channel], &values, &inputs, fitted)
+    }
     /// Residual in time beside what it may vary with.
     pub(crate) fn lead_table(&self, plant: &Plant) -> LeadTable {
         let axes = self.axes();
-        let names = match self.kind {
-            Measured::Angle => ["time in the run (s)", "angle (rad)", "rate (rad/s)"],
-            _ => ["time in the run (s)", "velocity along X (m/s)", "speed (m/s)"],
+        let names: &[&str] = match self.kind {
+            Measured::Angle => &["time in the run (s)", "angle (rad)", "rate (rad/s)"],
+            Measured::Pose => &["time in the run (s)", "speed (m/s)", "angle of attack (rad)", "sideslip (rad)"],
+            _ => &["time in the run (s)", "velocity along X (m/s)", "speed (m/s)"],
         };
         let mut variables: Vec<(String, Vec<f64>)> =
-            names.map(str::to_owned).into_iter().chain(self.inputs.clone()).map(|n| (n, Vec::new())).collect();
+            names.iter().map(|n| (*n).to_owned()).chain(self.inputs.clone()).map(|n| (n, Vec::new())).collect();
         let mut residuals = vec![Vec::new(); axes.len()];
         for t in &self.tracks {
             let Some((theta, e)) = self.least(t, plant) else { continue };
-            let Some(states) = t.states(&t.own(plant), &theta) else { continue };
+            let Some(varied) = t.varied(&t.own(plant), &theta) else { continue };
             let n = t.t_s.len();
             for (c, axis) in axes.iter().enumerate() {
                 let place = t.axes.iter().position(|a| a == axis);
                 residuals[c].extend(place.map_or_else(|| vec![0.0; n], |k| e.as_slice()[k * n..(k + 1) * n].to_vec()));
             }
-            for (i, s) in states.iter().enumerate() {
-                let v = s.velocity;
-                let values = match self.kind {
-                    Measured::Angle => [t.t_s[i], s.position[0], v[0]],
-                    _ => [t.t_s[i], v[0], v[0].hypot(v[1]).hypot(v[2])],
-                };
+            for (i, values) in varied.iter().enumerate() {
                 let mut inputs = t.inputs.clone();
                 t.recorded_inputs().iter().for_each(|(place, series)| inputs[*place] = series[i]);
                 variables.iter_mut().zip(values.iter().chain(&inputs)).for_each(|((_, s), x)| s.push(*x));
@@ -274,7 +318,7 @@ impl TrackEvidence {
     }
     /// Frequency at which the residual along a measured axis stands highest over its noise, Hz.
     pub(crate) fn peak_hz(&self, residual: &[f64], channel: usize) -> Option<f64> {
-        let axis = *self.axes().get(channel)?;
+        let axis = *self.axes().get(channel).filter(|_| self.slow_numbers().is_none())?;
         self.places(axis)
             .into_iter()
             .map(|(i, _, f)| (residual[i].powi(2) / self.noise[i / BIN][(i % BIN, i % BIN)], f))
@@ -287,7 +331,7 @@ impl TrackEvidence {
         self.axes().into_iter().any(|axis| {
             let places = self.places(axis);
             let square = |z: &[f64]| places.iter().map(|(i, ..)| z[*i] * z[*i]).sum::<f64>();
-            square(before) - square(after) > self.variance * places.len() as f64
+            square(before) - square(after) > self.variances[axis] * places.len() as f64
         })
     }
     /// The runs as witnesses, where there are enough for an effect to repeat in them.

@@ -7,6 +7,7 @@ use super::evidence::TrackEvidence;
 use super::likelihood::{Effort, Whitening, components, total};
 use super::model::{Free, TrackModel};
 use super::normal::NormalEquations;
+use super::scatter;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use windfall_model::{Plant, Role};
@@ -211,7 +212,7 @@ impl Problem<'_> {
                 None => Ok(Moved::NotExcited),
             };
         };
-        covariance.clone_from(&step.covariance);
+        covariance.clone_from(&(&step.covariance * self.evidence.inflation()));
         let moved = apply(h, free, &step.delta);
         let worst =
             (0..free.len()).map(|i| moved[i].abs() / step.covariance[(i, i)].max(f64::MIN_POSITIVE).sqrt()).fold(0.0, f64::max);
@@ -220,6 +221,12 @@ impl Problem<'_> {
 
     /// Fits sizes of the unmodelled residual to `z`; returns log-likelihood and covariance.
     fn fit_sizes(&self, h: &mut TrackModel, z: &[f64], effort: Effort) -> (f64, Vec<Cov>) {
+        if self.evidence.slow_numbers().is_some() {
+            let between = scatter::between_runs(z);
+            let sigma = scatter::with_noise(self.evidence.noise(), &between);
+            h.scatter = Some(Box::new(between));
+            return (Whitening::new(&sigma).map_or(f64::NEG_INFINITY, |w| w.log_likelihood(z)), sigma);
+        }
         let parts = self.parts();
         let start: Vec<f64> = h.generic.iter().map(|v| v.max(GENERIC_START)).collect();
         let (sizes, l) = components(self.evidence.noise(), &parts, z, &start, effort);
@@ -239,7 +246,10 @@ impl Problem<'_> {
         if !z.iter().all(|x| x.is_finite()) {
             return f64::NEG_INFINITY;
         }
-        let sigma = total(self.evidence.noise(), &self.parts(), &h.generic);
+        let sigma = match &h.scatter {
+            Some(between) => scatter::with_noise(self.evidence.noise(), between),
+            None => total(self.evidence.noise(), &self.parts(), &h.generic),
+        };
         Whitening::new(&sigma).map_or(f64::NEG_INFINITY, |w| w.log_likelihood(&z))
     }
 }

@@ -1,5 +1,6 @@
 //! verify: a declared model with effects added. In: values. Out: the plant that they make, and which numbers are free.
 
+use super::bins::Cov;
 use windfall_model::{Constant, Effect, Parameter, Plant, Role};
 
 /// An effect with values for all its parameters.
@@ -45,12 +46,16 @@ pub enum Free {
 pub struct TrackModel {
     /// Values of the structure's parameters.
     pub declared: Vec<f64>,
+    /// Priors of parameters: index, value before the runs, standard uncertainty.
+    pub priors: Vec<(usize, f64, f64)>,
     /// Uncertain constants with their departures from what is declared: nuisance parameters with a normal prior.
     pub constants: Vec<(Constant, f64)>,
     /// Added effects, in the order they were added.
     pub effects: Vec<EffectInstance>,
     /// Sizes (variances) of the unmodelled residual, per generic component.
     pub generic: Vec<f64>,
+    /// Covariance between runs, of poses, once it was fitted.
+    pub scatter: Option<Box<Cov>>,
 }
 
 impl TrackModel {
@@ -98,9 +103,19 @@ impl TrackModel {
         }
         free
     }
-    /// Log-density of the constants' prior at these values, up to a constant.
+    /// What is known of a free number without the data: how far it is from that, and with which standard uncertainty.
+    pub fn prior(&self, f: Free) -> Option<(f64, f64)> {
+        match f {
+            Free::Constant(i) => Some((self.constants[i].1, self.constants[i].0.std)),
+            Free::Declared(i) => self.priors.iter().find(|p| p.0 == i).map(|(_, value, std)| (self.declared[i] - value, *std)),
+            Free::Effect(..) => None,
+        }
+    }
+    /// Log-density of the priors at these values, up to a constant.
     pub(super) fn log_prior(&self) -> f64 {
-        self.constants.iter().map(|(c, departure)| -0.5 * (departure / c.std).powi(2)).sum()
+        let constants = (0..self.constants.len()).map(Free::Constant);
+        let parameters = self.priors.iter().map(|p| Free::Declared(p.0));
+        constants.chain(parameters).filter_map(|f| self.prior(f)).map(|(departure, std)| -0.5 * (departure / std).powi(2)).sum()
     }
     /// Sensible step for a difference in a free number.
     pub(super) fn step(&self, f: Free) -> f64 {

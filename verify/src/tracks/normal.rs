@@ -39,12 +39,11 @@ impl NormalEquations {
         }
         all
     }
-    /// Adds what is known of the constants without the data: each declared value is one more observation of it.
+    /// Adds what is known without the data: each value with a prior is one more observation of it.
     pub(crate) fn add_prior(&mut self, h: &TrackModel, free: &[Free]) {
         for (place, f) in free.iter().enumerate() {
-            if let Free::Constant(i) = *f {
-                let (constant, departure) = &h.constants[i];
-                let information = constant.std.powi(-2);
+            if let Some((departure, std)) = h.prior(*f) {
+                let information = std.powi(-2);
                 self.g[place] += information * departure;
                 self.j[(place, place)] += information;
             }

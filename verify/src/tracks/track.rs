@@ -1,10 +1,11 @@
-//! verify: one track of a body without attitude. In: a record and a plant. Out: residual with the initial state taken out, in a fixed basis.
+//! verify: one track of a body without attitude, or of poses of a rigid one (`pose`). In: a record and a plant. Out: residual with the initial state taken out, in a fixed basis.
 //!
 //! Long records are averaged over groups of neighbouring samples. What is predicted of a group is its value at the group's mean time and
 //! half the second derivative times the scatter of the group's times; the next term is of fourth order, below 1e-8 of a swing of 1 Hz at
 //! groups of 20 ms.
 
 use super::bins::{BIN, Cov, Residual};
+use super::pose::{self, Poses};
 use crate::VerifyError;
 use nalgebra::{DMatrix, DVector};
 use windfall_model::frames::Vec3;
@@ -16,6 +17,11 @@ use windfall_sim::{PointState, fly_point_states};
 const TOLERANCE: f64 = 1e-11;
 /// Most samples of a track; longer records are averaged.
 const MOST: usize = 256;
+/// Steps for differences by the initial state and by pushes: of velocities a tenth of a millimetre at the end, of pushes a tenth of a m/s²;
+/// of a slow rigid body a hundredth of that.
+const STATE_STEP: f64 = 1e-4;
+const PUSH_STEP: f64 = 0.1;
+const POSE_PUSH_STEP: f64 = 1e-3;
 /// Share of a swing's samples that its start is guessed from.
 const FIRST_SHARE: usize = 25;
 /// Steps of the search for an initial state.
@@ -33,13 +39,15 @@ pub(super) struct Track {
     scatter_s2: Vec<f64>,
     /// Length of the track over a hundred units, one at least: what steps and tolerances grow with.
     size: f64,
-    /// Standard deviation of one sample as stated.
+    /// Standard deviation of one sample as stated; of poses of a position.
     pub(super) std: f64,
+    /// Attitudes of a rigid body.
+    poses: Option<Poses>,
     /// Whether `basis` starts with what a steady push leaves.
     pushed: bool,
     /// Times from the first sample, s.
     pub(super) t_s: Vec<f64>,
-    /// Measured tunnel axes; the first alone for an angle.
+    /// Measured channels: tunnel axes, the first alone for an angle; of poses the body's axes after them.
     pub(super) axes: Vec<usize>,
     /// What was measured, in its unit: one axis after the other.
     pub(super) measured: DVector<f64>,
@@ -66,16 +74,21 @@ impl Track {
         around: &Plant,
         pushed: bool,
     ) -> Result<Self, VerifyError> {
-        let axes: Vec<usize> = (0..3).filter(|&a| record.series()[a].is_some()).collect();
+        let rigid = record.measured == Measured::Pose;
+        let present = |a: &usize| if *a < 3 { record.series()[*a].is_some() } else { rigid };
+        let axes: Vec<usize> = (0..6).filter(present).collect();
         let samples = record.t_s.len();
         if axes.is_empty() || samples < 4 {
             return Err(VerifyError::ShortTrack { run: index, samples: if axes.is_empty() { 0 } else { samples }, needed: 4 });
         }
-        let group = samples.div_ceil(MOST);
-        let (record, scatter_s2) = averaged(record, group);
+        let group = if rigid { 1 } else { samples.div_ceil(MOST) };
+        let whole = record;
+        let (record, scatter_s2) = if rigid { averaged(&pose::thinned(record), 1) } else { averaged(record, group) };
+        let poses = if rigid { Some(Poses::of(whole, &record).ok_or(VerifyError::NotFlown { run: index })?) } else { None };
         let n = record.t_s.len();
         let t0 = record.t_s[0];
-        let measured = DVector::from_iterator(axes.len() * n, record.series().iter().flatten().flatten().copied());
+        let positions = record.series().iter().flatten().flatten().copied();
+        let measured = DVector::from_iterator(axes.len() * n, positions.chain(std::iter::repeat(0.0)).take(axes.len() * n));
         let reach = measured.iter().map(|x| (x - measured[0]).abs()).fold(0.0, f64::max);
         let empty = DMatrix::zeros(0, 0);
         let mut track = Self {
@@ -83,8 +96,9 @@ impl Track {
             group: group as f64,
             scatter_s2,
             size: (reach / 100.0).max(1.0),
-            std: stated_std(around, record.measured),
-            pushed: pushed && record.measured == Measured::Position,
+            std: stated_std(around, record.measured, 0),
+            poses,
+            pushed: pushed && matches!(record.measured, Measured::Position | Measured::Pose),
             inputs: inputs.to_vec(),
             t_s: record.t_s.iter().map(|t| t - t0).collect(),
             start: DVector::zeros(2 * axes.len()),
@@ -138,7 +152,11 @@ impl Track {
         if self.kind() == Measured::SpecificForce {
             return self.lay_forces(&own);
         }
-        let (theta, e) = self.least_squares(&own, self.guess()?)?;
+        let guess = match &self.poses {
+            Some(poses) => poses.start(self.duration_s()),
+            None => self.guess()?,
+        };
+        let (theta, e) = self.least_squares(&own, guess)?;
         let (_, jacobian) = self.linearised(&own, &theta)?;
         let pushed = self.push_columns(&own, &theta)?;
         self.lay_bases(&jacobian, self.pushed.then_some(&pushed));
@@ -152,14 +170,17 @@ impl Track {
     /// Orthonormal bases: of the initial state, and of what is left, first what a push leaves and then cosines from slow to fast.
     pub(super) fn lay_bases(&mut self, of_state: &DMatrix<f64>, of_push: Option<&DMatrix<f64>>) {
         let states = of_state.ncols();
-        let mut columns = DMatrix::zeros(self.measured.len(), self.measured.len());
-        columns.columns_mut(0, states).copy_from(of_state);
         let (n, end) = (self.t_s.len(), self.duration_s());
         let first = usize::from(of_push.is_some());
+        // Of poses a few slow numbers are all that counts (`scatter`).
+        let last = if self.poses.is_some() { 2 + BIN / self.axes.len() } else { n } - first;
+        let count = states + (last + first - 2) * self.axes.len();
+        let mut columns = DMatrix::zeros(self.measured.len(), count);
+        columns.columns_mut(0, states).copy_from(of_state);
         if let Some(pushed) = of_push {
             columns.columns_mut(states, self.axes.len()).copy_from(pushed);
         }
-        for k in 2..n - first {
+        for k in 2..last {
             for a in 0..self.axes.len() {
                 let mut column = columns.column_mut(states + (k - 2 + first) * self.axes.len() + a);
                 for (i, t) in self.t_s.iter().enumerate() {
@@ -176,6 +197,10 @@ impl Track {
     pub(super) fn least_squares(&self, own: &Plant, start: DVector<f64>) -> Option<(DVector<f64>, DVector<f64>)> {
         if self.kind() == Measured::SpecificForce {
             return self.launched(own);
+        }
+        if self.poses.is_some() {
+            let e = &self.measured - self.flown(own, &start)?;
+            return Some((start, e));
         }
         let mut theta = start;
         for _ in 0..STEPS {
@@ -211,7 +236,7 @@ impl Track {
         let (mut p, mut v) = ([0.0; 3], [0.0; 3]);
         let m = self.axes.len();
         let of_force = self.kind() == Measured::SpecificForce;
-        for (k, &axis) in self.axes.iter().enumerate() {
+        for (k, &axis) in self.axes.iter().enumerate().take(3) {
             p[axis] = if of_force { 0.0 } else { theta[k] };
             v[axis] = theta[if of_force { k } else { m + k }] / self.duration_s();
         }
@@ -228,6 +253,9 @@ impl Track {
 
     /// What would be recorded along the measured axes, one axis after the other, from an initial state.
     pub(super) fn flown(&self, own: &Plant, theta: &DVector<f64>) -> Option<DVector<f64>> {
+        if let Some(poses) = &self.poses {
+            return self.pose_flown(poses, own, theta);
+        }
         let states = self.states(own, theta)?;
         let longer = 1.0 + own.sensors.length_scale;
         let m = self.axes.len();
@@ -243,7 +271,7 @@ impl Track {
                         }
                         longer * mean - own.altimeter_error_m(Vec3::from_array(s.velocity))
                     }
-                    Measured::Position => longer * mean,
+                    Measured::Position | Measured::Pose => longer * mean,
                     Measured::Angle => mean,
                     Measured::SpecificForce => {
                         let gravity = if axis == 0 { own.environment.gravity_m_s2 } else { 0.0 };
@@ -259,14 +287,18 @@ impl Track {
     /// otherwise, and for velocities, of a tenth of a millimetre at the end.
     pub(super) fn linearised(&self, own: &Plant, theta: &DVector<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
         let (n, m) = (self.t_s.len(), self.axes.len());
-        let placeless = self.kind() == Measured::Position && own.point.atmosphere.is_none();
+        let placeless = match self.kind() {
+            Measured::Position if own.point.atmosphere.is_none() => m,
+            Measured::Pose => 3,
+            _ => 0,
+        };
         let mut jacobian = DMatrix::zeros(self.measured.len(), 2 * m);
         for a in 0..2 * m {
-            if a < m && placeless {
+            if a < placeless {
                 jacobian.column_mut(a).rows_mut(a * n, n).fill(1.0 + own.sensors.length_scale);
                 continue;
             }
-            let h = 1e-4 * self.size;
+            let h = STATE_STEP * self.size;
             let mut moved = theta.clone();
             moved[a] += h;
             let up = self.flown(own, &moved)?;
@@ -277,19 +309,45 @@ impl Track {
         Some((self.flown(own, theta)?, jacobian))
     }
 
-    /// Change of positions with a steady push along each measured axis, per m/s²: central differences of a tenth.
+    /// Change of what is recorded with a steady push along each measured tunnel axis, per m/s², and of poses with a steady turn about each
+    /// body axis, per rad/s²: central differences.
     fn push_columns(&self, own: &Plant, theta: &DVector<f64>) -> Option<DMatrix<f64>> {
+        let step = if self.poses.is_some() { POSE_PUSH_STEP } else { PUSH_STEP };
         let at = |axis: usize, by: f64| {
             let mut moved = own.clone();
-            moved.point.acceleration += Vec3::from_array(std::array::from_fn(|a| if a == axis { by } else { 0.0 }));
+            let along = |first: usize| std::array::from_fn(|a| if first + a == axis { by } else { 0.0 });
+            match moved.free_flight.as_mut() {
+                Some(free) => {
+                    free.push += Vec3::from_array(along(0));
+                    free.turn += Vec3::from_array(along(3));
+                }
+                None => moved.point.acceleration += Vec3::from_array(along(0)),
+            }
             self.flown(&moved, theta)
         };
-        let columns = self.axes.iter().map(|&axis| Some((at(axis, 0.1)? - at(axis, -0.1)?) / 0.2)).collect::<Option<Vec<_>>>()?;
-        Some(DMatrix::from_columns(&columns))
+        let slope = |axis: &usize| Some((at(*axis, step)? - at(*axis, -step)?) / (2.0 * step));
+        Some(DMatrix::from_columns(&self.axes.iter().map(slope).collect::<Option<Vec<_>>>()?))
+    }
+
+    /// Time, speed and what else residuals may vary with, at every sample; `evidence` names them.
+    pub(super) fn varied(&self, own: &Plant, theta: &DVector<f64>) -> Option<Vec<Vec<f64>>> {
+        if let Some(poses) = &self.poses {
+            let flow = self.pose_flow(poses, own, theta)?;
+            return Some(flow.iter().zip(&self.t_s).map(|([v, a, b], t)| vec![*t, *v, *a, *b]).collect());
+        }
+        let states = self.states(own, theta)?;
+        let of = |(i, s): (usize, &PointState)| {
+            let v = s.velocity;
+            match self.kind() {
+                Measured::Angle => vec![self.t_s[i], s.position[0], v[0]],
+                _ => vec![self.t_s[i], v[0], v[0].hypot(v[1]).hypot(v[2])],
+            }
+        };
+        Some(states.iter().enumerate().map(of).collect())
     }
 
     /// Initial state under a plant, and the residual that it leaves, orthogonal to the state basis; Broyden's (1965) method
-    /// from the state under the plant of the bases, so that the answer depends on the plant alone.
+    /// from the state under the plant of the bases, so that the answer depends on the plant alone. Of poses the state is the record's own.
     pub(super) fn estimated(&self, plant: &Plant) -> Option<(DVector<f64>, DVector<f64>)> {
         let own = self.own(plant);
         if self.kind() == Measured::SpecificForce {
@@ -297,6 +355,9 @@ impl Track {
         }
         let mut theta = self.start.clone();
         let mut inverse = self.state_inverse.clone();
+        if self.poses.is_some() {
+            return self.least_squares(&own, theta);
+        }
         let mut e = &self.measured - self.flown(&own, &theta)?;
         let mut g = self.state_basis.tr_mul(&e);
         for _ in 0..STEPS {
@@ -362,17 +423,20 @@ impl Track {
     /// pad the last bin get `unused` on the diagonal.
     pub(super) fn blocks(&self, kernel: impl Fn(usize, f64, f64) -> f64, unused: f64) -> Vec<Cov> {
         let n = self.t_s.len();
-        let mut time = DMatrix::zeros(self.measured.len(), self.measured.len());
-        for (k, &axis) in self.axes.iter().enumerate() {
-            time.view_mut((k * n, k * n), (n, n))
-                .copy_from(&DMatrix::from_fn(n, n, |i, j| kernel(axis, self.t_s[i], self.t_s[j])));
-        }
-        let right = time * &self.basis;
+        // Along each axis apart: most kernels are of one alone.
+        let along = |(k, &axis): (usize, &usize)| {
+            let time = DMatrix::from_fn(n, n, |i, j| kernel(axis, self.t_s[i], self.t_s[j]));
+            (time.amax() > 0.0).then(|| (k, time * self.basis.rows(k * n, n)))
+        };
+        let parts: Vec<(usize, DMatrix<f64>)> = self.axes.iter().enumerate().filter_map(along).collect();
         (0..self.bins())
             .map(|bin| {
                 let used = (self.basis.ncols() - bin * BIN).min(BIN);
-                let (b, r) = (self.basis.columns(bin * BIN, used), right.columns(bin * BIN, used));
-                let block = b.tr_mul(&r);
+                let mut block = DMatrix::zeros(used, used);
+                for (k, right) in &parts {
+                    let b = self.basis.view((k * n, bin * BIN), (n, used));
+                    block += b.tr_mul(&right.columns(bin * BIN, used));
+                }
                 let mut m = Cov::identity() * unused;
                 for i in 0..used {
                     for j in 0..used {
@@ -385,10 +449,12 @@ impl Track {
     }
 }
 
-/// Standard deviation of one sample as the campaign states it, in the unit of what was measured.
-pub(crate) fn stated_std(plant: &Plant, kind: Measured) -> f64 {
+/// Standard deviation of one sample of a channel as the campaign states it, in the channel's unit.
+pub(crate) fn stated_std(plant: &Plant, kind: Measured, channel: usize) -> f64 {
     match kind {
-        Measured::Position => plant.sensors.position_std_m,
+        Measured::Pose if channel == 3 => plant.sensors.roll_std_rad,
+        Measured::Pose if channel > 3 => plant.sensors.pitch_yaw_std_rad,
+        Measured::Position | Measured::Pose => plant.sensors.position_std_m,
         Measured::SpecificForce => plant.sensors.specific_force_std_m_s2,
         Measured::Angle => plant.sensors.angle_std_rad,
     }

@@ -11,6 +11,9 @@ use windfall_model::{Campaign, Effect, Measured, Role};
 /// Log odds by which a larger set must beat a smaller one: gains are held back already by what few runs know of their scatter
 /// ([`TrackContest::factor`]), and 1 in 100 campaigns without an effect get one all the same (`law_few_false_names` of the tests).
 const SURE: f64 = 1.0;
+/// The same of poses, twenty to one: flights of unlike settings do not scatter alike, which one covariance for all takes no note of, and
+/// controls have shown odds of six to one for an effect that was not there.
+const SURE_OF_POSES: f64 = 3.0;
 /// Prior standard deviations of an effect's strengths, as shares of the most that a body can have: each as likely, for effects are of any
 /// size.
 const PLAUSIBLE: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
@@ -91,7 +94,7 @@ impl<'a> TrackContest<'a> {
 
     /// Factor on twice a gain of log-likelihood by `tested` numbers, as few runs allow it.
     pub(super) fn factor(&self, tested: usize) -> f64 {
-        self.evidence.witnesses().map_or(1.0, |w| w.factor(self.declared.fit.free.len(), tested))
+        self.evidence.factor(self.declared.fit.free.len(), tested)
     }
 
     /// The best set without its `k`-th family.
@@ -229,8 +232,8 @@ impl<'a> TrackContest<'a> {
             Free::Constant(_) | Free::Declared(_) => 0.0,
             f => fit.hypothesis.get(f) / prior[i],
         });
-        // The constants' prior is in the covariance and the likelihood already; what is left of it is its norm.
-        let open = |i: usize| !matches!(fit.free[i], Free::Constant(_));
+        // A declared prior is in the covariance and the likelihood already; what is left of it is its norm.
+        let open = |i: usize| fit.hypothesis.prior(fit.free[i]).is_none();
         let scaled = DMatrix::from_fn(n, n, |i, j| fit.covariance[(i, j)] / (prior[i] * prior[j]));
         let wide = DMatrix::from_fn(n, n, |i, j| scaled[(i, j)] + f64::from(u8::from(i == j && open(i))));
         let (Some(of_data), Some(of_both)) = (scaled.cholesky(), wide.cholesky()) else { return f64::NEG_INFINITY };
@@ -239,6 +242,9 @@ impl<'a> TrackContest<'a> {
     }
 
     fn prior(&self, fit: &TrackFit, f: Free, width: &dyn Fn(usize) -> f64) -> f64 {
+        if let Some((_, std)) = fit.hypothesis.prior(f) {
+            return std;
+        }
         match f {
             Free::Declared(i) => VAGUE * self.campaign.plant.aero.values[i].abs().max(1.0),
             Free::Constant(i) => fit.hypothesis.constants[i].0.std,
@@ -249,17 +255,21 @@ impl<'a> TrackContest<'a> {
         }
     }
 
-    /// Where to move: a smaller set that the best does not beat by [`SURE`] or that the runs kept for choosing prefer; else the best of
-    /// those that beat it, a larger one by [`SURE`].
+    fn sure(&self) -> f64 {
+        if self.campaign.measured() == Measured::Pose { SURE_OF_POSES } else { SURE }
+    }
+
+    /// Where to move: a smaller set that the best does not beat by [`Self::sure`] or that the runs kept for choosing prefer; else the best of
+    /// those that beat it, a larger one by as much.
     fn next(&self) -> Option<Scored> {
         let n = self.best.families.len();
         let smaller = (0..n).filter_map(|k| self.without(k));
-        let needless = smaller.filter(|s| self.best.score < s.score + SURE || !self.tells(s, &self.best));
+        let needless = smaller.filter(|s| self.best.score < s.score + self.sure() || !self.tells(s, &self.best));
         if let Some(s) = needless.max_by(|a, b| a.score.total_cmp(&b.score)) {
             return Some(s.clone());
         }
         let better = |s: &&Scored| match s.families.len().cmp(&n) {
-            std::cmp::Ordering::Greater => s.score > self.best.score + SURE && self.tells(&self.best, s),
+            std::cmp::Ordering::Greater => s.score > self.best.score + self.sure() && self.tells(&self.best, s),
             std::cmp::Ordering::Equal => s.score > self.best.score + 0.01,
             std::cmp::Ordering::Less => false,
         };

@@ -7,7 +7,7 @@
 
 use crate::tracks::{EffectInstance, Free, TrackFit};
 use nalgebra::{DMatrix, DVector};
-use windfall_model::{Campaign, Data, Effect, Parameter, Role, Run};
+use windfall_model::{Campaign, Data, Effect, Measured, Parameter, Role, Run};
 
 /// Means of the inputs of the runs to identify on, and what makes them uncorrelated with unit scatter.
 pub(super) struct Settings {
@@ -33,7 +33,8 @@ fn recorded(run: &Run) -> &[(usize, Vec<f64>)] {
 impl Settings {
     /// Of these runs: principal axes of the inputs' correlation.
     pub(super) fn of(campaign: &Campaign, runs: &[usize]) -> Self {
-        let k = campaign.inputs.len();
+        // Inputs that drive the declared model itself stay as they are.
+        let k = if campaign.measured() == Measured::Pose { 0 } else { campaign.inputs.len() };
         if k == 0 {
             return Self { names: Vec::new(), mean: DVector::zeros(0), to_standard: DMatrix::zeros(0, 0) };
         }
