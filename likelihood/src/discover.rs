@@ -51,7 +51,7 @@ pub struct Discovery {
     pub families: Vec<(usize, Option<usize>)>,
     /// What generic alternatives say beside the effects.
     pub contest: Option<Contest>,
-    /// What gusts weaker than any tunnel's may stand for.
+    /// What gusts weaker than any tunnel's, or of a band as narrow as a tone, may stand for.
     pub faint: Vec<Lead>,
     /// Gain of log marginal likelihood of each random member, by its place.
     pub random_gains: Vec<(usize, f64)>,

@@ -8,7 +8,7 @@ use crate::columns::CHANNEL_NAMES;
 use crate::engine::{Engine, Fit};
 use crate::model::{Member, Model};
 use crate::noise::POSE;
-use windfall_model::CATALOGUE;
+use windfall_model::{CATALOGUE, Shape};
 
 /// Outcome of a contest between effects and generic alternatives.
 #[derive(Clone, Debug)]
@@ -87,6 +87,23 @@ pub(super) fn against_alternatives(
 /// few some 0.005.
 pub(super) const FAINT: f64 = 0.001;
 
+/// Bandwidth below which a band is a line, as a share of its centre.
+const NARROW: f64 = 0.1;
+
+/// Frequency of gusts whose band is a line.
+fn tone_hz(engine: &Engine, member: &Member, speed_m_s: f64) -> Option<f64> {
+    let mut plant = engine.campaign.plant.clone();
+    (member.effect.apply)(&mut plant, &member.values);
+    let all = plant.disturbances(speed_m_s);
+    let strongest = all.iter().max_by(|a, b| a.rms.total_cmp(&b.rms))?;
+    match strongest.shape {
+        Shape::Band { centre_rad_s, bandwidth_rad_s } if bandwidth_rad_s < NARROW * centre_rad_s => {
+            Some(centre_rad_s / std::f64::consts::TAU)
+        }
+        _ => None,
+    }
+}
+
 /// Gusts held against generic alternatives without gusts: random air takes up any small and slow residual, whatever it varies with. What
 /// the alternatives explain better is theirs; gusts that are fainter than a tunnel's are said to stand for something else.
 pub(super) fn against_gusts(
@@ -102,6 +119,7 @@ pub(super) fn against_gusts(
     let Some(gusts) = gusts else { return (fit, weighed, contest, Vec::new()) };
     let member = &fit.model.members[gusts];
     let size = member.strengths().map(|i| member.values[i]).fold(0.0, f64::max);
+    let tone_hz = tone_hz(engine, member, speed);
     let mut still = fit.model.clone();
     still.members.remove(gusts);
     let Ok(still) = engine.climb(&still, true, 6) else { return (fit, weighed, contest, Vec::new()) };
@@ -128,10 +146,21 @@ pub(super) fn against_gusts(
         let again = self::contest(engine, &fit.model, &all);
         return (fit, weighed, again, Vec::new());
     }
+    let worst = (0..POSE).max_by(|a, b| still.channels[*a][2].total_cmp(&still.channels[*b][2])).unwrap_or(0);
+    if let Some(hz) = tone_hz {
+        let tone = Lead {
+            channel: CHANNEL_NAMES[worst].to_owned(),
+            variable: format!("a line at {hz:.2} Hz, which gusts of a narrow band stand for: no tunnel's turbulence is a tone"),
+            gain: fit.log_likelihood - still.log_likelihood,
+            line_hz: Some(hz),
+            of_instrument: false,
+            amplitudes: Vec::new(),
+        };
+        return (fit, weighed, contest, vec![tone]);
+    }
     if size >= FAINT * speed {
         return (fit, weighed, contest, Vec::new());
     }
-    let worst = (0..POSE).max_by(|a, b| still.channels[*a][2].total_cmp(&still.channels[*b][2])).unwrap_or(0);
     let small = Lead {
         channel: CHANNEL_NAMES[worst].to_owned(),
         variable: format!("time at random, as gusts of {size:.1e} m/s would make it, fainter than any tunnel's"),
