@@ -24,13 +24,23 @@ STEP_S = 0.005
 
 class Flight:
     def __init__(self, t, x, inputs, held_out):
-        self.t, self.x, self.inputs, self.held_out = t - t[0], x, inputs, held_out
+        self.inputs, self.held_out = inputs, held_out
+        self.t, self.x = without_outliers(t - t[0], x)
         centre = (2 * self.t / self.t[-1]) - 1
-        fits = [np.polynomial.Chebyshev.fit(centre, c, DEGREE) for c in x.T]
+        fits = [np.polynomial.Chebyshev.fit(centre, c, DEGREE) for c in self.x.T]
         scale = 2 / self.t[-1]
         self.fine = np.linspace(0, self.t[-1], 400)
         at = 2 * self.fine / self.t[-1] - 1
         self.v = np.stack([scale * f.deriv()(at) for f in fits], axis=1)
+
+
+def without_outliers(t, x):
+    """Without samples beyond six robust deviations from a polynomial of the rest (a bounce in the last frame)."""
+    keep = np.ones(len(t), bool)
+    for _ in range(3):
+        left = np.stack([c - np.polynomial.Polynomial.fit(t[keep], c[keep], DEGREE)(t) for c in x.T], axis=1)
+        keep = (abs(left) < 6 * 1.4826 * np.median(abs(left[keep]), axis=0)).all(axis=1)
+    return t[keep], x[keep]
 
 
 def read(path):

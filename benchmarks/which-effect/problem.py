@@ -181,15 +181,16 @@ class Problem:
         return b, b / np.sqrt(np.maximum(np.diag(cov), 1e-300)), rss
 
     def rivals(self, families):
-        """For each family named, those that explain about as much in its place."""
+        """For each family named and needed, those that explain about as much in its place."""
         if not families:
             return {}
         base, out = self.solve(self.of(families))[2], {}
         s2 = base / len(self.target)
         for f in families:
             others = [g for g in families if g != f]
+            enough = lambda set_: self.solve(self.of(set_))[2] - base < 2 * RIVAL_NATS * s2
             trial = [g for g in FAMILIES if g not in families and self.of([g])]
-            out[f] = [g for g in trial if self.solve(self.of(others + [g]))[2] - base < 2 * RIVAL_NATS * s2]
+            out[f] = [] if enough(others) else [g for g in trial if enough([*others, g])]
         return out
 
     def refit(self, families, iterations=2):

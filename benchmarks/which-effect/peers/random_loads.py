@@ -8,7 +8,7 @@ from catalogue import column
 
 SHARE = 0.7
 LINE_SHARE = 0.6
-LINE_HALF_WIDTH_HZ = 0.15
+LINE_HALF_WIDTH_HZ = 0.08
 
 
 def excess(parts, noise):
@@ -17,7 +17,7 @@ def excess(parts, noise):
 
 
 def line_share(parts, rate_hz):
-    """Share of the power within a narrow band about the strongest frequency, summed over runs and columns."""
+    """Share of the power within a narrow band about the strongest frequency, summed over runs."""
     n = max(len(p) for p in parts)
     power = sum((abs(np.fft.rfft(p - p.mean(axis=0), 2 * n, axis=0)) ** 2).sum(axis=1) for p in parts)
     hz = np.fft.rfftfreq(2 * n, 1 / rate_hz)
@@ -38,5 +38,5 @@ def random_load(problem, parts):
     by_moment = ((r[:, 4:] ** 2).sum() - 2 * len(r)) / beyond
     name, share = max((("turbulence", by_gust), ("wake-shedding", by_moment)), key=lambda x: x[1])
     step = problem.segs[0].dt * problem.segs[0].step
-    loud = parts if name == "turbulence" else [p[:, 4:] for p in parts]
-    return name if share > SHARE and line_share([p / problem.noise[-p.shape[1]:] for p in loud], 1 / step) < LINE_SHARE else None
+    loudest = int(np.argmax((r**2).sum(axis=0)))
+    return name if share > SHARE and line_share([p[:, [loudest]] for p in parts], 1 / step) < LINE_SHARE else None
