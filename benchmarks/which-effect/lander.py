@@ -42,8 +42,10 @@ def wind(x, v, vw, vw1, k):
     shape1 = 2 * bowl * (y * vy + z * vz) + gy * vy + gz * vz
     ly, lz = ay - s * z, az + s * y
     gust = k.vector("gust", "xyz").T
-    air = np.stack([-vw * shape, vw * ly, vw * lz], axis=1) + gust
-    rate = np.stack([-vw1 * shape - vw * shape1, vw1 * ly - vw * s * vz, vw1 * lz + vw * s * vy], axis=1)
+    # Lateral flow follows the tunnel's speed, or stays as it is.
+    side, side1 = (SPEED_M_S + 0 * vw, 0 * vw) if k["cross-flow.steady"] or k["swirl.steady"] else (vw, vw1)
+    air = np.stack([-vw * shape, side * ly, side * lz], axis=1) + gust
+    rate = np.stack([-vw1 * shape - vw * shape1, side1 * ly - side * s * vz, side1 * lz + side * s * vy], axis=1)
     return air, rate
 
 
@@ -123,9 +125,9 @@ def loads(veh, theta, k, t, number, x, r, v, w, vw, vw1, rho):
         aero = (q * veh.area)[:, None] * np.stack([-c[:, 0], c[:, 1], -c[:, 2]], axis=1)
         specific = (aero + pull + hit - air_mass * u1 - np.cross(w, air_mass * u)) / mass
     m = (q * veh.area * veh.diameter)[:, None] * c[:, 3:] + np.cross(aero, cm) + pull_moment + hit_moment
-    across = k["apparent-mass.transverse_kg_m2"]
-    big = inertia(veh, k) + np.diag([0.0, across, across])
-    return specific, (m - np.cross(u, air_mass * u) - np.cross(w, w @ big.T)) @ np.linalg.inv(big).T
+    own, across = inertia(veh, k), np.diag([0.0, 1.0, 1.0]) * k["apparent-mass.transverse_kg_m2"]
+    turning = own + across * (1 - k["apparent-mass.unturned"])
+    return specific, (m - np.cross(u, air_mass * u) - np.cross(w, w @ turning.T)) @ np.linalg.inv(own + across).T
 
 
 def small_turn(a):

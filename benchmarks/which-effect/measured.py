@@ -227,7 +227,8 @@ def other(exe, path, work, label):
     name = "-".join(pathlib.Path(path).with_suffix("").parts[-2:])
     result, meta = close(exe, path, pathlib.Path(work) / name, 600)
     if result is None:
-        return f"| {label} | refused: {meta['words'].strip()[:160]} | - | {meta['seconds']:.1f} |"
+        words = meta["words"].strip().replace(str(path), path.name)
+        return f"| {label} | refused: {words[:120]} | - | {meta['seconds']:.1f} |"
     named = result["verdict"] + (": " + ", ".join(e["family"] for e in result["effects"]) if result["effects"] else "")
     sides = [(result[k].get("hold_out") or {}) for k in ("before", "after")]
     size = lambda h: h.get("position_rms_m") or (h.get("specific_force_rms") or [None])[0]

@@ -67,14 +67,14 @@ class Problem:
         self.segs = [s for s in segments if not s.held_out]
         self.held = [s for s in segments if s.held_out]
         self.noise = np.sqrt(np.mean([expected_noise(s) ** 2 for s in self.segs], axis=0))
-        zero, columns = declared_columns(self.segs, self.veh, {})
+        zero, self.declared = declared_columns(self.segs, self.veh, {})
         self.weights = [np.ones((len(z), 6)) / self.noise for z in zero]
-        free = self.lstsq(zero, columns)
-        self.theta = theta_of(free)
-        self.before = [left(s, self.veh, self.theta, {}) for s in self.segs]
-        self.declared = columns
-        self.constants = [(k, s) for k, s in self.veh.sigma.items()]
-        self.constant_columns = [column(self.segs, self.veh, self.theta, {}, k, STEPS.get(k, s)) for k, s in self.constants]
+        self.theta, self.base = theta_of(self.lstsq(zero, self.declared)), {}
+        self.constants = list(self.veh.sigma.items())
+        for _ in range(2 if self.constants else 1):
+            self.before = [left(s, self.veh, self.theta, self.base) for s in self.segs]
+            self.constant_columns = [column(self.segs, self.veh, self.theta, self.base, k, STEPS.get(k, s)) for k, s in self.constants]
+            self.settle()
         self.make_library()
         self.seconds = time.process_time() - start
 
@@ -86,19 +86,35 @@ class Problem:
         size = np.maximum(np.linalg.norm(a, axis=0), 1e-12)
         return np.linalg.lstsq(a / size, stack(target), rcond=1e-10)[0] / size
 
+    def settle(self):
+        """Constants of stated uncertainty moved to where the declared model fits best, the parameters with them."""
+        if not self.constants:
+            return
+        sigma = np.array([s for _, s in self.constants])
+        cols = self.declared + [[c * s for c in parts] for parts, s in zip(self.constant_columns, sigma)]
+        rows = lambda parts: np.concatenate([(p * w).ravel() for p, w in zip(parts, self.weights)])
+        now = np.array([self.base.get(k, 0.0) for k, _ in self.constants]) / sigma
+        prior = np.eye(len(cols))[len(self.declared) :]
+        a = np.concatenate([np.stack([rows(c) for c in cols], axis=1), prior])
+        step = np.linalg.lstsq(a, np.concatenate([rows(self.before), -now]), rcond=1e-12)[0]
+        self.theta = self.theta + theta_of(step[:11])
+        self.base = {k: float(x) for (k, _), x in zip(self.constants, (now + step[11:]) * sigma)}
+        self.before = [left(s, self.veh, self.theta, self.base) for s in self.segs]
+
     def make_library(self):
         """Whitens by what all candidates leave, then takes the best shape of each family."""
         raw = {}
         for family in FAMILIES:
             if family != "contact":
                 for shape in SHAPES.get(family, [None]):
-                    raw[family, str(shape)] = (shape, family_columns(self.segs, self.veh, self.theta, {}, family, shape))
+                    raw[family, str(shape)] = (shape, family_columns(self.segs, self.veh, self.theta, self.base, family, shape))
         every = self.declared + [c for _, cols in raw.values() for c in cols.values()]
         fitted = self.lstsq(self.before, every)
         self.rest = [y - sum(b * c[i] for b, c in zip(fitted, every)) for i, y in enumerate(self.before)]
         self.white = Whitener(self.rest)
         self.nuisance()
-        self.target = self.project(self.white(self.before))
+        now = [-self.base[k] / s for k, s in self.constants]
+        self.target = self.project(self.white(self.before), now)
         self.shapes, self.columns = {}, {}
         for family in FAMILIES:
             options = [v for (f, _), v in raw.items() if f == family]
@@ -123,8 +139,9 @@ class Problem:
         a = np.concatenate([a, prior])
         self.basis = np.linalg.qr(a / np.linalg.norm(a, axis=0))[0]
 
-    def project(self, v):
-        v = np.concatenate([v, np.zeros(self.extra)])
+    def project(self, v, prior=None):
+        """What the declared parameters and constants leave of a whitened vector; `prior` is its part in the constants' rows."""
+        v = np.concatenate([v, np.zeros(self.extra) if prior is None else prior])
         return v - self.basis @ (self.basis.T @ v)
 
     def column(self, parts):
@@ -158,7 +175,7 @@ class Problem:
                     total += (x @ e) ** 2 / max(x @ x, 1e-300) / w.std[c] ** 2
                 best = max(best, (total, seg.number, float(start)))
         shape = {"run": float(best[1]), "start_s": best[2], "duration_s": PULSE_S}
-        return shape, family_columns(self.segs, self.veh, self.theta, {}, "contact", shape)
+        return shape, family_columns(self.segs, self.veh, self.theta, self.base, "contact", shape)
 
     def family(self, name, value=1.0):
         """Family of a column; a delay by its sign."""
@@ -194,20 +211,25 @@ class Problem:
         return out
 
     def refit(self, families, iterations=2):
-        """Parameters of a set on the runs to identify on, re-linearised."""
+        """Parameters of a set on the runs to identify on, re-linearised; constants move within their stated uncertainty."""
         shapes = {knob(f, n): v for f in self.plain(families) for n, v in self.shapes[f].items()}
         names = [self.names[j] for j in self.of(families)]
-        theta, values = self.theta.copy(), {n: 0.0 for n in names}
-        for _ in range(iterations if names else 0):
+        steps = {n: FAMILIES[n.split(".")[0]][n.split(".", 1)[1]] for n in names}
+        sigma = {k: s for k, s in self.constants if k not in names}
+        steps |= {k: STEPS.get(k, s) for k, s in sigma.items()}
+        theta, values = self.theta.copy(), {n: self.base.get(n, 0.0) for n in steps}
+        for _ in range(iterations):
             base = {**shapes, **values}
             y = [left(s, self.veh, theta, base) for s in self.segs]
-            cols = [column(self.segs, self.veh, theta, base, n, FAMILIES[n.split(".")[0]][n.split(".", 1)[1]]) for n in names]
-            unit = self.theta_columns(theta, base, y)
-            a = np.stack([self.white(c) for c in unit + cols], axis=1)
+            cols = self.theta_columns(theta, base, y) + [column(self.segs, self.veh, theta, base, n, h) for n, h in steps.items()]
+            a = np.stack([self.white(c) for c in cols], axis=1)
+            prior = np.stack([np.eye(a.shape[1])[11 + list(steps).index(k)] / s for k, s in sigma.items()]) if sigma else a[:0]
+            meant = np.array([-values[k] / s for k, s in sigma.items()])
+            a, target = np.concatenate([a, prior]), np.concatenate([self.white(y), meant])
             size = np.linalg.norm(a, axis=0)
-            step = np.linalg.lstsq(a / size, self.white(y), rcond=1e-8)[0] / size
+            step = np.linalg.lstsq(a / size, target, rcond=1e-8)[0] / size
             theta = theta + theta_of(step[:11])
-            values = {n: values[n] + d for n, d in zip(names, step[11:])}
+            values = {n: values[n] + d for n, d in zip(values, step[11:])}
         effects = {**shapes, **values}
         rest = [left(s, self.veh, theta, effects) for s in self.segs]
         return Fit(families, theta, effects, float((self.white(rest) ** 2).sum()), rest)
@@ -220,7 +242,7 @@ class Problem:
 
     def residual_held(self):
         """Residual of the declared model on held-out runs."""
-        return [left(s, self.veh, self.theta, {}) for s in self.held]
+        return [left(s, self.veh, self.theta, self.base) for s in self.held]
 
     def held_out(self, theta, effects):
         """rms over held-out runs of specific force (m/s2) and angular acceleration (rad/s2), averaged over 0.4 s, and their noise."""

@@ -46,9 +46,11 @@ def evaluate(case, chosen, folder, fresh):
     for name, method in chosen.items():
         if name in kept:
             continue
-        problem = problem or Problem(case.path)
+        if problem is None:
+            problem = Problem(case.path)
+            fit = problem.refit([])
+            before = problem.held_out(fit.theta, fit.effects)
         answer = method(case, problem)
-        before = problem.held_out(problem.theta, {}) if problem.held else None
         kept[name] = dataclasses.asdict(answer) | {"outcome": outcome(case, answer), "before": before}
         file.write_text(json.dumps(kept, indent=1))
     return kept

@@ -52,7 +52,8 @@ def test_stepwise_finds_what_was_put_in(tmp_path, family, knobs):
     problem = Problem(case.path)
     answer = Regression("stepwise", LEVELS)(case, problem)
     assert outcome(case, answer) == "right"
-    before, after = problem.held_out(problem.theta, {}), answer.held_out["after"]
+    fit = problem.refit([])
+    before, after = problem.held_out(fit.theta, fit.effects), answer.held_out["after"]
     assert after == pytest.approx(before) if family == "none" else after[1] < 0.7 * before[1]
 
 
@@ -72,3 +73,7 @@ def test_rule():
     assert outcome(of("unexplained"), said("swirl")) == "wrong"
     assert outcome(of("unexplained"), said()) == "missed"
     assert outcome(of("magnus", group="G"), said()) == "right"
+    clock = Case("x", None, "E", "x", ["unexplained"], [], "time-base")
+    assert outcome(clock, said("time-base")) == "right"
+    assert outcome(clock, said("length-scale", length_scale=["time-base"])) == "right"
+    assert outcome(clock, said("time-base", "swirl")) == "wrong"

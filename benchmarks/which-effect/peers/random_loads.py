@@ -31,7 +31,7 @@ def random_load(problem, parts):
     beyond = (r**2).sum() - r.size
     if beyond <= 0:
         return None
-    gust = [column(problem.segs, problem.veh, problem.theta, {}, f"gust.{a}", 0.05) for a in "xyz"]
+    gust = [column(problem.segs, problem.veh, problem.theta, problem.base, f"gust.{a}", 0.05) for a in "xyz"]
     g = np.stack([np.concatenate(c) / problem.noise for c in gust], axis=2)
     w = np.linalg.solve(np.einsum("nij,nik->njk", g, g), np.einsum("nij,ni->nj", g, r)[:, :, None])
     by_gust = 1 - (((r - (g @ w)[:, :, 0]) ** 2).sum() - 3 * len(r)) / beyond

@@ -45,7 +45,25 @@ def parameters(lines):
 def effects(result):
     """Knobs of the reader from the effects that were added and the constants that were found."""
     out = {f"{e['family']}.{p['name']}": p["estimate"] for e in result["effects"] for p in e["parameters"]}
-    return {k: v for k, v in out.items() if k.split(".")[0] not in RANDOM}
+    out = {k: v for k, v in out.items() if k.split(".")[0] not in RANDOM}
+    for c in result["constants"]:
+        name = constant(c["key"])
+        if name:
+            out[name] = out.get(name, 0.0) + c["estimate"] - c["declared"]
+    return out
+
+
+def constant(key):
+    """Knob of a declared constant; none where the reader has none."""
+    table, name, *axis = key.split(".")
+    axis = axis[0].lower() if axis else ""
+    return {
+        "mass_kg": "mass.mass_kg", "inertia_kg_m2": f"inertia.{axis}_kg_m2", "center_of_mass_m": f"center-of-mass.{axis}_m",
+        "attachment_m": f"hook.{axis}_m", "ring_m": f"ring.{axis}_m", "drag_area_m2": "tether-geometry.drag_m2",
+        "effective_weight_n": "tether-geometry.weight_n", "pose_misalignment_deg": f"pose-misalignment.{axis}_rad",
+        "wind_scale": "wind-scale.scale", "length_scale": "length-scale.scale", "time_base": "time-base.rate",
+        "pose_delay_s": "pose-delay.delay_s", "wind_delay_s": "wind-delay.delay_s",
+    }.get(name)
 
 
 class Windfall:
@@ -55,7 +73,7 @@ class Windfall:
     def __call__(self, case, problem: Problem):
         result, meta = close(self.exe, case.path, self.folder / case.name, self.limit_s)
         if result is None:
-            return Answer([], {}, True, meta["seconds"], note=f"exit {meta['code']}: {meta['words'].strip()}")
+            return Answer([], {}, True, meta["seconds"], note=f"exit {meta['code']}: {meta['words'].strip().replace(str(case.path), case.name)}")
         form = any((e.get("form") or {}).get("ok") is False for e in result["effects"])
         flagged = result["verdict"] == "unexplained" or bool(result.get("unexplained")) or form
         named = [e["family"] for e in result["effects"]]
