@@ -61,7 +61,9 @@ class Fit:
 
 
 class Problem:
-    def __init__(self, path):
+    """`library=False`: the declared model and held-out error alone."""
+
+    def __init__(self, path, library=True):
         start = time.process_time()
         self.veh, segments = read(path)
         self.segs = [s for s in segments if not s.held_out]
@@ -75,7 +77,8 @@ class Problem:
             self.before = [left(s, self.veh, self.theta, self.base) for s in self.segs]
             self.constant_columns = [column(self.segs, self.veh, self.theta, self.base, k, STEPS.get(k, s)) for k, s in self.constants]
             self.settle()
-        self.make_library()
+        if library:
+            self.make_library()
         self.seconds = time.process_time() - start
 
     def lstsq(self, target, columns):

@@ -42,14 +42,15 @@ def evaluate(case, chosen, folder, fresh):
     """Rows of one campaign: what is already in its file is not done again."""
     file = folder / f"{case.name}.json"
     kept = {} if fresh or not file.exists() else json.loads(file.read_text())
-    problem = None
-    for name, method in chosen.items():
-        if name in kept:
-            continue
-        if problem is None:
-            problem = Problem(case.path)
-            fit = problem.refit([])
-            before = problem.held_out(fit.theta, fit.effects)
+    todo = {n: m for n, m in chosen.items() if n not in kept}
+    if not todo:
+        return kept
+    before = next((r["before"] for r in kept.values()), None)
+    problem = Problem(case.path, library=before is None or any(getattr(m, "needs_library", True) for m in todo.values()))
+    if before is None:
+        fit = problem.refit([])
+        before = problem.held_out(fit.theta, fit.effects)
+    for name, method in todo.items():
         answer = method(case, problem)
         kept[name] = dataclasses.asdict(answer) | {"outcome": outcome(case, answer), "before": before}
         file.write_text(json.dumps(kept, indent=1))

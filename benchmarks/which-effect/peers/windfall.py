@@ -67,6 +67,8 @@ def constant(key):
 
 
 class Windfall:
+    needs_library = False
+
     def __init__(self, exe, folder, limit_s=600):
         self.exe, self.folder, self.limit_s = exe, pathlib.Path(folder), limit_s
 
