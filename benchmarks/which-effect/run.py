@@ -27,7 +27,8 @@ MANIFEST = HERE / "manifest.json"
 
 def methods(v):
     peers = {name: Regression(name) for name in RULES} | {p.name: p() for p in (Polynomial, GaussianProcess)}
-    return ({"Windfall": Windfall(v.windfall, v.work / "windfall", v.limit)} if v.windfall else {}) | peers
+    every = ({"Windfall": Windfall(v.windfall, v.work / "windfall", v.limit)} if v.windfall else {}) | peers
+    return {n: m for n, m in every.items() if not v.methods or any(part in n for part in v.methods)}
 
 
 def digest(case):
@@ -127,6 +128,7 @@ def main():
     p.add_argument("--out", type=pathlib.Path, required=True)
     p.add_argument("--limit", type=float, default=600, help="seconds that one `windfall close` may take")
     p.add_argument("--only", nargs="*", default=[], help="parts of campaigns' names")
+    p.add_argument("--methods", nargs="*", default=[], help="parts of methods' names; default all")
     p.add_argument("--fresh", action="store_true", help="do again what is already in --out")
     p.add_argument("--write-manifest", action="store_true")
     v = p.parse_args()
@@ -137,7 +139,7 @@ def main():
         found = [c for root in v.campaigns for c in cases(root, v.only)]
         chosen, results = methods(v), []
         for case in found:
-            rows = {m: rescored(case, r) for m, r in evaluate(case, chosen, v.work, v.fresh).items()}
+            rows = {m: rescored(case, r) for m, r in evaluate(case, chosen, v.work, v.fresh).items() if m in chosen}
             results.append((case, rows))
             print(case.name, "+".join(case.wanted), {m: r["outcome"] for m, r in rows.items()}, flush=True)
         text += manifest(found, v.write_manifest) + "\n" + table(results, list(chosen)) + "\n" + own_errors(results) + "\n" + details(results, list(chosen)) + "\n"

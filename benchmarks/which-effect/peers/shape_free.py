@@ -98,6 +98,7 @@ class GaussianProcess:
     """A Gaussian process of the eight states for each channel (squared exponential, a length for each state, white noise)."""
 
     name = "Gaussian process"
+    needs_library = False
 
     def __init__(self, chosen=None):
         self.levels = levels() if chosen is None else chosen
