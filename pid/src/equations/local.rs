@@ -51,12 +51,8 @@ impl Craft<'_> {
     }
 
     /// Rates of the motion and their slopes; `None` where the flow or the Euler angles are not defined.
+    #[inline(never)]
     pub fn local(&self, x: &[f64; MOTION], air: TunnelAir, added: &[f64; ADDED], terms: &mut Vec<f64>) -> Option<Local> {
-        pulp::Arch::new().dispatch(|| self.slopes(x, air, added, terms))
-    }
-
-    #[inline(always)]
-    fn slopes(&self, x: &[f64; MOTION], air: TunnelAir, added: &[f64; ADDED], terms: &mut Vec<f64>) -> Option<Local> {
         terms.resize(self.terms.acts.len(), 0.0);
         let parameters = &self.plant.aero.values;
         let by_state = {
