@@ -143,7 +143,7 @@ fn input(d: &Disturbance, step_s: f64) -> Input {
     let reach_added = of_sums * *step.added * of_sums.transpose();
     let reach = |r: usize, c: usize| {
         let sums = &step.sums[r / 2];
-        if r % 2 == 0 { sums[(0, c)] } else { rate.dot(&sums.column(c)) }
+        if r.is_multiple_of(2) { sums[(0, c)] } else { rate.dot(&sums.column(c)) }
     };
     Input {
         entry: d.entry,
