@@ -94,10 +94,6 @@ const BUDGET: f64 = 1000.0;
 const FEW: usize = 3;
 /// A climb ends when no step exceeds this share of its standard error.
 const SMALL: f64 = 0.05;
-/// Gain of a whole step that is not worth another, nats.
-const LITTLE: f64 = 0.02;
-/// Ways of a step, tried in this order: share of the whole step, damping. Shorter first; where that does not help, bent by damping.
-const WAYS: [(f64, f64); 6] = [(1.0, 0.0), (0.35, 0.0), (0.12, 0.0), (1.0, 0.1), (1.0, 3.0), (1.0, 100.0)];
 /// Longest step, in standard deviations of the prior.
 const LONGEST: f64 = 3.0;
 
@@ -343,8 +339,7 @@ impl Engine {
         all
     }
 
-    /// The model after a step in the first of [`WAYS`] from `way` on in which the log posterior is not below `here`; where there is none, the
-    /// last departure of those tried.
+    /// The model after a step, shortened until the log posterior is not below `here`; where none is, the last departure of those tried.
     fn stepped(
         &self,
         model: &Model,
@@ -352,28 +347,24 @@ impl Engine {
         step: &DVector<f64>,
         here: f64,
         shapes: bool,
-        way: &mut usize,
     ) -> Result<SteppedModel, Option<Departed>> {
+        let long = (0..step.len()).map(|i| step[i].abs() / (LONGEST * gram.numbers[i].prior)).fold(1.0, f64::max);
+        let mut fraction = 1.0 / long;
         let mut departed = None;
-        for (k, (fraction, damping)) in WAYS.into_iter().enumerate().skip(*way) {
-            let step = if damping > 0.0 { gram.damped(damping).unwrap_or_else(|| step.clone()) } else { step.clone() };
-            let long = (0..step.len()).map(|i| step[i].abs() / (LONGEST * gram.numbers[i].prior)).fold(1.0, f64::max);
-            let fraction = fraction / long;
+        for _ in 0..6 {
             let mut next = model.clone();
             gram.numbers.iter().zip(step.iter()).for_each(|(n, s)| next.change(n, fraction * s));
             match self.gram(&next, self.free(&next, shapes)) {
-                Ok((g, c)) if g.log_likelihood - penalty(&g.numbers) > here - 1e-6 => {
-                    *way = k;
-                    return Ok((next, g, c));
-                }
+                Ok((g, c)) if g.log_likelihood - penalty(&g.numbers) > here - 1e-6 => return Ok((next, g, c)),
                 Ok(_) => {}
                 Err(d) => departed = Some(d),
             }
+            fraction *= 0.35;
         }
         Err(departed)
     }
 
-    /// Gauss-Newton with a prior, steps shortened and damped until the posterior rises.
+    /// Gauss-Newton with a prior, steps halved until the posterior rises.
     ///
     /// # Errors
     /// [`Departed`] where the model departs at the start already.
@@ -381,7 +372,6 @@ impl Engine {
         let mut model = model.clone();
         let (mut gram, mut chi) = self.gram(&model, self.free(&model, shapes))?;
         let mut stop = Stop::Iterations;
-        let mut way = 0;
         let most = if self.is_exhausted() { most.min(FEW) } else { most };
         for _ in 0..most {
             let Some((_, step, covariance)) = gram.laplace() else {
@@ -394,7 +384,7 @@ impl Engine {
                 break;
             }
             let here = gram.log_likelihood - penalty(&gram.numbers);
-            let (next, g, c) = match self.stepped(&model, &gram, &step, here, shapes, &mut way) {
+            let (next, g, c) = match self.stepped(&model, &gram, &step, here, shapes) {
                 Ok(next) => next,
                 Err(departed) => {
                     stop = match departed {
@@ -406,15 +396,10 @@ impl Engine {
             };
             let gained = g.log_likelihood - penalty(&g.numbers) - here;
             (model, gram, chi) = (next, g, c);
-            if gained < LITTLE && way == 0 {
+            if gained < 0.02 {
                 stop = Stop::Converged;
                 break;
             }
-            if gained < 0.1 * LITTLE {
-                stop = Stop::NoAscent;
-                break;
-            }
-            way = way.saturating_sub(1);
         }
         let (total, _, covariance) = gram.laplace().unwrap_or((f64::NEG_INFINITY, DVector::zeros(0), DMatrix::zeros(0, 0)));
         let mean = chi[..POSE].iter().map(|c| c[2]).sum::<f64>() / POSE as f64;

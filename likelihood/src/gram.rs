@@ -78,20 +78,6 @@ impl Gram {
         Some((total, DVector::from_fn(n, |i, _| s(i) * step[i]), covariance))
     }
 
-    /// The step to the optimum that the quadratic has, its curvature increased by a share of itself (Levenberg 1944; Marquardt 1963).
-    #[must_use]
-    pub fn damped(&self, share: f64) -> Option<DVector<f64>> {
-        let n = self.numbers.len();
-        let s = |i: usize| self.numbers[i].prior;
-        let a = DMatrix::from_fn(n, n, |i, k| {
-            let own = 1.0 + s(i) * self.g[(i, i)] * s(i);
-            s(i) * self.g[(i, k)] * s(k) + if i == k { 1.0 + share * own } else { 0.0 }
-        });
-        let r = DVector::from_fn(n, |i, _| s(i) * self.b_here[i] - self.numbers[i].value / self.numbers[i].prior);
-        let step = Cholesky::new(a)?.solve(&r);
-        Some(DVector::from_fn(n, |i, _| s(i) * step[i]))
-    }
-
     /// The same with the numbers at `places` always in, eliminated: what is left of the others. Gains are then over that of those alone.
     #[must_use]
     pub fn given(&self, places: &[usize], others: &[usize]) -> Option<Self> {
