@@ -35,7 +35,7 @@ pub(crate) const OURS: [(&str, UnitQuantity); 15] = [
 const POSITION: [&str; 3] = ["X_m", "Y_m", "Z_m"];
 const ANGLES: [&str; 3] = ["Rx_deg", "Ry_deg", "Rz_deg"];
 /// Columns that an attitude makes beside the angles: quaternion tunnel from body. No file's column is called so.
-const QUATERNION: [&str; 4] = ["tunnel<-body w", "tunnel<-body x", "tunnel<-body y", "tunnel<-body z"];
+pub(crate) const QUATERNION: [&str; 4] = ["tunnel<-body w", "tunnel<-body x", "tunnel<-body y", "tunnel<-body z"];
 /// Columns that may be one number for a whole run.
 const MAY_BE_CONSTANT: [&str; 3] = ["ps_Pa", "VW_m_s", "Ts_K"];
 

@@ -5,7 +5,7 @@ use crate::columns::{Columns, fault, some_of, write_columns_csv};
 use crate::error::{Fault, ReadError, WriteError};
 use crate::formats::read_columns;
 use crate::grid::Grid;
-use crate::own::Own;
+use crate::own::{Own, QUATERNION};
 use crate::units;
 use std::path::Path;
 use windfall_model::{Record, Sensors};
@@ -114,7 +114,7 @@ fn has_columns(path: &Path, columns: &Columns, needed: &[&str]) -> Result<(), Re
 }
 
 fn note_unused(columns: &Columns, notes: &mut Vec<String>) {
-    let known = |n: &str| NEEDED.contains(&n) || n == QW || n == "t_s";
+    let known = |n: &str| NEEDED.contains(&n) || n == QW || n == "t_s" || QUATERNION.contains(&n);
     let unused: Vec<&str> = columns.names().iter().map(String::as_str).filter(|n| !known(n)).collect();
     if !unused.is_empty() {
         notes.push(format!("columns not used: {}", some_of(&unused)));
