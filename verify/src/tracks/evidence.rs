@@ -235,7 +235,7 @@ impl TrackEvidence {
     }
     /// Factor on variances of estimates, as few runs tell the covariance between runs; those of other tracks are fitted as they are.
     pub(crate) fn inflation(&self) -> f64 {
-        if self.kind == Measured::Pose { 1.0 / scatter::share(self.recordings()).max(1e-3) } else { 1.0 }
+        if self.kind == Measured::Pose { scatter::widened(self.recordings()) } else { 1.0 }
     }
     /// Factor on twice a gain of log-likelihood by `tested` numbers over a fit with `known` ones, as few runs allow it.
     pub(crate) fn factor(&self, known: usize, tested: usize) -> f64 {
