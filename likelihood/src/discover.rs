@@ -19,7 +19,7 @@ mod weigh;
 
 pub use contest::Contest;
 use contest::{against_alternatives, against_gusts};
-use polish::{Scored, climb_down, declared_alone, polish};
+use polish::{Scored, climb_down, declared_alone, in_other_forms, polish};
 pub use rivals::{Pair, Rivals, Unseen, log_odds};
 use starts::{LEVELS, Start, ladder, lead_in, sized, struck, with_random};
 use weigh::{SURE, Weighed, named};
@@ -132,6 +132,9 @@ fn searched(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Res
     }
     if !engine.campaign.knowledge.exact_noise && !engine.is_exhausted() {
         best = in_own_noise(engine, best, log);
+    }
+    if !engine.is_exhausted() {
+        best = in_other_forms(engine, best, log);
     }
     // Something that struck once, beside what was found.
     if !engine.is_exhausted()

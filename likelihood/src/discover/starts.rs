@@ -5,6 +5,7 @@ use super::weigh::{SURE, weigh, with_set};
 use super::{cost, describe, has, moves_air, random_cost};
 use crate::engine::{Engine, Fit};
 use crate::model::{Member, Model, catalogue};
+use crate::shock::{Shock, expected_beyond};
 use windfall_model::Role;
 
 /// Sizes of a random input that are tried, as shares of the largest plausible (turbulence: 2 m/s).
@@ -178,10 +179,13 @@ pub(super) fn with_random(engine: &Engine, fit: &Fit) -> Option<Fit> {
     engine.climb(&model, false, 3).ok()
 }
 
-/// A model struck at the instant at which a kick explains most, in the likeliest duration; none where that would not be sure.
+/// A model struck at the instant at which a kick explains most, in the likeliest duration; none where that would not be sure, or where random
+/// air kicks as hard by itself: in bursts its instants have a longer tail than a Gaussian's.
 pub(super) fn struck(engine: &Engine, fit: &Fit) -> Option<Fit> {
     let null = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).find(|m| m.is_local() && !has(&fit.model, m))?;
-    let (run, shock) = engine.shock(&fit.model)?;
+    let strongest = |all: &[Shock]| all.iter().copied().max_by(|a, b| a.gain.total_cmp(&b.gain));
+    let all = engine.shocks(&fit.model).into_iter().filter_map(|(run, all)| Some((run, strongest(&all)?)));
+    let (run, shock) = all.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))?;
     if shock.gain < cost(&null, engine) + SURE {
         return None;
     }
@@ -204,5 +208,12 @@ pub(super) fn struck(engine: &Engine, fit: &Fit) -> Option<Fit> {
     });
     let best = fits.max_by(|a, b| a.total.total_cmp(&b.total))?;
     let best = engine.climb(&best.model, true, 4).ok()?;
+    if best.model.members.iter().any(|m| m.random) {
+        // In a model without random air what strikes is felt at all later instants; there are no others to compare with.
+        let others: Vec<Shock> = engine.shocks(&best.model).into_iter().flat_map(|(_, all)| all).collect();
+        if expected_beyond(best.total - fit.total, &others) > (-SURE).exp() {
+            return None;
+        }
+    }
     (best.total - cost(&null, engine) - SURE > fit.total).then_some(best)
 }
