@@ -30,6 +30,7 @@ const STARTS: usize = 2;
 /// A start this far below the best, in nats, is not followed, unless the best left more than this mean square of what noise leaves.
 const FAR: f64 = 60.0;
 
+/// Mean square of whitened innovations, as a multiple of what noise leaves, below which a fit has hardly anything left.
 const LEFT: f64 = 1.1;
 
 /// A search's outcome.
