@@ -1,6 +1,6 @@
 //! likelihood: where a search starts. In: a declared model. Out: fits in gusts from wide to narrow, in other random inputs, after a kick.
 
-use super::polish::names;
+use super::polish::{climb_down, names};
 use super::weigh::{SURE, weigh, with_set};
 use super::{LEFT, cost, describe, has, moves_air, random_cost};
 use crate::engine::{Engine, Fit};
@@ -24,9 +24,8 @@ pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -
     let random: Vec<Member> = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random).collect();
     // What leaves hardly more than noise has led to no wrong place: random inputs are tried beside what it ends at.
     let calm = |model: &Model| engine.climb(model, false, 12).ok().filter(|fit| fit.chi < LEFT);
-    if let Some(fit) = calm(declared).or_else(|| calm(&lead_in(engine, declared)?))
-        && let Some(start) = start(engine, fit, log)
-    {
+    let start_calm = calm(declared).or_else(|| calm(&lead_in(engine, declared)?)).and_then(|fit| start(engine, fit, log));
+    if let Some((_, start)) = start_calm.map(|s| (0.0, s)).or_else(|| freed(engine, declared, log).filter(|f| f.0 < LEFT)) {
         return Ok(vec![start]);
     }
     let mut fits: Vec<Fit> = Vec::new();
@@ -115,6 +114,24 @@ pub(super) fn lead_in(engine: &Engine, model: &Model) -> Option<Model> {
         model = free.climb(&model, false, steps).ok()?.model;
     }
     Some(model)
+}
+
+/// A start with a set that was found while accelerations are left free, less and less, and what it leaves; in gusts of any size strong effects
+/// together lead a model astray. `None` where the model departs once accelerations are free no more.
+fn freed(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Option<(f64, Start)> {
+    const FREEDOM: [f64; 5] = [1.0, 0.3, 0.1, 0.03, 0.01];
+    let mut free = engine.clone();
+    let mut model = declared.clone();
+    for slack in FREEDOM {
+        free.slack = slack;
+        // With accelerations free a model that is right leaves less than noise; in gusts none does.
+        let fit = free.climb(&model, false, 4).ok().filter(|fit| fit.chi < LEFT)?;
+        let w = weigh(&free, &fit.model)?;
+        model = with_set(&fit.model, &w, w.choice(), &free);
+        log.push(format!("  freed {slack} ({:.0}): chi {:.3} -> {}", engine.passes(), fit.chi, describe(&model)));
+    }
+    let fit = engine.climb(&climb_down(engine, &model)?.model, true, 8).ok()?;
+    Some((fit.chi, start(engine, fit, log)?))
 }
 
 /// Forms of a random input that are scanned: every value of its first shape, the middle ones of the others.
