@@ -176,7 +176,11 @@ pub(super) fn in_other_forms(engine: &Engine, mut best: Scored, log: &mut Vec<St
             let mut other = model.clone();
             other.members[k].values = values;
             let fit = engine.climb(&other, true, 8).ok()?;
-            Some((score(engine, &fit), fit))
+            // What stood in for the right form may be needless in it.
+            let w = weigh(engine, &fit.model)?;
+            let again = with_set(&fit.model, &w, w.choice(), engine);
+            let less = engine.climb(&again, true, 8).ok();
+            [Some(fit), less].into_iter().flatten().map(|f| (score(engine, &f), f)).max_by(|a, b| a.0.total_cmp(&b.0))
         });
         let Some((there, fit)) = fits.max_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
         if there > best.0 + DIFFERENT {
