@@ -19,7 +19,7 @@ pub(crate) fn signals(id: &str, t: &SignalTracks) -> String {
     );
     if coefficients {
         let lead = "Look for a blue curve inside the grey one, and for a residual without shape: the coefficient that the record's motion \
-                    needs (grey), and the identified model at the same states (blue). Drag to zoom, all channels follow; double click \
+                    needs (grey), and the identified model at the same states (blue). Drag to zoom, with shift to move, all channels follow; double click \
                     shows all.";
         return section("Coefficients over time", lead, &body);
     }
@@ -28,7 +28,7 @@ pub(crate) fn signals(id: &str, t: &SignalTracks) -> String {
     );
     let lead = "Look whether both bodies swing together: the measured one at the left, the simulated one at the right, on one clock with the \
                 curves below.";
-    let signals = "Look for the colours on the grey curve, and for a residual as narrow as the noise. Drag to zoom, all channels follow; \
+    let signals = "Look for the colours on the grey curve, and for a residual as narrow as the noise. Drag to zoom, with shift to move, all channels follow; \
                    double click shows all; hover reads values and moves the replay.";
     section("Replay", lead, &replay) + &section("Measured against model", signals, &body)
 }

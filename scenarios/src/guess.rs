@@ -67,7 +67,7 @@ fn column<'a>(c: &'a Columns, names: &[&str]) -> Option<(&'a String, &'a Vec<f64
 fn written(c: &Columns, name: &str) -> Option<String> {
     let place = c.names().iter().position(|n| n == name)?;
     let row = c.units.get(place).filter(|u| !u.is_empty()).cloned();
-    const KNOWN: [(&str, &str); 15] = [
+    const KNOWN: [(&str, &str); 16] = [
         ("s", "s"),
         ("ms", "ms"),
         ("us", "us"),
@@ -83,8 +83,22 @@ fn written(c: &Columns, name: &str) -> Option<String> {
         ("kpa", "kPa"),
         ("k", "K"),
         ("degc", "degC"),
+        ("c", "degC"),
     ];
     row.or_else(|| bare(name).1.and_then(|t| KNOWN.iter().find(|(k, _)| *k == t).map(|(_, u)| (*u).to_owned())))
+}
+
+/// The column of time: `T` is one only where no other is, and a unit of temperature says that it is none.
+fn time_of(c: &Columns) -> Option<(&String, &Vec<f64>, Option<String>)> {
+    let all = c.all().map(|(n, v)| (n, v, written(c, n)));
+    let named = all.filter(|(n, _, unit)| {
+        let word = ["t", "t_s", "time", "timestamp", "seconds"];
+        let known = word.contains(&n.trim().to_ascii_lowercase().as_str()) || word.contains(&bare(n).0.as_str());
+        known && !unit.as_deref().is_some_and(|u| ["K", "degC"].contains(&u))
+    });
+    let mut named: Vec<_> = named.collect();
+    named.sort_by_key(|(n, ..)| n.trim().starts_with('T') && bare(n).0 == "t");
+    named.into_iter().next()
 }
 
 fn span(v: &[f64]) -> f64 {
@@ -101,7 +115,7 @@ fn median(mut v: Vec<f64>) -> f64 {
 
 impl Guess {
     fn new(c: &Columns) -> Option<Self> {
-        let (name, t, said) = column(c, &["t", "t_s", "time", "timestamp", "seconds"])?;
+        let (name, t, said) = time_of(c)?;
         let step = median(t.windows(2).map(|w| w[1] - w[0]).collect());
         // Records have between 5 and 5000 samples a second.
         let by_size = [("s", 1.0), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)].into_iter().find(|(_, k)| step / k <= 0.2);
@@ -123,7 +137,7 @@ impl Guess {
             return None;
         }
         let down = falls(c, &time, &position, per_s(&time.unit));
-        Some(Self { attitude: attitude(c), others: tunnel(c), time, position, rate_hz, down })
+        Some(Self { attitude: attitude(c), others: tunnel(c, &time.name), time, position, rate_hz, down })
     }
 
     fn text(&self, name: &str, file: &str) -> String {
@@ -244,7 +258,7 @@ fn attitude(c: &Columns) -> Option<Attitude> {
 }
 
 /// Tunnel speed, static pressure, static temperature.
-fn tunnel(c: &Columns) -> Vec<Found> {
+fn tunnel(c: &Columns, time: &str) -> Vec<Found> {
     let one = |ours, names: &[&str], by_size: fn(f64) -> &'static str| {
         let (name, v, said) = column(c, names)?;
         let level = median(v.clone());
@@ -258,7 +272,13 @@ fn tunnel(c: &Columns) -> Vec<Found> {
         x if x < 2000.0 => "hPa",
         _ => "Pa",
     });
-    let temperature = one("Ts_K", &["ts", "ts_k", "temp", "temperature"], |x| if x < 100.0 { "degC" } else { "K" });
+    let by_level: fn(f64) -> &'static str = |x| if x < 100.0 { "degC" } else { "K" };
+    let letter = || {
+        let (name, v) = c.all().find(|(n, _)| n.trim().starts_with('T') && bare(n).0 == "t" && *n != time)?;
+        let level = median(v.clone());
+        Some(found("Ts_K", name, written(c, name), by_level(level).to_owned(), &format!("its median is {level:.4}")))
+    };
+    let temperature = one("Ts_K", &["ts", "ts_k", "temp", "temperature"], by_level).or_else(letter);
     [speed, pressure, temperature].into_iter().flatten().collect()
 }
 
@@ -317,5 +337,31 @@ mod tests {
         assert!(matches!(g.attitude, Some(Attitude::Quaternion(_, true))));
         assert!(g.time.unit == "ms" && g.position.iter().all(|p| p.unit == "mm"), "as the names say");
         g.text("run", "run.csv").parse::<toml::Table>().expect("TOML");
+    }
+
+    /// `T` beside `t` is the temperature, in either order; alone it is the time; `T_degC` is never the time.
+    #[test]
+    fn exact_a_capital_t_is_the_temperature_beside_a_time() {
+        let rows = |at: usize| {
+            (0..50).map(move |i| {
+                let mut row = vec![1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0];
+                row.insert(0, 0.005 * f64::from(i));
+                row.insert(at, 21.0);
+                row
+            })
+        };
+        for (names, at) in [
+            (["t", "T", "x", "y", "z", "qx", "qy", "qz", "qw"], 1),
+            (["T", "t", "x", "y", "z", "qx", "qy", "qz", "qw"], 0),
+            (["T_degC", "time", "x", "y", "z", "qx", "qy", "qz", "qw"], 0),
+        ] {
+            let g = Guess::new(&of(&names, rows(at))).expect("a run");
+            let other = names[at];
+            assert_eq!(g.time.name, names[1 - at], "{names:?}");
+            let found = g.others.iter().find(|f| f.ours == "Ts_K").expect("a temperature");
+            assert_eq!((found.name.as_str(), found.unit.as_str()), (other, "degC"), "{names:?}");
+        }
+        let alone = Guess::new(&of(&["T", "x", "y"], (0..50).map(|i| vec![0.01 * f64::from(i), 1.0, 2.0]))).expect("a run");
+        assert!(alone.time.name == "T" && alone.others.is_empty());
     }
 }

@@ -55,6 +55,15 @@ async function interaction(page, name) {
   const whole = await page.evaluate((k) => Windfall.views[k].end(), id);
   hold(`${name}: a drag zooms`, zoomed[0][1] - zoomed[0][0] < 0.3 * whole, zoomed[0]);
   hold(`${name}: all axes follow`, zoomed.every((r) => Math.abs(r[0] - zoomed[0][0]) < 1e-9 && Math.abs(r[1] - zoomed[0][1]) < 1e-9), zoomed);
+  await page.keyboard.down("Shift");
+  await page.mouse.move(box.x + 0.5 * box.width, box.y + 40);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 0.3 * box.width, box.y + 40, { steps: 4 });
+  await page.mouse.up();
+  await page.keyboard.up("Shift");
+  const moved = (await range())[0];
+  const span = zoomed[0][1] - zoomed[0][0];
+  hold(`${name}: shift and drag moves the span`, Math.abs(moved[1] - moved[0] - span) < 1e-6 * span && Math.abs(moved[0] - zoomed[0][0] - 0.2 * span) < 0.02 * span, [zoomed[0], moved]);
   const link = await page.evaluate(() => location.href);
   hold(`${name}: the address holds the view`, link.includes("x=") && link.includes("run="), link);
   await page.locator(".values").first().waitFor();

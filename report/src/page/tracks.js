@@ -3,6 +3,10 @@
 (() => {
   const { make, number, colour, themed, view } = Windfall;
   const SIDES = ["measured", "before", "after"];
+  /** Pixels a bucket while the view moves, and how long it rests before all is drawn, ms: without a graphics card wide lines take most of a
+   *  frame (70 ms for 18 plots; hairlines of a quarter of the points 12 ms). */
+  const COARSE_PX = 4;
+  const REST_MS = 120;
   /** A constant line. */
   const level = (y) => ({ level: y });
 
@@ -89,11 +93,27 @@
       const all = make("button", { type: "button", onclick: () => this.zoom(null) }, "Whole run");
       this.said = make("output", { class: "said", "aria-live": "off" });
       this.grid = make("div", { class: "channels", tabindex: 0, role: "group",
-        "aria-label": "Signals over time. Arrow keys move the cursor, plus and minus zoom, zero shows the whole run." });
+        "aria-label": "Signals over time. Arrow keys move the cursor, plus and minus zoom, brackets move the span, zero shows the whole run." });
       this.grid.addEventListener("keydown", (e) => this.key(e));
       const row = make("div", { class: "controls" }, make("label", {}, "Run ", pick), all, ...keys, this.said);
       const chips = make("fieldset", { class: "chips" }, make("legend", {}, "Channels"), ...boxes);
       this.place.replaceChildren(row, chips, this.grid);
+    }
+    /** Shift and drag moves the span. */
+    hand(u) {
+      u.over.addEventListener("mousedown", (e) => {
+        if (!e.shiftKey || e.button || !this.range) return;
+        e.stopImmediatePropagation();
+        e.preventDefault();
+        let x = e.clientX;
+        let asked = null;
+        const move = (m) => {
+          if (asked !== null) cancelAnimationFrame(asked);
+          asked = requestAnimationFrame(() => { asked = null; this.pan(u.posToVal(0, "x") - u.posToVal(m.clientX - x, "x")); x = m.clientX; });
+        };
+        addEventListener("mousemove", move);
+        addEventListener("mouseup", () => removeEventListener("mousemove", move), { once: true });
+      }, { capture: true });
     }
     key(e) {
       const [a, b] = this.shownRange();
@@ -101,7 +121,7 @@
       const at = Math.min(b, Math.max(a, this.t));
       const zoomed = (f) => this.zoom([at - (at - a) * f, at + (b - at) * f]);
       const act = { ArrowLeft: () => this.at(at - step), ArrowRight: () => this.at(at + step), "+": () => zoomed(0.5), "=": () => zoomed(0.5),
-        "-": () => zoomed(2), 0: () => this.zoom(null) }[e.key];
+        "-": () => zoomed(2), "[": () => this.pan(-10 * step), "]": () => this.pan(10 * step), 0: () => this.zoom(null) }[e.key];
       if (!act) return;
       e.preventDefault();
       this.said.setAttribute("aria-live", "polite");
@@ -136,23 +156,30 @@
       } else this.range = null;
       const [a, b] = this.shownRange();
       this.busy = true;
-      // What is in sight at once, the rest when the range rests.
-      const hidden = [];
+      // What is in sight at once, in hairlines; all of it when the range rests.
       for (const u of this.plots) {
         const { top, bottom } = u.root.getBoundingClientRect();
-        if (bottom > 0 && top < innerHeight) this.show(u, [a, b]); else hidden.push(u);
+        if (bottom > 0 && top < innerHeight) this.show(u, [a, b], true);
       }
       clearTimeout(this.later);
-      this.later = setTimeout(() => hidden.forEach((u) => this.show(u, this.shownRange())), 60);
+      this.later = setTimeout(() => this.plots.forEach((u) => this.show(u, this.shownRange(), false)), REST_MS);
       this.busy = false;
       this.save();
     }
-    show(u, [a, b]) {
-      if (!this.plots.includes(u)) return;
+    /** A plot between two times; `moving`: in hairlines, and a bucket for some pixels. */
+    show(u, [a, b], moving) {
+      u.series.forEach((s, k) => { if (k) s.width = moving ? 1 : u.strokes[k - 1]; });
       u.batch(() => {
-        u.setData(reduced(u.full.t, u.full.series, [a, b], u.width), false);
+        u.setData(reduced(u.full.t, u.full.series, [a, b], moving ? u.width / COARSE_PX : u.width), false);
         u.setScale("x", { min: a, max: b });
       });
+    }
+    /** The same span, earlier or later; stops at the run's ends. */
+    pan(by) {
+      if (!this.range) return;
+      const [a, b] = this.range;
+      const shift = Math.min(this.end() - b, Math.max(-a, by));
+      this.zoom([a + shift, b + shift]);
     }
     /** Time of the cursor: plots, words and replay follow. */
     at(t, from) {
@@ -230,6 +257,8 @@
       if (!x) options.axes[0].size = 8;
       const u = new uPlot(options, reduced(t, series, [a, b], options.width), holder);
       u.full = { t, series };
+      u.strokes = lines.map((l) => l.width);
+      this.hand(u);
       this.plots.push(u);
       Windfall.charts += 1;
     }
