@@ -19,7 +19,7 @@ mod weigh;
 
 pub use contest::Contest;
 use contest::{against_alternatives, against_gusts};
-use polish::{Scored, climb_down, declared_alone, polish};
+use polish::{Scored, climb_down, declared_alone, in_other_forms, polish};
 pub use rivals::{Pair, Rivals, Unseen, log_odds};
 use starts::{LEVELS, Start, ladder, lead_in, sized, struck, with_random};
 use weigh::{SURE, Weighed, named};
@@ -30,6 +30,7 @@ const STARTS: usize = 2;
 /// A start this far below the best, in nats, is not followed, unless the best left more than this mean square of what noise leaves.
 const FAR: f64 = 60.0;
 
+/// Mean square of whitened innovations, as a multiple of what noise leaves, below which a fit has hardly anything left.
 const LEFT: f64 = 1.1;
 
 /// A search's outcome.
@@ -132,6 +133,9 @@ fn searched(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Res
     }
     if !engine.campaign.knowledge.exact_noise && !engine.is_exhausted() {
         best = in_own_noise(engine, best, log);
+    }
+    if !engine.is_exhausted() {
+        best = in_other_forms(engine, best, log);
     }
     // Something that struck once, beside what was found.
     if !engine.is_exhausted()

@@ -7,7 +7,7 @@ use crate::hum::{Hum, take_off};
 use crate::model::{Id, Model, Number, VAGUE_PRIOR};
 use crate::noise::{CHANNELS, ChannelNoise, POSE, declared, learn};
 use crate::run::Prepared;
-use crate::shock::{Shock, strongest};
+use crate::shock::{Shock, shocks};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -269,11 +269,10 @@ impl Engine {
         seen.into_iter().collect()
     }
 
-    /// The instant at which a kick would explain most, over all runs: the run's index and the shock.
-    pub(crate) fn shock(&self, model: &Model) -> Option<(usize, Shock)> {
-        let seen = self.traced(model, &[]).ok()?;
-        let all = self.runs.iter().zip(&seen).filter_map(|(run, seen)| Some((run.index, strongest(&seen.trace, seen.states)?)));
-        all.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))
+    /// What a kick would explain at each instant of each run: the run's index and its shocks.
+    pub(crate) fn shocks(&self, model: &Model) -> Vec<(usize, Vec<Shock>)> {
+        let Ok(seen) = self.traced(model, &[]) else { return Vec::new() };
+        self.runs.iter().zip(&seen).map(|(run, seen)| (run.index, shocks(&seen.trace, seen.states))).collect()
     }
 
     /// Work done so far, in passes over all runs without columns.

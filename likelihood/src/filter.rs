@@ -5,6 +5,8 @@
 //! by the innovations' covariance `G = Σ DᵀD`, `b = Σ Dᵀν` (Durbin and Koopman 2012, §7.3; Klein and Morelli 2006, §6.2). Rates are means
 //! over two opposite points of the unresolved gust, so that what is not linear in the flow angles acts as it does on average (Gelb 1974, §6.2).
 
+#[cfg(test)]
+mod dense;
 mod predict;
 mod update;
 
@@ -135,30 +137,8 @@ struct Filter<'a> {
 /// Runs the filter over a run. `plant` and the columns' plants are those of this run.
 pub(crate) fn pass(run: &Prepared, s: &PassSetting<'_>) -> Result<Seen, Departed> {
     let fault = Departed { run: run.index, t_s: 0.0 };
-    let craft = Craft::complete(s.plant).map_err(|_| fault)?;
     let columns: Vec<Ready<'_>> = s.columns.iter().map(|c| ready(c, s.plant)).collect::<Option<_>>().ok_or(fault)?;
-    let step_s = run.step_s() / (1.0 + s.plant.sensors.time_base);
-    let random = inputs(s.plant, run.speed_m_s, step_s);
-    let coloured: Vec<(usize, MeanNoise)> =
-        (0..POSE).filter(|&c| s.noise[c].coloured > 0.0).map(|c| (c, s.noise[c].of_means(run.block))).collect();
-    let nm = if s.plant.vehicle.loose.is_some() { MOTION } else { STATES };
-    let n = nm + random.iter().map(|r| r.order).sum::<usize>() + 2 * coloured.len();
-    let white = std::array::from_fn(|c| s.noise[c].white.max(1e-6 * s.noise[c].coloured));
-    let filter = Filter {
-        run,
-        plant: s.plant,
-        craft,
-        random,
-        coloured,
-        white,
-        slack: s.slack,
-        keep: s.keep,
-        step_s,
-        nm,
-        n,
-        nc: columns.len(),
-    };
-    filter.run(columns)
+    Filter::new(run, s).ok_or(fault)?.run(columns)
 }
 
 fn ready<'a>(column: &'a SensitivityColumn, base: &Plant) -> Option<Ready<'a>> {
@@ -181,6 +161,32 @@ fn ready<'a>(column: &'a SensitivityColumn, base: &Plant) -> Option<Ready<'a>> {
 }
 
 impl<'a> Filter<'a> {
+    /// A filter ready for its run; `None` where a declared coefficient has no value.
+    fn new(run: &'a Prepared, s: &PassSetting<'a>) -> Option<Self> {
+        let craft = Craft::complete(s.plant).ok()?;
+        let step_s = run.step_s() / (1.0 + s.plant.sensors.time_base);
+        let random = inputs(s.plant, run.speed_m_s, step_s);
+        let coloured: Vec<(usize, MeanNoise)> =
+            (0..POSE).filter(|&c| s.noise[c].coloured > 0.0).map(|c| (c, s.noise[c].of_means(run.block))).collect();
+        let nm = if s.plant.vehicle.loose.is_some() { MOTION } else { STATES };
+        let n = nm + random.iter().map(|r| r.order).sum::<usize>() + 2 * coloured.len();
+        let white = std::array::from_fn(|c| s.noise[c].white.max(1e-6 * s.noise[c].coloured));
+        Some(Self {
+            run,
+            plant: s.plant,
+            craft,
+            random,
+            coloured,
+            white,
+            slack: s.slack,
+            keep: s.keep,
+            step_s,
+            nm,
+            n,
+            nc: s.columns.len(),
+        })
+    }
+
     fn run(&self, mut columns: Vec<Ready<'a>>) -> Result<Seen, Departed> {
         let (n, nc) = (self.n, self.nc);
         let (mut z, mut p) = self.start();

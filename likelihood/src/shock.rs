@@ -1,4 +1,4 @@
-//! likelihood: shocks. In: what a filter did along a run. Out: the instant at which a kick to velocities and rates would explain most.
+//! likelihood: shocks. In: what a filter did along a run. Out: what a kick to velocities and rates would explain at each instant.
 //!
 //! A kick before a node changes all later innovations; its score and information follow from one pass backward over the run (the
 //! disturbance smoother's auxiliary residuals: de Jong and Penzer 1998; Durbin and Koopman 2012, §4.5 and §7.5).
@@ -50,12 +50,42 @@ pub(crate) struct Shock {
     pub(crate) gain: f64,
 }
 
-/// The instant of the likeliest kick, of `n` states.
-pub(crate) fn strongest(trace: &Trace, n: usize) -> Option<Shock> {
-    let last_s = trace.nodes.last()?.t_s;
+/// Expected number of shocks of at least `gain` among the given, by their own tail: the excess of the largest fiftieth over the rest follows
+/// a generalised Pareto distribution, its scale and shape by probability-weighted moments (Hosking and Wallis 1987). A tail lighter than
+/// an exponential one, which the largest of few may feign, counts as that.
+pub(crate) fn expected_beyond(gain: f64, all: &[Shock]) -> f64 {
+    const LARGEST: usize = 50;
+    let mut gains: Vec<f64> = all.iter().map(|s| s.gain).collect();
+    gains.sort_by(|a, b| b.total_cmp(a));
+    let many = gains.len() / LARGEST;
+    if many < 2 {
+        return 0.0;
+    }
+    let n = many as f64;
+    let threshold = gains[many];
+    let excess = || gains[..many].iter().map(|g| g - threshold);
+    let mean = excess().sum::<f64>() / n;
+    // The k-th largest of n has a share of about (k + 0.35)/n above it, k from 0.
+    let weighted = excess().enumerate().map(|(k, x)| (k as f64 + 0.35) / n * x).sum::<f64>() / n;
+    let shape = (2.0 - mean / (mean - 2.0 * weighted)).max(0.0);
+    let scale = mean * (1.0 - shape);
+    let beyond = gain - threshold;
+    if !(beyond > 0.0 && scale > 0.0) {
+        n
+    } else if shape < 1e-9 {
+        n * (-beyond / scale).exp()
+    } else {
+        n * (1.0 + shape * beyond / scale).powf(-1.0 / shape)
+    }
+}
+
+/// The likeliest kick at each instant, of `n` states, last instant first.
+pub(crate) fn shocks(trace: &Trace, n: usize) -> Vec<Shock> {
+    let Some(last) = trace.nodes.last() else { return Vec::new() };
+    let last_s = last.t_s;
     let mut score = DVector::<f64>::zeros(n);
     let mut information = DMatrix::<f64>::zeros(n, n);
-    let mut best: Option<Shock> = None;
+    let mut all = Vec::with_capacity(trace.nodes.len());
     for node in trace.nodes.iter().rev() {
         if node.phi.len() == n * n {
             let phi = DMatrix::from_row_slice(n, n, &node.phi);
@@ -82,9 +112,26 @@ pub(crate) fn strongest(trace: &Trace, n: usize) -> Option<Shock> {
         });
         let Some(factor) = whole.cholesky() else { continue };
         let gain = 0.5 * b.dot(&factor.solve(&b)) - factor.l().diagonal().map(f64::ln).sum();
-        if best.is_none_or(|s| gain > s.gain) {
-            best = Some(Shock { t_s: node.t_s, gain });
+        all.push(Shock { t_s: node.t_s, gain });
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Gains that are distributed as a generalised Pareto law says: those beyond a size are as many as it says, within what 200 of the tail
+    /// leave of its shape.
+    #[test]
+    fn recover_tail() {
+        for shape in [1e-3_f64, 0.4] {
+            let one = |share: f64| (share.powf(-shape) - 1.0) / shape;
+            let all: Vec<Shock> = (0..10_000).map(|i| Shock { t_s: 0.0, gain: one((f64::from(i) + 0.5) / 10_000.0) }).collect();
+            let found = expected_beyond(one(20.0 / 10_000.0), &all);
+            assert!((found / 20.0 - 1.0).abs() < 0.05, "{shape} {found}");
+            let found = expected_beyond(one(1e-6), &all);
+            assert!((1e-3..0.1).contains(&found), "{shape} {found} of 0.01");
         }
     }
-    best
 }

@@ -79,8 +79,14 @@ pub(super) fn against_alternatives(
     log.push(format!("generic alternatives leave {}", describe(&model)));
     let fewer = engine.climb(&model, true, 6).ok().and_then(|f| Some((weigh(engine, &f.model)?, f)));
     let Some((w, f)) = fewer else { return (fit, weighed, Some(first)) };
-    let again = contest(engine, &f.model, &all).or(Some(first));
-    (f, w, again)
+    let Some(again) = contest(engine, &f.model, &all) else { return (f, w, Some(first)) };
+    // Where they are gone, what was taken out is preferred again: both say as much, and the effect is the one with a cause.
+    let families: Vec<&'static str> = fit.model.members.iter().filter(|m| !m.random).map(|m| m.effect.family).collect();
+    if again.leads.is_empty() && families.iter().all(|family| again.families.contains(family)) {
+        log.push("  which are preferred again without it".to_owned());
+        return (fit, weighed, Some(Contest { families, leads: Vec::new(), strongest: first.strongest }));
+    }
+    (f, w, Some(again))
 }
 
 /// Gusts weaker than this share of the tunnel speed are no tunnel's: closed tunnels with many screens have 0.0005, a vertical one with

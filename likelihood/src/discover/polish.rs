@@ -155,6 +155,41 @@ fn in_likelier_form(engine: &Engine, fit: Fit) -> Fit {
     best
 }
 
+/// The best set with members in others of their forms, those that no climb leads to (a switch, a harmonic), where that is likelier: a
+/// strong effect in the wrong form is far from where its columns say what another form would bring.
+pub(super) fn in_other_forms(engine: &Engine, mut best: Scored, log: &mut Vec<String>) -> Scored {
+    /// Nats that tell two forms apart at all.
+    const DIFFERENT: f64 = 0.1;
+    for k in 0..best.1.model.members.len() {
+        let Some(member) = best.1.model.members.get(k).filter(|m| !m.random && !m.declared) else { continue };
+        let mut others = vec![member.values.clone()];
+        for (i, p) in member.parameters.iter().enumerate() {
+            let Role::Shape(tried) = p.role else { continue };
+            if !p.is_graded() {
+                let with =
+                    |v: &f64, values: &[f64]| values.iter().enumerate().map(|(j, x)| if i == j { *v } else { *x }).collect();
+                others =
+                    others.iter().flat_map(|values| tried.iter().map(|v| with(v, values)).collect::<Vec<Vec<f64>>>()).collect();
+            }
+        }
+        let model = best.1.model.clone();
+        let fits = others.into_iter().filter(|values| *values != model.members[k].values).filter_map(|values| {
+            let mut other = model.clone();
+            other.members[k].values = values;
+            let fit = engine.climb(&other, true, 8).ok()?;
+            Some((score(engine, &fit), fit))
+        });
+        let Some((there, fit)) = fits.max_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
+        if there > best.0 + DIFFERENT {
+            log.push(format!("in another form {there:.1}: {}", describe(&fit.model)));
+            if let Some(other) = polish(engine, fit.model, best.0, log).filter(|other| other.0 > best.0) {
+                best = other;
+            }
+        }
+    }
+    best
+}
+
 /// Random members that bring less than they cost are taken out.
 pub(super) fn without_idle(engine: &Engine, fit: Fit) -> Fit {
     let mut fit = fit;

@@ -7,6 +7,7 @@ mod against;
 mod air;
 mod algebra;
 mod chance;
+mod closed;
 mod craft;
 mod dump;
 mod exact;
