@@ -109,15 +109,13 @@ pub struct Unknown {
     pub at: f64,
     /// Whether it is searched.
     pub freedom: Freedom,
-    /// Mean and standard deviation of what is known of the coordinate beforehand.
-    pub prior: Option<(f64, f64)>,
 }
 
 impl Unknown {
-    /// A number at a value, searched as it is and without a prior.
+    /// A number at a value, searched as it is.
     #[must_use]
     pub fn linear(id: UnknownId, name: &str, value: f64, freedom: Freedom) -> Self {
-        Self { id, name: name.to_owned(), transform: Transform::Linear, at: value, freedom, prior: None }
+        Self { id, name: name.to_owned(), transform: Transform::Linear, at: value, freedom }
     }
     /// Its value: in SI, rad of angles.
     #[must_use]
@@ -150,11 +148,13 @@ pub struct Unknowns {
     /// The numbers.
     pub all: Vec<Unknown>,
     effects: Vec<&'static Effect>,
+    /// Place, mean and standard deviation of what is known of coordinates beforehand, in the order given.
+    priors: Vec<(usize, f64, f64)>,
 }
 
 impl From<Vec<Unknown>> for Unknowns {
     fn from(all: Vec<Unknown>) -> Self {
-        Self { all, effects: Vec::new() }
+        Self { all, ..Self::default() }
     }
 }
 
@@ -210,14 +210,17 @@ impl Unknowns {
     pub fn of_parameters(&self) -> impl Iterator<Item = &Unknown> {
         self.all.iter().filter(|u| matches!(u.id, UnknownId::Parameter(_)))
     }
-    /// Holds a column at its value; later columns move up.
+    /// One more prior, independent of those before: mean and standard deviation of the coordinate of number `at`.
+    pub fn know(&mut self, at: usize, mean: f64, std: f64) {
+        self.priors.push((at, mean, std));
+    }
+    /// Holds a column at its value, which ends its priors; later columns move up.
     pub fn hold(&mut self, column: usize) {
         for u in &mut self.all {
             let next = |c: usize| if c > column { c - 1 } else { c };
             match u.freedom {
                 Freedom::Free(c) | Freedom::Tied(c) if c == column => {
                     u.freedom = Freedom::Held(u.value());
-                    u.prior = None;
                 }
                 Freedom::Free(c) => u.freedom = Freedom::Free(next(c)),
                 Freedom::Tied(c) => u.freedom = Freedom::Tied(next(c)),
@@ -252,9 +255,9 @@ impl Unknowns {
             }
         }
     }
-    /// Column of each prior, distance of its mean from here, and standard deviation, in the order of the columns.
+    /// Column of each prior, distance of its mean from here, and standard deviation, in the order given.
     pub fn priors(&self) -> impl Iterator<Item = (usize, f64, f64)> {
-        self.leaders().enumerate().filter_map(|(column, u)| u.prior.map(|(mean, std)| (column, mean - u.at, std)))
+        self.priors.iter().filter_map(|&(at, mean, std)| self.all[at].column().map(|c| (c, mean - self.all[at].at, std)))
     }
     /// Twice the priors' part of the negative log-likelihood.
     #[must_use]
@@ -305,22 +308,24 @@ mod tests {
         assert!((down.value(1.0), down.at(3.0), down.at(0.0)) == (-3.0, 1.0, 0.0) && (down.value(0.0) + 3e-4).abs() < 1e-18);
     }
 
-    /// Tied numbers move together; holding a column keeps values, drops its prior and moves later columns up.
+    /// Tied numbers move together; holding a column keeps values, drops its priors and moves later columns up; priors keep
+    /// their order.
     #[test]
     fn exact_columns() {
         let number = |i, freedom| Unknown::linear(UnknownId::Parameter(i), ["a", "b", "c", "d"][i], i as f64, freedom);
         let all = [Freedom::Tied(1), Freedom::Free(0), Freedom::Held(7.0), Freedom::Free(1)];
         let mut u = Unknowns::from(all.into_iter().enumerate().map(|(i, f)| number(i, f)).collect::<Vec<_>>());
-        u.all[1].prior = Some((3.0, 2.0));
-        u.all[3].prior = Some((4.0, 0.5));
+        u.know(3, 4.0, 0.5);
+        u.know(1, 3.0, 2.0);
+        u.know(3, 3.0, 1.0);
         assert_eq!((u.free(), u.names(), u.values()), (2, vec!["b".to_owned(), "d".to_owned()], vec![1.0, 3.0]));
-        assert_eq!(u.priors().collect::<Vec<_>>(), [(0, 2.0, 2.0), (1, 1.0, 0.5)]);
+        assert_eq!(u.priors().collect::<Vec<_>>(), [(1, 1.0, 0.5), (0, 2.0, 2.0), (1, 0.0, 1.0)]);
         assert!((u.prior_misfit() - 5.0).abs() < 1e-15);
         u.start(&[10.0, f64::NAN, 30.0, 40.0]);
         assert_eq!(u.parameters(), [10.0, 1.0, 7.0, 10.0]);
         u.hold(0);
         let moved = u.moved(&[2.0], 0.5);
         assert_eq!((moved.parameters(), moved.names()), (vec![11.0, 1.0, 7.0, 11.0], vec!["d".to_owned()]));
-        assert_eq!(moved.priors().collect::<Vec<_>>(), [(0, -7.0, 0.5)]);
+        assert_eq!(moved.priors().collect::<Vec<_>>(), [(0, -7.0, 0.5), (0, -8.0, 1.0)]);
     }
 }

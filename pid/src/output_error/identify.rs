@@ -13,8 +13,6 @@ use crate::{Method, SearchKind};
 use nalgebra::DMatrix;
 use windfall_model::{Campaign, Coefficient, Data, Plant, Unknowns, Use};
 
-/// Name of the method.
-/// Half-width of a 95 % interval in standard errors; residuals are many.
 /// Probability below which a residual is not taken for noise, all channels together.
 pub(crate) const NOT_NOISE: f64 = 0.01;
 

@@ -108,16 +108,17 @@ pub(crate) fn unknowns(campaign: &Campaign, options: &EstimateOptions) -> Result
             all.push(Unknown::linear(UnknownId::Nuisance(name), name, 0.0, Freedom::Free(column)));
         }
     }
+    let mut all = Unknowns::from(all);
     for prior in &options.priors {
         let fault = |what| PidError::Unknown { what, name: prior.name.clone() };
-        let free = all.iter_mut().find(|u| u.name == prior.name && matches!(u.freedom, Freedom::Free(_)));
+        let free = all.all.iter().position(|u| u.name == prior.name && matches!(u.freedom, Freedom::Free(_)));
         let free = free.ok_or_else(|| fault("prior of a parameter that is not free"))?;
         if !(prior.std > 0.0 && prior.std.is_finite() && prior.mean.is_finite()) {
             return Err(fault("prior without a positive standard deviation"));
         }
-        free.prior = Some((prior.mean, prior.std));
+        all.know(free, prior.mean, prior.std);
     }
-    Ok(all.into())
+    Ok(all)
 }
 
 /// With all errors of the instruments free beside what is free already, from zero.
