@@ -24,7 +24,12 @@ pub(super) struct Start {
 pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Result<Vec<Start>, String> {
     // What leaves hardly more than noise has led to no wrong place: random inputs are tried beside what it ends at.
     let calm = |model: &Model| engine.climb(model, false, 12).ok().filter(|fit| fit.chi < LEFT);
-    let fit = calm(declared).or_else(|| calm(&lead_in(engine, declared)?)).or_else(|| freed(engine, declared, log));
+    let mut left = declared.clone();
+    let fit = calm(declared).or_else(|| calm(&lead_in(engine, declared)?)).or_else(|| {
+        let (model, fit) = freed(engine, declared, log);
+        left = model;
+        fit
+    });
     if let Some(start) = fit.and_then(|fit| start(engine, fit, log)) {
         return Ok(vec![start]);
     }
@@ -35,7 +40,7 @@ pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -
     let mut model = declared.clone();
     // Where gusts are declared they are in every set already.
     if let Some(air) = air.filter(|a| !has(declared, a)) {
-        model = in_gusts(engine, declared, air, &mut fits, &mut last);
+        model = in_gusts(engine, [declared, &left], air, &mut fits, &mut last);
     }
     // No random input but the declared ones.
     match engine.climb(&model, false, 4) {
@@ -66,8 +71,16 @@ pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -
     if distinct.is_empty() { Err(last) } else { Ok(distinct) }
 }
 
-/// Fits in gusts from wide to narrow, each starting from the one before, in the likeliest form; the last model, its gusts taken out.
-pub(super) fn in_gusts(engine: &Engine, declared: &Model, air: &Member, fits: &mut Vec<Fit>, last: &mut String) -> Model {
+/// Fits in gusts from wide to narrow, each starting from the one before, in the likeliest form; the last model, its gusts taken out. Where the
+/// first of two models cannot be followed in the widest gusts it starts from the second: a turned pose is no gust, and led the parameters
+/// so far astray that no later climb began.
+pub(super) fn in_gusts(
+    engine: &Engine,
+    [declared, other]: [&Model; 2],
+    air: &Member,
+    fits: &mut Vec<Fit>,
+    last: &mut String,
+) -> Model {
     let without = |mut model: Model| {
         model.members.retain(|m| m.effect.family != air.effect.family);
         model
@@ -84,10 +97,28 @@ pub(super) fn in_gusts(engine: &Engine, declared: &Model, air: &Member, fits: &m
         let mut fit = engine.climb(&model, false, if k == 0 { 6 } else { 3 });
         if k == 0
             && let Some(led) = lead_in(engine, &model)
+            && {
+                if let Ok(seen) = engine.traced(&led, &[]) {
+                    for (r, s) in seen.iter().enumerate() {
+                        for (k, w) in s.whitened.iter().enumerate().step_by(6) {
+                            eprintln!("W {r} {k} {w:.1?} v {:.2e} {:.2e}", s.variances[k][1].sqrt(), s.variances[k][5].sqrt());
+                        }
+                    }
+                }
+                true
+            }
             && let Ok(other) = engine.climb(&led, false, 3)
             && fit.as_ref().map_or(true, |f| f.total < other.total)
         {
             fit = Ok(other);
+        }
+        if k == 0
+            && !other.members.is_empty()
+            && fit.as_ref().map_or(true, |f| f.chi > LEFT)
+            && let Ok(second) = engine.climb(&with(other, *level, &forms[forms.len() / 2]), false, 6)
+            && fit.as_ref().map_or(true, |f| f.chi > second.chi)
+        {
+            fit = Ok(second);
         }
         match fit {
             Ok(fit) => {
@@ -117,21 +148,22 @@ pub(super) fn lead_in(engine: &Engine, model: &Model) -> Option<Model> {
     Some(model)
 }
 
-/// A fit of a set that was found while accelerations are left free, less and less; in gusts of any size strong effects together lead a model
-/// astray. `None` where more than noise is left, or the model departs once accelerations are free no more.
-fn freed(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Option<Fit> {
+/// A set that was found while accelerations are left free, less and less, and its fit; in gusts of any size strong effects together lead a
+/// model astray. No fit where more than noise is left, or the model departs once accelerations are free no more.
+fn freed(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> (Model, Option<Fit>) {
     const FREEDOM: [f64; 5] = [1.0, 0.3, 0.1, 0.03, 0.01];
     let mut free = engine.clone();
     let mut model = declared.clone();
     for slack in FREEDOM {
         free.slack = slack;
         // With accelerations free a model that is right leaves less than noise; in gusts none does.
-        let fit = free.climb(&model, false, 4).ok().filter(|fit| fit.chi < LEFT)?;
-        let w = weigh(&free, &fit.model)?;
+        let Some(fit) = free.climb(&model, false, 4).ok().filter(|fit| fit.chi < LEFT) else { return (model, None) };
+        let Some(w) = weigh(&free, &fit.model) else { return (model, None) };
         model = with_set(&fit.model, &w, w.choice(), &free);
         log.push(format!("  freed {slack} ({:.0}): chi {:.3} -> {}", engine.passes(), fit.chi, describe(&model)));
     }
-    engine.climb(&climb_down(engine, &model)?.model, true, 8).ok().filter(|fit| fit.chi < LEFT)
+    let fit = climb_down(engine, &model).and_then(|fit| engine.climb(&fit.model, true, 8).ok());
+    (model, fit.filter(|fit| fit.chi < LEFT))
 }
 
 /// Forms of a random input that are scanned: every value of its first shape, the middle ones of the others.

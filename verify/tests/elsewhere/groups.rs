@@ -195,7 +195,7 @@ fn gusty(i: usize, seed: u64, gain: f64, c: &mut Chance) -> Spec {
     let lengths = [0.15, 0.3, 0.6, 1.2, 2.4];
     let mut spec = start("D", colour.name(), i % 6 > 3, seed, c);
     spec.families.push("turbulence".to_owned());
-    let (rms, length) = (c.uniform(0.05, 0.12), lengths[(i / 2 + i / 8) % 5]);
+    let (rms, length) = (c.uniform(0.05, 0.12), lengths[(i / 2 + 2 * (i / 8)) % 5]);
     spec.gusts = Some(Gusts { colour, axial: rms * c.uniform(0.8, 1.0), lateral: rms, length });
     spec.tag("kind", colour.name());
     spec.tag("L", length);
