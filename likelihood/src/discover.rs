@@ -8,6 +8,7 @@ use crate::engine::{Engine, Fit};
 use crate::gram::Gram;
 use crate::model::{Member, Model, catalogue};
 use crate::noise::POSE;
+use crate::random_range::RandomRange;
 use crate::search::Unit;
 use windfall_model::Use;
 
@@ -56,8 +57,8 @@ pub struct Discovery {
     pub faint: Vec<Lead>,
     /// Gain of log marginal likelihood of each random member, by its place.
     pub random_gains: Vec<(usize, f64)>,
-    /// Standard errors of random members' numbers, by place and parameter.
-    pub random_errors: Vec<((usize, usize), f64)>,
+    /// What is known of the random members' numbers.
+    pub random_ranges: Vec<RandomRange>,
     /// Upper 95 % bounds of random strengths that were not found: family, parameter, bound, unit.
     pub random_bounds: Vec<(&'static str, String, f64, String)>,
     /// Lines in the spectra of the innovations.
@@ -88,7 +89,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let (after, weighed, contest, faint) = against_gusts(engine, after, weighed, contest, &mut log);
     let before = declared_alone(engine, &declared, &after);
     let sets = named(&weighed, &after.model);
-    let (random_gains, random_errors) = (gains(engine, &after), random_errors(engine, &after));
+    let (random_gains, random_ranges) = (gains(engine, &after), engine.random_ranges(&after.model));
     let random_bounds = random_bounds(engine, &after);
     let after = engine.robust(&after);
     let (before, before_fault) = match before {
@@ -109,7 +110,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
         contest,
         faint,
         random_gains,
-        random_errors,
+        random_ranges,
         random_bounds,
         lines,
         outliers,
@@ -272,20 +273,6 @@ fn gains(engine: &Engine, fit: &Fit) -> Vec<(usize, f64)> {
             (k, engine.climb(&without, false, 3).map_or(f64::INFINITY, |f| fit.log_likelihood - f.log_likelihood))
         })
         .collect()
-}
-
-/// Standard errors of the random members' numbers, to first order in their logarithms.
-fn random_errors(engine: &Engine, fit: &Fit) -> Vec<((usize, usize), f64)> {
-    let places = crate::random_fit::random_numbers(&fit.model);
-    if places.is_empty() {
-        return Vec::new();
-    }
-    let Some(covariance) = engine.random_covariance(&fit.model) else { return Vec::new() };
-    let one = |(j, (k, i)): (usize, (usize, usize))| {
-        let variance = covariance[(j, j)];
-        (variance > 0.0).then(|| ((k, i), fit.model.members[k].values[i] * variance.sqrt()))
-    };
-    places.into_iter().enumerate().filter_map(one).collect()
 }
 
 /// Sizes of random inputs that are not in the model at which the likelihood has fallen by what 95 % leave (1.92), by bisection.

@@ -188,7 +188,7 @@ const SMALLEST: f64 = 3e-4;
 /// Smallest shape of a random input over the largest.
 const SMALLEST_SHAPE: f64 = 1e-3;
 
-fn log_range(model: &Model, member: usize, i: usize) -> [f64; 2] {
+pub(crate) fn log_range(model: &Model, member: usize, i: usize) -> [f64; 2] {
     let p = &model.members[member].parameters[i];
     let low = if p.role == Role::Strength { SMALLEST * p.high } else { p.low.max(SMALLEST_SHAPE * p.high) };
     [low.ln(), p.high.ln()]

@@ -108,8 +108,9 @@ impl Engine {
         crate::run::whole(MEMORY_S / step_s).max(1)
     }
 
-    /// Covariance of the logarithms of the random members' numbers. The information is what innovations and their variances say by their slopes; the score's covariance is that of what the nodes say in the long run.
-    pub(crate) fn random_covariance(&self, model: &Model) -> Option<DMatrix<f64>> {
+    /// Covariance of the logarithms of the random members' numbers, and the model's own. The information is what innovations and their variances
+    /// say by their slopes; the score's covariance is that of what the nodes say in the long run.
+    pub(crate) fn random_covariance(&self, model: &Model) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
         let RandomSlopes { slopes, information, .. } = self.random_slopes(model, &[])?;
         let n = slopes.len();
         let mut score = DMatrix::zeros(n, n);
@@ -118,7 +119,7 @@ impl Engine {
             score += autocovariance(&of, self.memory());
         }
         let inverse = information.try_inverse()?;
-        Some(&inverse * score * &inverse)
+        Some((&inverse * score * &inverse, inverse))
     }
 }
 

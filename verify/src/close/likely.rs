@@ -170,9 +170,10 @@ fn effect_line(k: usize, m: &Member, found: &Discovery, unexplained: &[Unexplain
         .iter()
         .enumerate()
         .map(|(i, p)| {
-            let random = found.random_errors.iter().find(|(place, _)| *place == (k, i)).map(|(_, s)| *s);
-            let std = random.or_else(|| error_of(fit, Id::Member(k, i)));
-            ParameterLine::new("", &p.name, m.values[i], std.unwrap_or(f64::NAN), p.unit)
+            let random = found.random_ranges.iter().find(|range| range.place == (k, i));
+            let std = random.map(|range| range.std).or_else(|| error_of(fit, Id::Member(k, i)));
+            let line = ParameterLine::new("", &p.name, m.values[i], std.unwrap_or(f64::NAN), p.unit);
+            ParameterLine { ci95: random.map(|range| range.ci95).or(line.ci95), ..line }
         })
         .collect();
     let probability = found.sets.iter().zip(weights(found)).filter(|((f, _), _)| f.contains(&family)).map(|(_, w)| w).sum();

@@ -1,0 +1,205 @@
+//! likelihood: how well sizes and shapes of random members are known. In: a fit. Out: standard deviation and 95 % interval of each.
+//!
+//! Of short gusts the motion shows the product of their variance and their length; the likelihood of the length alone falls off slowly on one
+//! side and steeply on the other, which no standard error at its top says. Where the logarithm of a shape is known worse than [`WIDE`] the
+//! posterior is walked along its ridge (profile likelihood: Pawitan, In All Likelihood, 2001, §3.4), flat beforehand in the logarithm.
+
+use crate::engine::Engine;
+use crate::model::Model;
+use crate::random_fit::{log_range, random_numbers};
+use nalgebra::DMatrix;
+use windfall_model::Role;
+
+/// What is known of one number of a random member.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RandomRange {
+    /// Member of the model and its number.
+    pub place: (usize, usize),
+    /// Root mean square departure from the estimate.
+    pub std: f64,
+    /// 95 % interval.
+    pub ci95: [f64; 2],
+}
+
+/// Standard error of a shape's logarithm beyond which its posterior is walked.
+const WIDE: f64 = 0.15;
+/// Growth of the walk's steps, of which the first is that standard error; most steps to a side; the fall of the log posterior at which it ends.
+const GROWTH: f64 = 1.5;
+const MOST: usize = 12;
+const FALLEN: f64 = 6.0;
+/// Step in the logarithm of the size for the parabola across the ridge, and the farthest that its top is believed.
+const ACROSS: f64 = 0.1;
+const FARTHEST: f64 = 0.4;
+
+/// A place on the ridge: logarithm of the shape, log posterior, logarithm of the size there with its standard deviation.
+#[derive(Clone, Copy, Debug)]
+struct RidgePoint {
+    shape: f64,
+    height: f64,
+    size: f64,
+    spread: f64,
+}
+
+impl Engine {
+    /// Of every number of the random members; none where a model departs.
+    pub(crate) fn random_ranges(&self, model: &Model) -> Vec<RandomRange> {
+        let places = random_numbers(model);
+        if places.is_empty() {
+            return Vec::new();
+        }
+        let Some((covariance, own)) = self.random_covariance(model) else { return Vec::new() };
+        let mut all: Vec<RandomRange> = places
+            .iter()
+            .enumerate()
+            .map(|(j, &place)| {
+                let (value, s) = (model.members[place.0].values[place.1], covariance[(j, j)].max(0.0).sqrt());
+                RandomRange { place, std: value * s, ci95: [value * (-1.96 * s).exp(), value * (1.96 * s).exp()] }
+            })
+            .collect();
+        for (w, &place) in places.iter().enumerate() {
+            let role = model.members[place.0].parameters[place.1].role;
+            if !matches!(role, Role::Shape(_)) || covariance[(w, w)] < WIDE * WIDE {
+                continue;
+            }
+            let Some(size) = partner(model, &places, &covariance, w) else { continue };
+            // Where the data's spectrum is not the model's, the likelihood is as much too steep as its own variance is too small.
+            let steep = (covariance[(w, w)] / own[(w, w)]).max(1.0);
+            let slope = covariance[(size, w)] / covariance[(w, w)];
+            let ridge = self.ridge(model, [place, places[size]], covariance[(w, w)].sqrt(), slope, steep);
+            let of = |j: usize| model.members[places[j].0].values[places[j].1];
+            if let Some((shape, strength)) = ranges(&ridge, [of(w), of(size)]) {
+                all[w] = RandomRange { place, ..shape };
+                all[size] = RandomRange { place: places[size], ..strength };
+            }
+        }
+        all
+    }
+
+    /// The posterior along a shape, its size the likeliest everywhere, from one end to the other.
+    fn ridge(&self, model: &Model, [shape, size]: [(usize, usize); 2], first: f64, slope: f64, steep: f64) -> Vec<RidgePoint> {
+        let log = |(m, i): (usize, usize)| model.members[m].values[i].max(1e-12).ln();
+        let [low, high] = log_range(model, shape.0, shape.1);
+        let Some(top) = self.across(model, [shape, size], [log(shape), log(size)], steep) else { return Vec::new() };
+        let mut all = vec![top];
+        for way in [-1.0, 1.0] {
+            let (mut last, mut stride) = (top, way * first);
+            for _ in 0..MOST {
+                let next = (last.shape + stride).clamp(low, high);
+                stride *= GROWTH;
+                if next == last.shape {
+                    break;
+                }
+                let guess = last.size + slope * (next - last.shape);
+                let Some(point) = self.across(model, [shape, size], [next, guess], steep) else { break };
+                all.push(point);
+                last = point;
+                if point.height < top.height - FALLEN {
+                    break;
+                }
+            }
+        }
+        all.sort_by(|a, b| a.shape.total_cmp(&b.shape));
+        all
+    }
+
+    /// The likeliest size at a value of a shape, by a parabola through three sizes.
+    fn across(&self, model: &Model, [shape, size]: [(usize, usize); 2], [at, guess]: [f64; 2], steep: f64) -> Option<RidgePoint> {
+        let height = |by: f64| {
+            let mut model = model.clone();
+            model.members[shape.0].values[shape.1] = at.exp();
+            model.members[size.0].values[size.1] = (guess + by).exp();
+            self.sum(&model, &[], &[]).ok().map(|s| s.log_likelihood)
+        };
+        let [below, middle, above] = [height(-ACROSS)?, height(0.0)?, height(ACROSS)?];
+        let slope = (above - below) / (2.0 * ACROSS);
+        let bend = (2.0 * middle - above - below) / (ACROSS * ACROSS);
+        if bend <= 0.0 {
+            return None;
+        }
+        let by = (slope / bend).clamp(-FARTHEST, FARTHEST);
+        let top = middle + slope * by - 0.5 * bend * by * by;
+        Some(RidgePoint { shape: at, height: top / steep, size: guess + by, spread: (steep / bend).sqrt() })
+    }
+}
+
+/// The strength that hangs on a shape most, of the same member.
+fn partner(model: &Model, places: &[(usize, usize)], covariance: &DMatrix<f64>, w: usize) -> Option<usize> {
+    let strength = |j: usize| model.members[places[j].0].parameters[places[j].1].role == Role::Strength;
+    let correlation = |j: usize| (covariance[(j, w)] / covariance[(j, j)].sqrt()).abs();
+    (0..places.len())
+        .filter(|&j| places[j].0 == places[w].0 && strength(j))
+        .max_by(|&a, &b| correlation(a).total_cmp(&correlation(b)))
+}
+
+/// What a ridge says of the shape and the size whose estimates are given; none of a single point.
+fn ranges(ridge: &[RidgePoint], estimates: [f64; 2]) -> Option<(RandomRange, RandomRange)> {
+    /// Pieces of a stretch between two points, and places of a standard normal with equal weights.
+    const PIECES: usize = 24;
+    const NORMAL: [f64; 8] = [-1.534, -0.887, -0.489, -0.157, 0.157, 0.489, 0.887, 1.534];
+    let top = ridge.iter().max_by(|a, b| a.height.total_cmp(&b.height))?;
+    // The signed root of the fall is nearly straight (Barndorff-Nielsen and Cox 1994, §4.2), whatever the fall itself.
+    let root = |p: &RidgePoint| (p.shape - top.shape).signum() * (top.height - p.height).sqrt();
+    let (mut shapes, mut sizes) = (Vec::new(), Vec::new());
+    for pair in ridge.windows(2) {
+        let between = |f: &dyn Fn(&RidgePoint) -> f64, x: f64| f(&pair[0]) + x * (f(&pair[1]) - f(&pair[0]));
+        for piece in 0..PIECES {
+            let x = (piece as f64 + 0.5) / PIECES as f64;
+            let weight = (-between(&root, x).powi(2)).exp() * (pair[1].shape - pair[0].shape);
+            shapes.push((between(&|p| p.shape, x).exp(), weight));
+            let (size, spread) = (between(&|p| p.size, x), between(&|p| p.spread, x));
+            sizes.extend(NORMAL.iter().map(|z| ((size + z * spread).exp(), weight)));
+        }
+    }
+    let place = (0, 0);
+    let range = |all: &mut Vec<(f64, f64)>, estimate: f64| {
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let sum: f64 = all.iter().map(|v| v.1).sum();
+        let quantile = |share: f64| {
+            let mut so_far = 0.0;
+            all.iter().find(|v| {
+                so_far += v.1;
+                so_far >= share * sum
+            })
+        };
+        let ci95 = [quantile(0.025)?.0, quantile(0.975)?.0];
+        let square = all.iter().map(|v| v.1 * (v.0 - estimate).powi(2)).sum::<f64>() / sum;
+        Some(RandomRange { place, std: square.sqrt(), ci95 })
+    };
+    Some((range(&mut shapes, estimates[0])?, range(&mut sizes, estimates[1])?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points of a Gaussian ridge in logarithms: the shape's interval is that Gaussian's, the size's has the ridge's slope.
+    #[test]
+    fn exact_intervals_of_a_gaussian_ridge() {
+        let (s, slope) = (0.2, -0.5);
+        let point = |k: i32| {
+            let shape = 0.05 * f64::from(k);
+            RidgePoint { shape, height: -0.5 * (shape / s).powi(2), size: slope * shape, spread: 1e-6 }
+        };
+        let ridge: Vec<RidgePoint> = (-20..=20).map(point).collect();
+        let (shape, size) = ranges(&ridge, [1.0, 1.0]).expect("a ridge");
+        for (range, s) in [(shape, s), (size, 0.5 * s)] {
+            assert!((range.ci95[0].ln() / (-1.96 * s) - 1.0).abs() < 0.02, "{range:?}");
+            assert!((range.ci95[1].ln() / (1.96 * s) - 1.0).abs() < 0.02, "{range:?}");
+            assert!((range.std / s - 1.0).abs() < 0.1, "{range:?}");
+        }
+        assert!(ranges(&ridge[..1], [1.0, 1.0]).is_none());
+    }
+
+    /// A likelihood that is flat down to the end of its range and steep above: the interval reaches that end.
+    #[test]
+    fn law_a_flat_side_is_in_the_interval() {
+        let point = |k: i32| {
+            let shape = 0.05 * f64::from(k);
+            RidgePoint { shape, height: if k < 0 { 0.0 } else { -0.5 * (shape / 0.1).powi(2) }, size: -0.5 * shape, spread: 0.01 }
+        };
+        let ridge: Vec<RidgePoint> = (-40..=12).map(point).collect();
+        let (shape, size) = ranges(&ridge, [1.0, 1.0]).expect("a ridge");
+        assert!(shape.ci95[0].ln() < -1.8 && shape.ci95[1].ln() < 0.3, "{shape:?}");
+        assert!(size.ci95[1].ln() > 0.9, "{size:?}");
+    }
+}
