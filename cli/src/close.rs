@@ -1,5 +1,5 @@
 //! cli: `windfall close`. In: a campaign, or a scenario that is flown first. Out: the story on a screenful, `close.json`,
-//! `figures.json`, `tracks.json` and `report.html`.
+//! `figures.json`, `tracks.json`, `smoothing.json` and `report.html`.
 
 use crate::args::CloseArgs;
 use crate::session::{Failure, Session};
@@ -7,12 +7,12 @@ use std::fmt::Write as _;
 use std::path::Path;
 use windfall::files::{series_text, text_atomically, write_json_atomically};
 use windfall::report::{closing_page, number, p_value, sentence, with_interval};
-use windfall::results::{Closing, EffectLine, HeldOut, SignalTracks, Verdict, statistics_table};
+use windfall::results::{Closing, EffectLine, HeldOut, Verdict, statistics_table};
 use windfall::{CampaignSource, Close, Fly, Published};
 
 /// Names of the result files; without a campaign there are no figures.
-const FILES: [&str; 4] = ["close.json", "figures.json", "tracks.json", "report.html"];
-const STATISTICS_FILES: [&str; 2] = [FILES[0], FILES[3]];
+const FILES: [&str; 5] = ["close.json", "figures.json", "tracks.json", "smoothing.json", "report.html"];
+const STATISTICS_FILES: [&str; 2] = [FILES[0], FILES[4]];
 
 pub(crate) fn run(args: &CloseArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
     match (&args.campaign, &args.statistics) {
@@ -36,19 +36,24 @@ fn close_campaign(word: &Path, request: &Close, session: &mut Session<'_>) -> Re
             flights.campaign()
         }
     };
-    let (closing, drawn, tracks) = session.work("closing the loop", || {
+    let (closing, (drawn, tracks, smoothed)) = session.work("closing the loop", || {
         let closing = campaign.close(request)?;
-        let drawn = if folder.is_some() { campaign.figures(&closing).unwrap_or_default() } else { Vec::new() };
-        let tracks = if folder.is_some() { campaign.tracks(&closing).unwrap_or_default() } else { SignalTracks::default() };
-        Ok((closing, drawn, tracks))
+        let seen = || {
+            let (drawn, tracks) = (campaign.figures(&closing), campaign.tracks(&closing));
+            (drawn.unwrap_or_default(), tracks.unwrap_or_default(), campaign.smoothing(None).unwrap_or_default())
+        };
+        // Without a file nobody sees them.
+        let seen = if folder.is_some() { seen() } else { Default::default() };
+        Ok((closing, seen))
     })?;
-    let series = series_text(&tracks)?;
+    let series = [series_text(&tracks)?, series_text(&smoothed)?];
     session.write(folder.as_deref(), |stage| {
         write_json_atomically(&stage.join(FILES[0]), &closing)?;
         write_json_atomically(&stage.join(FILES[1]), &drawn)?;
         // Long series, a line for all.
-        text_atomically(&stage.join(FILES[2]), &series)?;
-        Ok(text_atomically(&stage.join(FILES[3]), &closing_page(&closing, &drawn, Some(&tracks)))?)
+        text_atomically(&stage.join(FILES[2]), &series[0])?;
+        text_atomically(&stage.join(FILES[3]), &series[1])?;
+        Ok(text_atomically(&stage.join(FILES[4]), &closing_page(&closing, &drawn, Some(&tracks), Some(&smoothed)))?)
     })?;
     session.show(&closing, || story(&closing))?;
     session.written(folder.as_deref(), &FILES);
@@ -60,8 +65,8 @@ fn close_statistics(word: &Path, request: &Close, session: &mut Session<'_>) -> 
     let folder = session.outputs(&STATISTICS_FILES)?;
     let closing = session.work("searching the catalogue", || published.close(request))?;
     session.write(folder.as_deref(), |stage| {
-        write_json_atomically(&stage.join(FILES[0]), &closing)?;
-        Ok(text_atomically(&stage.join(FILES[3]), &published.page(&closing)?)?)
+        write_json_atomically(&stage.join(STATISTICS_FILES[0]), &closing)?;
+        Ok(text_atomically(&stage.join(STATISTICS_FILES[1]), &published.page(&closing)?)?)
     })?;
     session.show(&closing, || statistics_table(&closing))?;
     session.written(folder.as_deref(), &STATISTICS_FILES);

@@ -1,30 +1,37 @@
-//! cli: `windfall identify`. In: a campaign. Out: a table of parameters, `identification.json`, and `coefficients.json`.
+//! cli: `windfall identify`. In: a campaign. Out: a table of parameters, `identification.json`, `coefficients.json` and
+//! `records.json`.
 
 use crate::args::IdentifyArgs;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
-use windfall::results::{Bootstrap, DataSet, Estimate, Identifiability, Identification, SignalTracks};
+use windfall::Method;
+use windfall::files::series_text;
+use windfall::results::{Bootstrap, DataSet, Estimate, Identifiability, Identification, SignalTracks, SmoothingTracks};
 
 /// Names of the result files.
-const FILES: [&str; 2] = ["identification.json", "coefficients.json"];
+const FILES: [&str; 3] = ["identification.json", "coefficients.json", "records.json"];
 
 pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
     let campaign = session.campaign(&args.campaign)?;
     let folder = session.outputs(&FILES)?;
     let what = if args.request.bootstrap.is_some() { "identifying, then copies" } else { "identifying" };
-    let (result, tracks) = session.work(what, || {
+    let (result, tracks, records) = session.work(what, || {
         let result = campaign.identify(&args.request)?;
         // Without a file nobody sees them; a plant whose coefficients cannot be had has none.
-        let tracks =
-            if folder.is_some() { campaign.coefficient_tracks(&result).unwrap_or_default() } else { SignalTracks::default() };
-        Ok((result, tracks))
+        if folder.is_none() {
+            return Ok((result, SignalTracks::default(), SmoothingTracks::default()));
+        }
+        let tracks = campaign.coefficient_tracks(&result).unwrap_or_default();
+        let records = campaign.smoothing(Method::of_name(&result.found.method)).unwrap_or_default();
+        Ok((result, tracks, records))
     })?;
     if let Some(reason) = &result.found.reason {
         session.say(&format!("method {}: {reason}", result.found.method));
     }
     // The reader's notes, which lead the warnings, are said already.
     session.warn_all(&result.found.warnings[campaign.warnings.len()..]);
-    session.deliver_with(folder.as_deref(), FILES, (&result, &tracks), || {
+    let beside = [series_text(&tracks)?, series_text(&records)?];
+    session.deliver_with(folder.as_deref(), &FILES, (&result, &beside), || {
         table(&campaign.data.name, &result.found) + &result.bootstrap.as_ref().map_or_else(String::new, bootstrap_table)
     })?;
     Ok(true)

@@ -3,7 +3,7 @@
 use crate::args::ResimulateArgs;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
-use windfall::files::read_json;
+use windfall::files::{read_json, series_text};
 use windfall::results::{Identification, Resimulation, RunComparison, SignalTracks, Statistic};
 
 /// Names of the result files.
@@ -19,7 +19,8 @@ pub(crate) fn run(args: &ResimulateArgs, session: &mut Session<'_>) -> Result<bo
         Ok((result, tracks))
     })?;
     session.warn_all(&result.warnings);
-    session.deliver_with(folder.as_deref(), FILES, (&result, &tracks), || table(&campaign.data.name, &result))?;
+    let beside = [series_text(&tracks)?];
+    session.deliver_with(folder.as_deref(), &FILES, (&result, &beside), || table(&campaign.data.name, &result))?;
     Ok(true)
 }
 

@@ -7,8 +7,7 @@ use serde::Serialize;
 use std::io::{IsTerminal as _, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use windfall::files::{FileSet, json_text, series_text, settle, text_atomically, write_json_atomically};
-use windfall::results::SignalTracks;
+use windfall::files::{FileSet, json_text, settle, text_atomically, write_json_atomically};
 use windfall::{Campaign, ErrorKind, Flights, Fly, Scenario};
 
 /// Why a command gave no result, and whose fault that is.
@@ -98,21 +97,21 @@ impl Session<'_> {
         }
         Ok(())
     }
-    /// [`Session::deliver`] with series over time beside the result, in a file of their own.
+    /// [`Session::deliver`] with series over time beside the result: the first file is the result's, the others have these texts.
     pub(crate) fn deliver_with(
         &mut self,
         folder: Option<&Path>,
-        [file, beside]: [&str; 2],
-        (result, tracks): (&impl Serialize, &SignalTracks),
+        files: &[&str],
+        (result, beside): (&impl Serialize, &[String]),
         words: impl FnOnce() -> String,
     ) -> Result<(), Failure> {
-        let series = series_text(tracks)?;
         self.write(folder, |stage| {
-            write_json_atomically(&stage.join(file), result)?;
-            Ok(text_atomically(&stage.join(beside), &series)?)
+            write_json_atomically(&stage.join(files[0]), result)?;
+            let texts = files[1..].iter().zip(beside).map(|(file, text)| text_atomically(&stage.join(file), text));
+            Ok(texts.collect::<Result<(), _>>()?)
         })?;
         self.show(result, words)?;
-        self.written(folder, &[file, beside]);
+        self.written(folder, files);
         Ok(())
     }
     /// Writes the files of a command: all of them, or none. Without `--force` nothing is overwritten, also nothing that another process

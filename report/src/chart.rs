@@ -26,9 +26,12 @@ pub(crate) fn chart(f: &Figure, [w, h]: [f64; 2]) -> Option<LineDrawing> {
     let y = Scale::new(ys, f.log_y, h - below, above)?;
     let widest = y.ticks().iter().map(|(_, t)| width(t)).fold(0.0, f64::max);
     let left = (widest + LETTERS + 16.0).ceil();
-    let x = Scale::new(xs, false, left, w - right)?.tight();
+    let x = Scale::new(xs.chain(f.marks.iter().copied()), f.log_x, left, w - right)?.tight();
     let mut d = LineDrawing { title: f.title.clone(), size: [w, h], fixed: false, items: Vec::new() };
     axes(&mut d, &x, &y, f, left);
+    for p in f.marks.iter().filter_map(|m| x.place(*m)) {
+        d.line(Look::Mark, &[[p, above], [p, h - below]]);
+    }
     for s in &f.series {
         if let Some(band) = &s.band {
             d.items.push(Item::Area { look: look(s.role), points: outline(&x, &y, s, band) });

@@ -3,28 +3,38 @@
 use crate::chart::Bar;
 use crate::data::data;
 use crate::draw::Look;
+use crate::held_out::held_out;
 use crate::html::{Cell, escape, page, section, table};
 use crate::legend::{key, legend, share};
 use crate::plot::{Plot, Plots};
 use crate::shape::{constants, innovations, moves, noise, sets, warnings};
 use crate::signals::signals;
+use crate::smoothing::smoothing;
 use crate::story::story;
 use crate::svg::dots;
 use crate::words::{number, p_value, sentence, with_interval};
 use std::fmt::Write as _;
-use windfall_verify::close::{Closing, EffectLine, Figure, HeldOut, ParameterLine, SignalTracks, Topic, Verdict};
+use windfall_verify::close::{
+    ChannelResidual, Closing, EffectLine, Figure, ParameterLine, SignalTracks, SmoothingTracks, Topic, Verdict,
+};
 
 /// The page of a closing: story, replay, signals, errors before and after, effects, residuals, innovations, noise, constants,
-/// parameters, candidates, bounds, leads. Figures may be none, tracks may be missing.
+/// parameters, candidates, bounds, leads, smoothing. Figures may be none, tracks and smoothed records may be missing.
 #[must_use]
-pub fn closing_page(c: &Closing, figures: &[Figure], tracks: Option<&SignalTracks>) -> String {
+pub fn closing_page(
+    c: &Closing,
+    figures: &[Figure],
+    tracks: Option<&SignalTracks>,
+    smoothed: Option<&SmoothingTracks>,
+) -> String {
     let mut plots = Plots::default();
-    let body = closing_body(c, figures, tracks, &mut plots);
-    let named: Vec<(&str, &SignalTracks)> = tracks.iter().map(|t| ("tracks", *t)).collect();
+    let body = closing_body(c, figures, tracks, &mut plots) + &smoothing(smoothed, &mut plots) + &footer(c);
+    let named = [("tracks", tracks), (crate::smoothing::ID, smoothed.map(|s| &s.signals))];
+    let named: Vec<(&str, &SignalTracks)> = named.into_iter().filter_map(|(id, t)| Some((id, t?))).collect();
     page(&format!("{}: loop closed", c.campaign), &body, &data(&named, &plots))
 }
 
-/// Everything below `<main>`.
+/// Everything of a closing but the smoothed records and the footer.
 pub(crate) fn closing_body(c: &Closing, figures: &[Figure], tracks: Option<&SignalTracks>, plots: &mut Plots) -> String {
     let mut out = head(c) + &story(c, tracks, plots);
     out += &tracks.map_or_else(String::new, |t| signals("tracks", t));
@@ -34,6 +44,9 @@ pub(crate) fn closing_body(c: &Closing, figures: &[Figure], tracks: Option<&Sign
     out += &section("Runs held out: before and after", held, &held_out(c));
     let lead = "Look for the blue curve on the grey one, and for errors that do not grow with time.";
     out += &topic(figures, Topic::Trajectory, "Runs held out, flown again", lead, plots);
+    let lead = "Look for the colours on the grey steps: the share of the time that the model spends at an angle and at a rate, as the \
+                thesis' figure 5.8 has it.";
+    out += &topic(figures, Topic::Distribution, "Distributions of Θ and ω_q,r", lead, plots);
     let lead = "Each effect with its size and what it rests on; a rival is an effect that these data cannot tell from it.";
     out += &section("What the declared model lacks", lead, &(effects(c) + &sets(c)));
     let lead = "Compare the columns with that of the noise: a channel is explained when its p-value is not small. rms of what each model \
@@ -42,6 +55,10 @@ pub(crate) fn closing_body(c: &Closing, figures: &[Figure], tracks: Option<&Sign
     let lead = "Look for curves that come down to the dashed line. All identified runs joined, each point a band of frequencies.";
     out += &topic(figures, Topic::Spectrum, "Residual spectra", lead, plots);
     out += &innovations(c, plots);
+    let lead = "Look for histograms under the dashed bell, the stated noise of a sample, and correlations inside the dashed lines. A residual \
+                that is wider and follows itself for many samples is a tracker's drift or a force that the model lacks. What lies beyond the ends \
+                is in the outermost bins.";
+    out += &topic(figures, Topic::Shape, "Residuals of the tracks: distribution and correlation", lead, plots);
     let lead =
         "Look for curves that become flat. Means over intervals of equal count, of the channels that stand highest above noise.";
     out += &topic(figures, Topic::Variable, "Residual over the variable that it follows best", lead, plots);
@@ -60,14 +77,16 @@ pub(crate) fn closing_body(c: &Closing, figures: &[Figure], tracks: Option<&Sign
     let lead =
         "How large an effect that was not found could still be and escape: its size stays under the bound with 95 % confidence.";
     out += &section("Bounds on what was not found", lead, &bounds(c));
-    out += &warnings(&tracks.map_or_else(Vec::new, notes));
-    let _ = writeln!(
-        out,
-        "<footer>windfall {}. Chance of naming an effect in a campaign that has none: {} % a round.</footer>",
+    out + &warnings(&tracks.map_or_else(Vec::new, notes))
+}
+
+/// Below everything.
+pub(crate) fn footer(c: &Closing) -> String {
+    format!(
+        "<footer>windfall {}. Chance of naming an effect in a campaign that has none: {} % a round.</footer>\n",
         env!("CARGO_PKG_VERSION"),
         100.0 * c.false_alarm_rate
-    );
-    out
+    )
 }
 
 /// What reading the runs had to say.
@@ -96,121 +115,24 @@ fn topic(figures: &[Figure], topic: Topic, title: &str, lead: &str, plots: &mut 
     if drawn.is_empty() { String::new() } else { section(title, lead, &format!("{used}<div class=\"grid\">{drawn}</div>")) }
 }
 
-/// A line of the table before and after.
-struct Line {
-    what: String,
-    unit: &'static str,
-    before: f64,
-    after: f64,
-}
-
-fn held_out_lines(b: &HeldOut, a: &HeldOut) -> Vec<Line> {
-    let mut lines = Vec::new();
-    let mut line = |what: &str, unit, before: f64, after: f64| lines.push(Line { what: what.to_owned(), unit, before, after });
-    for (axis, name) in ["x", "y", "z"].iter().enumerate() {
-        if let (Some(b), Some(a)) = (b.specific_force_rms, a.specific_force_rms) {
-            line(&format!("force residual over mass, body {name}"), "m/s²", b[axis], a[axis]);
-        }
-    }
-    for (axis, name) in ["x", "y", "z"].iter().enumerate() {
-        if let (Some(b), Some(a)) = (b.specific_moment_rms, a.specific_moment_rms) {
-            line(&format!("moment residual over inertia, body {name}"), "rad/s²", b[axis], a[axis]);
-        }
-    }
-    if let (Some(b), Some(a)) = (b.trajectory, a.trajectory) {
-        if let (Some(b), Some(a)) = (b.attitude_rms_deg, a.attitude_rms_deg) {
-            line("attitude, flown again", "deg", b, a);
-        }
-        if let (Some(b), Some(a)) = (b.rate_rms_deg_s, a.rate_rms_deg_s) {
-            line("body rates, flown again", "deg/s", b, a);
-        }
-    }
-    if let (Some(b), Some(a)) = (b.position_rms_m, a.position_rms_m) {
-        line("position, flown again", "mm", 1e3 * b, 1e3 * a);
-    }
-    lines
-}
-
-fn held_out(c: &Closing) -> String {
-    let (Some(b), Some(a)) = (&c.before.hold_out, &c.after.hold_out) else {
-        return "<p>The campaign holds no run out: mark one with <code>use = \"hold-out\"</code>.</p>".to_owned();
-    };
-    let rows: Vec<Vec<Cell>> = held_out_lines(b, a)
-        .into_iter()
-        .map(|l| {
-            vec![
-                Cell::text(l.what),
-                Cell::text(l.unit),
-                Cell::number(l.before),
-                Cell::number(l.after),
-                Cell::Made(ratio(l.after / l.before)),
-            ]
-        })
-        .collect();
-    let mut out = table(&["rms error", "unit", "declared model", "with effects", "after / before"], &rows);
-    if let (Some(b), Some(a)) = (b.log_likelihood, a.log_likelihood) {
-        let _ = writeln!(
-            out,
-            "<p>Log-likelihood of these runs, up to a constant of the data: {} before, {} after, a gain of {}.</p>",
-            number(b),
-            number(a),
-            number(a - b)
-        );
-    }
-    let rows: Vec<Vec<Cell>> = b
-        .statistics
-        .iter()
-        .zip(&a.statistics)
-        .map(|(b, a)| {
-            vec![
-                Cell::text(format!("{} {}", b.statistic, statistic_name(&b.quantity))),
-                Cell::number(b.test),
-                Cell::number(b.simulation),
-                Cell::number(a.simulation),
-            ]
-        })
-        .collect();
-    if !rows.is_empty() {
-        out += &table(&["statistic", "test", "declared model", "with effects"], &rows);
-    }
-    out
-}
-
-fn statistic_name(quantity: &str) -> &str {
-    match quantity {
-        "theta_deg" => "of Θ (deg)",
-        "omega_qr_deg_s" => "of ω_q,r (deg/s)",
-        other => other,
-    }
-}
-
-fn ratio(r: f64) -> String {
-    let class = if r < 0.98 {
-        "better"
-    } else if r > 1.02 {
-        "worse"
-    } else {
-        ""
-    };
-    let text = if r.is_finite() { format!("× {r:.3}") } else { "–".to_owned() };
-    format!("<span class=\"{class}\">{text}</span>")
-}
-
 fn effects(c: &Closing) -> String {
     if c.effects.is_empty() {
         return "<p>No effect of the catalogue was needed, or none explained enough to be named.</p>\n".to_owned();
     }
-    c.effects.iter().map(effect).collect()
+    let held_out = c.after.hold_out.is_some();
+    c.effects.iter().map(|e| effect(e, held_out)).collect()
 }
 
-fn effect(e: &EffectLine) -> String {
+fn effect(e: &EffectLine, held_out: bool) -> String {
     let mut out =
         format!("<h3>{}</h3>\n<p>{}</p>\n<p class=\"note\">{}</p>\n", escape(&e.family), escape(&e.physics), escape(&e.source));
     let rows: Vec<Vec<Cell>> = e.parameters.iter().map(parameter).collect();
     out += &table(&["parameter", "estimate", "± 95 %", "95 % interval", "unit"], &rows);
     let held = match e.held_out_gain {
-        Some(gain) => format!("Confirmed on runs held out: log-likelihood + {}.", number(gain)),
-        None => "Not confirmed on other runs: it lives in one run, or no run is held out.".to_owned(),
+        Some(gain) if gain > 0.0 => format!("Confirmed on runs held out: log-likelihood + {}.", number(gain)),
+        Some(gain) => format!("Not confirmed on runs held out: log-likelihood − {}.", number(-gain)),
+        None if held_out => "Runs held out are judged with all effects together, above.".to_owned(),
+        None => "Not confirmed on other runs: no run is held out.".to_owned(),
     };
     let _ = writeln!(
         out,
@@ -272,6 +194,17 @@ fn residuals(c: &Closing) -> String {
         .flat_map(|(b, a)| [over(b.rms, b.expected_rms), over(a.rms, a.expected_rms)])
         .filter(|r| r.is_finite())
         .fold(1.0, f64::max);
+    if c.effects.is_empty() {
+        let one = |(b, _): &(&ChannelResidual, &ChannelResidual)| {
+            let numbers = [b.rms, b.expected_rms].map(Cell::number);
+            let over = Cell::Number(format!("{:.2}", over(b.rms, b.expected_rms)));
+            let [rms, noise] = numbers;
+            vec![Cell::text(&b.channel), rms, noise, over, Cell::Number(p_value(b.p_value))]
+        };
+        let rows: Vec<Vec<Cell>> = pairs.iter().map(one).collect();
+        let heads = ["channel", "declared model", "noise", "over noise", "p"];
+        return if rows.is_empty() { String::new() } else { table(&heads, &rows) };
+    }
     let rows: Vec<Vec<Cell>> = pairs
         .iter()
         .map(|(b, a)| {

@@ -2,13 +2,15 @@
 
 use crate::plot::{Plot, Plots};
 use serde_json::{Value, json};
+use std::collections::HashMap;
 use windfall_verify::close::{RunTracks, SignalTracks, TrackSignal};
 
 /// The data of a page.
 pub(crate) fn data(tracks: &[(&str, &SignalTracks)], plots: &Plots) -> String {
-    let tracks: Vec<Value> = tracks.iter().map(|(id, t)| of_tracks(id, t)).collect();
+    let mut series = SeriesPool::default();
+    let tracks: Vec<Value> = tracks.iter().map(|(id, t)| of_tracks(id, t, &mut series)).collect();
     let plots: Vec<Value> = plots.all.iter().map(of_plot).collect();
-    let text = json!({ "tracks": tracks, "plots": plots }).to_string();
+    let text = json!({ "tracks": tracks, "plots": plots, "series": series.all }).to_string();
     // Neither a tag nor a comment can begin inside it.
     text.replace('<', "\\u003c").replace('>', "\\u003e").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
 }
@@ -20,19 +22,37 @@ fn of_plot(plot: &Plot) -> Value {
     }
 }
 
-fn of_tracks(id: &str, t: &SignalTracks) -> Value {
-    let runs: Vec<Value> = t.runs.iter().map(of_run).collect();
+/// Packed series; one that several tracks of a page have is there once.
+#[derive(Default)]
+struct SeriesPool {
+    all: Vec<String>,
+    places: HashMap<String, usize>,
+}
+
+impl SeriesPool {
+    /// The place of a series.
+    fn put(&mut self, values: &[f64]) -> usize {
+        let text = packed(values);
+        *self.places.entry(text).or_insert_with_key(|text| {
+            self.all.push(text.clone());
+            self.all.len() - 1
+        })
+    }
+}
+
+fn of_tracks(id: &str, t: &SignalTracks, pool: &mut SeriesPool) -> Value {
+    let runs: Vec<Value> = t.runs.iter().map(|r| of_run(r, pool)).collect();
     json!({ "id": id, "campaign": t.campaign, "body": t.body, "before": t.before, "after": t.after, "runs": runs })
 }
 
-fn of_run(r: &RunTracks) -> Value {
-    let channels: Vec<Value> = r.channels.iter().map(of_channel).collect();
-    json!({ "name": r.name, "kind": r.kind, "use": r.used, "t": packed(&r.t_s), "channels": channels })
+fn of_run(r: &RunTracks, pool: &mut SeriesPool) -> Value {
+    let channels: Vec<Value> = r.channels.iter().map(|c| of_channel(c, pool)).collect();
+    json!({ "name": r.name, "kind": r.kind, "use": r.used, "t": pool.put(&r.t_s), "channels": channels })
 }
 
-fn of_channel(c: &TrackSignal) -> Value {
-    json!({ "name": c.name, "unit": c.unit, "noise": c.noise_std, "measured": packed(&c.measured), "before": packed(&c.before),
-            "after": packed(&c.after) })
+fn of_channel(c: &TrackSignal, pool: &mut SeriesPool) -> Value {
+    json!({ "name": c.name, "unit": c.unit, "noise": c.noise_std, "measured": pool.put(&c.measured), "before": pool.put(&c.before),
+            "after": pool.put(&c.after) })
 }
 
 /// Little-endian floats in base64 (RFC 4648).

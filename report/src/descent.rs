@@ -97,7 +97,7 @@ fn over_height(l: &HeightLine) -> Figure {
 fn figure(label: &str, series: Vec<Series>) -> Figure {
     let title = label.split(" (").next().unwrap_or(label).to_owned();
     let x_label = "height (km)".to_owned();
-    Figure { topic: Topic::Variable, title, x_label, y_label: label.to_owned(), log_y: false, series }
+    Figure { topic: Topic::Variable, title, x_label, y_label: label.to_owned(), series, ..Figure::default() }
 }
 
 fn theory(all: &[SteadyFall], plots: &mut Plots) -> String {
@@ -108,11 +108,12 @@ fn theory(all: &[SteadyFall], plots: &mut Plots) -> String {
     if all.is_empty() {
         return String::new();
     }
-    plots.charts([
+    let drawn = plots.charts([
         one("terminal speed (m/s)", |f| f.terminal_speed_m_s),
         one("pitch frequency (Hz)", |f| f.pitch_frequency_hz.unwrap_or(f64::NAN)),
         one("pitch damping (1/s)", |f| f.pitch_damping_per_s),
-    ])
+    ]);
+    key(&[("after", "nominal model")]) + &drawn
 }
 
 fn percent(x: f64) -> String {

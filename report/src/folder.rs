@@ -1,7 +1,7 @@
 //! report: the page of any folder of results. In: results as they were read. Out: HTML, and figures as files; what has no page of its own
 //! is laid out as tables.
 
-use crate::closing::closing_body;
+use crate::closing::{closing_body, footer};
 use crate::data::data;
 use crate::descent::descent_body;
 use crate::html::{escape, page, section};
@@ -11,10 +11,11 @@ use crate::many::{TITLE, many_body};
 use crate::paper::{PaperFigure, paper};
 use crate::plot::Plots;
 use crate::signals::signals;
+use crate::smoothing::smoothing;
 use crate::statistics::statistics;
 use crate::study::study_body;
 use serde_json::Value;
-use windfall_verify::close::{Closing, Figure, SignalTracks};
+use windfall_verify::close::{Closing, Figure, SignalTracks, SmoothingTracks};
 use windfall_verify::descent::DescentSummary;
 use windfall_verify::many::ManySummary;
 use windfall_verify::study::Summary;
@@ -32,6 +33,8 @@ pub struct FolderResults<'a> {
     pub coefficients: Option<&'a SignalTracks>,
     /// Signals of a re-simulation.
     pub flights: Option<&'a SignalTracks>,
+    /// Raw and smoothed records.
+    pub smoothing: Option<&'a SmoothingTracks>,
     /// A study.
     pub study: Option<&'a Summary>,
     /// Many campaigns.
@@ -47,7 +50,13 @@ pub struct FolderResults<'a> {
 pub fn folder_page(title: &str, results: &FolderResults<'_>) -> String {
     let mut plots = Plots::default();
     let body = body(title, results, &mut plots);
-    let named = [("tracks", results.tracks), ("coefficients", results.coefficients), ("flights", results.flights)];
+    let smoothed = results.smoothing.map(|s| &s.signals);
+    let named = [
+        ("tracks", results.tracks),
+        ("coefficients", results.coefficients),
+        ("flights", results.flights),
+        (crate::smoothing::ID, smoothed),
+    ];
     let named: Vec<(&str, &SignalTracks)> = named.into_iter().filter_map(|(id, t)| Some((id, t?))).collect();
     page(&heading(title, results), &body, &data(&named, &plots))
 }
@@ -103,7 +112,9 @@ fn body(title: &str, results: &FolderResults<'_>, plots: &mut Plots) -> String {
         body += &own.unwrap_or_else(|| section(name, "", &laid_out(value, 3)));
     }
     body += &results.coefficients.map_or_else(String::new, |t| signals("coefficients", t));
-    body + &results.flights.map_or_else(String::new, |t| signals("flights", t))
+    body += &results.flights.map_or_else(String::new, |t| signals("flights", t));
+    body += &smoothing(results.smoothing, plots);
+    body + &results.closing.map_or_else(String::new, footer)
 }
 
 #[cfg(test)]

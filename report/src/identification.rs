@@ -5,7 +5,7 @@ use crate::chart::Range;
 use crate::draw::Look;
 use crate::html::{Cell, escape, section, table};
 use crate::laid_out::laid_out;
-use crate::legend::legend;
+use crate::legend::key;
 use crate::plot::{Plot, Plots};
 use crate::shape::warnings;
 use crate::words::{number, p_value, with_interval};
@@ -48,7 +48,9 @@ pub(crate) fn identification(value: &Value, plots: &mut Plots) -> Option<String>
     let note = "Look how narrow the bands are where the flight will be; a curve is worth little beyond the angles that were flown. Shaded, \
                 and ± in the titles: 95 % at each point, from the covariance of the estimates.";
     let drawn = plots.charts(curves);
-    out += &section("Coefficients and damping over the angle", note, &grid(&drawn));
+    let keys = key(&[("after", "all runs, shaded: 95 %")]);
+    out +=
+        &section("Coefficients and damping over the angle", note, &if drawn.is_empty() { drawn } else { keys + &grid(&drawn) });
     out += &fits(combined);
     let more = [
         ("identifiability", "What the runs can tell", "Full rank means that every parameter is told apart from the others."),
@@ -113,6 +115,11 @@ fn estimates(all: &Identification, coefficient: &str, plots: &mut Plots) -> Stri
     plots.put(Plot::Ranges { title, x_label, marks: vec![0.0], ranges })
 }
 
+/// Two digits, so that a small error is not none.
+fn rounded(x: f64) -> String {
+    if x.abs() < 0.1 { format!("{x:.1e}") } else { format!("{x:.2}") }
+}
+
 fn parameters(set: &DataSet) -> String {
     let row = |p: &windfall_verify::Estimate| {
         let (estimate, half) = with_interval(p.estimate, Some(1.96 * p.std_error));
@@ -123,7 +130,7 @@ fn parameters(set: &DataSet) -> String {
             Cell::Number(estimate),
             Cell::Number(half.unwrap_or_else(|| "–".to_owned())),
             Cell::Number(format!("[{}, {}]", end(p.ci95[0]), end(p.ci95[1]))),
-            Cell::Number(p.rse_percent.map_or_else(|| "–".to_owned(), |r| format!("{r:.2} %"))),
+            Cell::Number(p.rse_percent.map_or_else(|| "–".to_owned(), |r| format!("{} %", rounded(r)))),
             Cell::number(p.std_error_white),
         ]
     };
@@ -165,7 +172,7 @@ pub(crate) fn resimulation(value: &Value, plots: &mut Plots) -> Option<String> {
         })
         .collect();
     let note = "Look for the grey curve inside the blue band: what the errors of the parameters leave open. Shaded: 95 %.";
-    let keys = legend(&figures);
+    let keys = key(&[("measured", "measured"), ("after", "identified model, shaded: 95 %")]);
     let drawn = plots.charts(figures);
     out += &section("Bands of the prediction", note, &if drawn.is_empty() { String::new() } else { keys + &grid(&drawn) });
     let flown: Vec<Vec<Cell>> = r
@@ -231,8 +238,8 @@ fn curve(c: &Value) -> Option<Figure> {
         title: format!("{quantity} over {angle}{}", widest(&band)),
         x_label: format!("{angle}, deg"),
         y_label: quantity.to_owned(),
-        log_y: false,
         series: vec![Series { role: Role::After, x: numbers(c, "angle_deg")?, y: numbers(c, "value")?, band: Some(band) }],
+        ..Figure::default()
     })
 }
 
@@ -249,7 +256,7 @@ fn over_time(run: &str, b: &Value) -> Option<Figure> {
         title: format!("{run}: {title}{}", widest(&band)),
         x_label: "time, s".to_owned(),
         y_label: format!("{title}, {unit}"),
-        log_y: false,
         series: vec![measured, Series { role: Role::After, x: t, y: numbers(b, "median")?, band: Some(band) }],
+        ..Figure::default()
     })
 }

@@ -101,7 +101,13 @@ fn pooled(s: &ManySummary) -> String {
     if rows.is_empty() {
         return String::new();
     }
-    table(&["parameter", "unit", "campaigns", "mean ± 95 %", "τ [95 %]", "one more campaign, 95 %", "p"], &rows)
+    let mut heads = vec!["parameter", "unit", "campaigns", "mean ± 95 %", "τ [95 %]", "one more campaign, 95 %", "p"];
+    let mut rows = rows;
+    if s.pooled.iter().all(|p| p.unit == "-") {
+        heads.remove(1);
+        rows.iter_mut().for_each(|r| drop(r.remove(1)));
+    }
+    table(&heads, &rows)
 }
 
 fn heterogeneity(p: &PooledParameter) -> String {

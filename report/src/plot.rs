@@ -2,6 +2,7 @@
 
 use crate::chart::{Bar, Range, SIZE, bars, chart, ranges};
 use crate::draw::LineDrawing;
+use crate::pairs::{Pair, pairs};
 use crate::svg;
 use std::fmt::Write as _;
 use windfall_verify::close::Figure;
@@ -14,6 +15,7 @@ pub(crate) enum Plot {
     Chart(Figure),
     Bars { title: String, x_label: String, bars: Vec<Bar> },
     Ranges { title: String, x_label: String, marks: Vec<f64>, ranges: Vec<Range> },
+    Pairs { title: String, y_label: String, pairs: Vec<Pair> },
 }
 
 impl Plot {
@@ -23,12 +25,13 @@ impl Plot {
             Self::Chart(f) => chart(f, [w, h]),
             Self::Bars { title, x_label, bars: all } => bars(title, all, x_label, w),
             Self::Ranges { title, x_label, marks, ranges: all } => ranges(title, all, marks, x_label, w),
+            Self::Pairs { title, y_label, pairs: all } => pairs(title, y_label, all, [w, h]),
         }
     }
     pub(crate) fn title(&self) -> &str {
         match self {
             Self::Chart(f) => &f.title,
-            Self::Bars { title, .. } | Self::Ranges { title, .. } => title,
+            Self::Bars { title, .. } | Self::Ranges { title, .. } | Self::Pairs { title, .. } => title,
         }
     }
     /// What is drawn, a row a point; units are in the heads.
@@ -39,6 +42,13 @@ impl Plot {
                 let mut out = format!("name,{},note\n", quoted(x_label));
                 for b in bars {
                     let _ = writeln!(out, "{},{},{}", quoted(&b.name), b.value, quoted(&b.note));
+                }
+                out
+            }
+            Self::Pairs { y_label, pairs, .. } => {
+                let mut out = format!("put in,{},low,high\n", quoted(y_label));
+                for p in pairs {
+                    let _ = writeln!(out, "{},{},{},{}", p.truth, p.estimate, p.estimate - p.half, p.estimate + p.half);
                 }
                 out
             }
@@ -63,6 +73,9 @@ fn chart_csv(f: &Figure) -> String {
             let _ = writeln!(out, "{name},{x},{y},{},{}", end(0), end(1));
         }
     }
+    for m in &f.marks {
+        let _ = writeln!(out, "mark,{m},,,");
+    }
     out
 }
 
@@ -80,7 +93,7 @@ pub(crate) struct Plots {
 impl Plots {
     /// Keeps a plot and gives its figure; nothing when there is nothing to draw.
     pub(crate) fn put(&mut self, plot: Plot) -> String {
-        let size = if matches!(plot, Plot::Chart(_)) { SIZE } else { [ROWS, 0.0] };
+        let size = if matches!(plot, Plot::Chart(_) | Plot::Pairs { .. }) { SIZE } else { [ROWS, 0.0] };
         let Some(drawing) = plot.drawing(size) else { return String::new() };
         let html = svg::figure(&drawing);
         let number = self.all.len();
@@ -111,7 +124,7 @@ mod tests {
             band: Some([vec![1.0, 2.0], vec![3.0, 4.0]]),
         }];
         let (title, x_label, y_label) = ("t".to_owned(), "time (s)".to_owned(), "a, b (m)".to_owned());
-        let plot = Plot::Chart(Figure { topic: Topic::Trajectory, title, x_label, y_label, log_y: false, series });
+        let plot = Plot::Chart(Figure { topic: Topic::Trajectory, title, x_label, y_label, series, ..Figure::default() });
         assert_eq!(plot.csv(), "series,time (s),\"a, b (m)\",low,high\nafter,0,2,1,3\nafter,1.5,3,2,4\n");
     }
 }

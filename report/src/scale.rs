@@ -70,7 +70,10 @@ fn label(v: f64, step: f64) -> String {
     }
     let whole = -step.log10().floor();
     if !(-4.0..=4.0).contains(&whole) {
-        return format!("{v:.1e}");
+        // As many digits as tell neighbours apart.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 9")]
+        let digits = (v.abs().log10().floor() + whole).clamp(0.0, 9.0) as usize;
+        return format!("{v:.digits$e}").replace('-', "−");
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 4")]
     let digits = whole.max(0.0) as usize;
@@ -89,6 +92,18 @@ mod tests {
     fn exact_steps_are_round() {
         for (least, step) in [(0.9, 1.0), (1.1, 2.0), (2.1, 5.0), (6.0, 10.0), (0.03, 0.05)] {
             assert!((round_step(least) / step - 1.0).abs() < 1e-12, "{least}");
+        }
+    }
+
+    /// Neighbours have labels of their own, however small their distance.
+    #[test]
+    fn law_labels_differ() {
+        for (low, high) in [(0.002, 0.002_000_2), (-3e-7, 2e-7), (6.661_5, 6.662_5), (1e6, 1.000_3e6)] {
+            let s = Scale::new([low, high].into_iter(), false, 0.0, 300.0).expect("finite");
+            let mut labels: Vec<String> = s.ticks().into_iter().map(|(_, text)| text).collect();
+            let count = labels.len();
+            labels.dedup();
+            assert!(count > 1 && labels.len() == count, "{low} {high}: {labels:?}");
         }
     }
 

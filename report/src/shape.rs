@@ -6,7 +6,7 @@ use crate::html::{Cell, escape, section, table};
 use crate::legend::{legend, share};
 use crate::plot::{Plot, Plots};
 use crate::words::{number, with_interval};
-use windfall_verify::close::{Closing, Figure, InnovationShape, Role, Series, Topic};
+use windfall_verify::close::{Closing, Figure, InnovationShape, NoiseLine, Role, Series, Topic};
 
 /// Histograms and autocorrelations of the innovations.
 pub(crate) fn innovations(c: &Closing, plots: &mut Plots) -> String {
@@ -50,8 +50,8 @@ fn histogram(channel: &str, sides: &[(Role, &InnovationShape)]) -> Figure {
         title: format!("{channel}: distribution of the innovations"),
         x_label: "innovation (standard deviations)".to_owned(),
         y_label: "density (1)".to_owned(),
-        log_y: false,
         series,
+        ..Figure::default()
     }
 }
 
@@ -67,34 +67,43 @@ fn correlation(channel: &str, step_s: f64, sides: &[(Role, &InnovationShape)]) -
         title: format!("{channel}: autocorrelation of the innovations"),
         x_label: "lag (s)".to_owned(),
         y_label: "correlation (1)".to_owned(),
-        log_y: false,
         series,
+        ..Figure::default()
     }
 }
 
 /// Noise learnt beside noise declared.
 pub(crate) fn noise(c: &Closing) -> String {
+    // Of tracks colour, lines and gaps are not looked for.
+    let plain = |n: &NoiseLine| n.coloured_share <= 0.0 && n.lines_hz.is_empty() && n.missing == 0 && n.outliers == 0;
+    let tracks = c.innovations.is_empty() && c.noise.iter().all(plain);
     let rows: Vec<Vec<Cell>> = c
         .noise
         .iter()
         .map(|n| {
-            let lines: Vec<String> = n.lines_hz.iter().map(|f| number(*f)).collect();
-            vec![
+            let mut cells = vec![
                 Cell::text(&n.channel),
                 Cell::number(n.declared_std),
                 Cell::number(n.learnt_std),
                 Cell::Number(format!("× {:.2}", n.learnt_std / n.declared_std)),
+            ];
+            if tracks {
+                return cells;
+            }
+            let lines: Vec<String> = n.lines_hz.iter().map(|f| number(*f)).collect();
+            cells.extend([
                 Cell::Number(format!("{:.2}", n.colour)),
                 Cell::Number(format!("{:.0} %", 100.0 * n.coloured_share)),
                 Cell::Number(n.missing.to_string()),
                 Cell::Number(n.outliers.to_string()),
                 Cell::text(if lines.is_empty() { "none".to_owned() } else { lines.join(", ") }),
-            ]
+            ]);
+            cells
         })
         .collect();
     let heads =
         ["channel", "declared std", "learnt std", "ratio", "colour", "coloured part", "missing", "outliers", "lines (Hz)"];
-    if rows.is_empty() { String::new() } else { table(&heads, &rows) }
+    if rows.is_empty() { String::new() } else { table(if tracks { &heads[..4] } else { &heads }, &rows) }
 }
 
 /// Constants found beside declared, in their own uncertainties.

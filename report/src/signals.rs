@@ -7,16 +7,24 @@ use crate::story::thinned;
 use crate::svg;
 use windfall_verify::close::{Figure, Role, RunTracks, SignalTracks, Topic};
 
-/// Sections of tracks; `id` tells several of one page apart. Nothing without runs.
-pub(crate) fn signals(id: &str, t: &SignalTracks) -> String {
-    let Some(run) = t.runs.iter().find(|r| r.used == "hold-out").or(t.runs.first()) else { return String::new() };
-    let coefficients = t.runs.iter().all(|r| !r.channels.iter().any(|c| c.name.starts_with('X')));
-    let still: String = still(run);
-    let body = format!(
+/// Longest curve of a still figure, points: it is a column wide.
+const STILL_POINTS: usize = 350;
+
+/// Every channel of a run over time; `id` tells several tracks of one page apart. None without runs.
+pub(crate) fn over_time(id: &str, t: &SignalTracks) -> Option<String> {
+    let run = t.runs.iter().find(|r| r.used == "hold-out").or(t.runs.first())?;
+    Some(format!(
         "<div class=\"tracks\" data-tracks=\"{id}\"></div>\n<div class=\"still\" data-still=\"{id}\"><p class=\"note\">Run {}; with \
-         JavaScript every run and channel can be chosen.</p><div class=\"grid\">{still}</div></div>\n",
-        escape(&run.name)
-    );
+         JavaScript every run and channel can be chosen.</p><div class=\"grid\">{}</div></div>\n",
+        escape(&run.name),
+        still(run)
+    ))
+}
+
+/// Sections of tracks. Nothing without runs.
+pub(crate) fn signals(id: &str, t: &SignalTracks) -> String {
+    let Some(body) = over_time(id, t) else { return String::new() };
+    let coefficients = t.runs.iter().all(|r| !r.channels.iter().any(|c| c.name.starts_with('X')));
     if coefficients {
         let lead = "Look for a blue curve inside the grey one, and for a residual without shape: the coefficient that the record's motion \
                     needs (grey), and the identified model at the same states (blue). Drag to zoom, with shift to move, all channels follow; double click \
@@ -26,7 +34,7 @@ pub(crate) fn signals(id: &str, t: &SignalTracks) -> String {
     let replay = format!(
         "<div class=\"replay\" data-replay=\"{id}\"><p class=\"note\">The replay needs JavaScript and WebGL; the figures below show the same runs.</p></div>\n"
     );
-    let lead = "Look whether both bodies swing together: the measured one at the left, the simulated one at the right, on one clock with the \
+    let lead = "Look whether both bodies move together: the measured one at the left, the simulated one at the right, on one clock with the \
                 curves below.";
     let signals = "Look for the colours on the grey curve, and for a residual as narrow as the noise. Drag to zoom, with shift to move, all channels follow; \
                    double click shows all; hover reads values and moves the replay.";
@@ -43,8 +51,12 @@ fn still(run: &RunTracks) -> String {
             title: format!("{}: {}", run.name, c.name),
             x_label: "time in the run (s)".to_owned(),
             y_label: unit,
-            log_y: false,
-            series: sides.into_iter().filter(|(_, y)| !y.is_empty()).map(|(r, y)| thinned(r, &run.t_s, y)).collect(),
+            series: sides
+                .into_iter()
+                .filter(|(_, y)| !y.is_empty())
+                .map(|(r, y)| thinned(r, &run.t_s, y, STILL_POINTS))
+                .collect(),
+            ..Figure::default()
         };
         chart(&figure, SIZE).map_or_else(String::new, |d| svg::figure(&d))
     };

@@ -30,6 +30,9 @@ pub(crate) fn story(c: &Closing, tracks: Option<&SignalTracks>, plots: &mut Plot
 
 fn declared(c: &Closing) -> String {
     let names: Vec<&str> = c.before.parameters.iter().map(|p| p.name.as_str()).collect();
+    if names.is_empty() {
+        return format!("The declared model of {} is held as it is: no parameter of it is fitted.", c.campaign);
+    }
     let s = if names.len() == 1 { "" } else { "s" };
     format!(
         "The declared model of {} has {} parameter{s} ({}), fitted to the runs to identify on.",
@@ -105,8 +108,8 @@ fn telling(t: &SignalTracks) -> Option<Figure> {
         title: format!("{} of held-out run {}: measured, and flown again", channel.name, run.name),
         x_label: "time in the run (s)".to_owned(),
         y_label: format!("{} ({})", channel.name, channel.unit),
-        log_y: false,
-        series: sides.into_iter().filter(|(_, y)| !y.is_empty()).map(|(role, y)| thinned(role, &run.t_s, y)).collect(),
+        series: sides.into_iter().filter(|(_, y)| !y.is_empty()).map(|(role, y)| thinned(role, &run.t_s, y, POINTS)).collect(),
+        ..Figure::default()
     })
 }
 
@@ -117,10 +120,10 @@ fn departure(c: &TrackSignal) -> f64 {
     c.noise_std.filter(|s| *s > 0.0).map_or(error, |s| error / (s * s))
 }
 
-/// A curve of at most [`POINTS`] points.
-pub(crate) fn thinned(role: Role, x: &[f64], y: &[f64]) -> Series {
+/// A curve of at most so many points.
+pub(crate) fn thinned(role: Role, x: &[f64], y: &[f64], points: usize) -> Series {
     let n = x.len().min(y.len());
-    let stride = n.div_ceil(POINTS).max(1);
+    let stride = n.div_ceil(points).max(1);
     let some = |s: &[f64]| s[..n].iter().step_by(stride).copied().collect();
     Series { role, x: some(x), y: some(y), band: None }
 }

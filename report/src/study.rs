@@ -3,9 +3,16 @@
 use crate::chart::Range;
 use crate::draw::Look;
 use crate::html::{Cell, escape, section, table};
+use crate::legend::key;
 use crate::number;
+use crate::pairs::Pair;
 use crate::plot::{Plot, Plots};
-use windfall_verify::study::{NumberLine, ParameterSummary, Rate, Summary};
+use crate::study_closings::closings;
+use crate::words::with_interval;
+use windfall_verify::close::{Figure, Role, Series};
+use windfall_verify::study::{
+    NumberLine, ParameterSummary, Rate, RecoveredDraw, RecoveryLine, ReliabilityPoint, Summary, WordLine,
+};
 
 /// Share of the draws that a stated interval should cover, and the number of standard errors that it reaches.
 const STATED: f64 = 0.95;
@@ -22,18 +29,30 @@ pub(crate) fn study_body(s: &Summary, plots: &mut Plots) -> String {
     }
     for method in methods {
         let own: Vec<&ParameterSummary> = s.parameters.iter().filter(|p| p.method == method).collect();
+        let title = if method == "close" { "effects found by closing" } else { method };
         out += &section(
-            method,
+            &format!("{title}: errors and coverage"),
             "Errors should lie inside the outer marks, and coverage bars should reach the mark at 0.95.",
             &(errors(&own, &s.numbers, plots) + &coverage(&own, plots) + &parameters(&own)),
         );
+        let recovered: Vec<&RecoveryLine> = s.recovery.iter().filter(|r| r.method == method).collect();
+        let lead = "Look for a blue curve on the dashed one: of intervals that are stated to hold the truth with some probability, how many do. \
+                    Below the line: stated errors are too small. Normal intervals of every size, all parameters together; shaded: from the worst \
+                    parameter to the best.";
+        out += &section(&format!("{title}: reliability of intervals"), lead, &reliability(&recovered, plots));
+        let lead = "Look for bars across the dashed line, which is what was put in; one in twenty may miss it and has the other colour. The first \
+                    draws, each estimate with its 95 % interval.";
+        out += &section(&format!("{title}: recovery"), lead, &recovery(&recovered, plots));
     }
+    out += &s.closings.as_ref().map_or_else(String::new, |c| closings(c, plots));
     let rates: Vec<Range> = s.rates.iter().filter(|r| !r.name.ends_with(".covered")).filter_map(|r| share(r, &r.name)).collect();
     let lead = "Dot: share of draws. Bar: its 95 % interval (Clopper and Pearson).";
     out += &section("How often", lead, &ranges(plots, "Share of draws", rates, &[], "share"));
-    let words = s.words.iter().flat_map(|w| w.counts.iter().map(move |c| (w.name.as_str(), c)));
+    // The confusion matrix has what those two say.
+    let told = |w: &&WordLine| s.closings.is_none() || !["close.families", "close.truth"].contains(&w.name.as_str());
+    let words = s.words.iter().filter(told).flat_map(|w| w.counts.iter().map(move |c| (w.name.as_str(), c)));
     let rows: Vec<Vec<Cell>> = words.map(|(w, c)| vec![Cell::text(w), Cell::text(&c.name), Cell::Number(of(c))]).collect();
-    out += &section("Words", "", &some(&["column", "word", "draws"], &rows));
+    out += &section("What was said how often", "", &some(&["column", "word", "draws"], &rows));
     let failed = |m: &windfall_verify::study::Count| vec![Cell::text(&m.message), Cell::Number(m.count.to_string())];
     let rows: Vec<Vec<Cell>> = s.failures.messages.iter().map(failed).collect();
     out + &section("Failures", "", &some(&["message", "draws"], &rows))
@@ -96,9 +115,7 @@ fn parameters(own: &[&ParameterSummary]) -> String {
     let row = |p: &&ParameterSummary| {
         vec![
             Cell::text(name(p)),
-            Cell::Number(
-                p.bias_ci95.map_or_else(|| number(p.bias), |[a, b]| format!("{} [{}, {}]", number(p.bias), number(a), number(b))),
-            ),
+            Cell::Number(bias(p)),
             maybe(p.scatter),
             maybe(p.mean_std_error),
             maybe(p.scatter_over_std_error),
@@ -107,8 +124,46 @@ fn parameters(own: &[&ParameterSummary]) -> String {
             Cell::Number(p.n.to_string()),
         ]
     };
-    let heads = ["parameter", "bias [95 %]", "scatter", "stated", "scatter/stated", "rms error", "covered", "draws"];
+    let heads = ["parameter", "bias ± 95 %", "scatter", "stated", "scatter/stated", "rms error", "covered", "draws"];
     some(&heads, &own.iter().map(row).collect::<Vec<_>>())
+}
+
+fn bias(p: &ParameterSummary) -> String {
+    let (bias, half) = with_interval(p.bias, p.bias_ci95.map(|[a, b]| 0.5 * (b - a)));
+    half.map_or_else(|| bias.clone(), |h| format!("{bias} ± {h}"))
+}
+
+/// Share of intervals that hold the truth over the probability with which they are stated to.
+fn reliability(own: &[&RecoveryLine], plots: &mut Plots) -> String {
+    let Some(first) = own.first() else { return String::new() };
+    let stated: Vec<f64> = first.reliability.iter().map(|r| r.stated).collect();
+    let at = |k: usize| own.iter().filter_map(move |l| l.reliability.get(k));
+    let pooled = |k: usize| at(k).map(|r| r.count).sum::<u64>() as f64 / at(k).map(|r| r.of).sum::<u64>() as f64;
+    let end = |k: usize, pick: fn(f64, f64) -> f64, start: f64| at(k).map(ReliabilityPoint::share).fold(start, pick);
+    let places = || 0..stated.len();
+    let band = [places().map(|k| end(k, f64::min, 1.0)).collect(), places().map(|k| end(k, f64::max, 0.0)).collect()];
+    let line = Series { role: Role::Noise, x: vec![0.0, 1.0], y: vec![0.0, 1.0], band: None };
+    let curve = Series { role: Role::After, x: stated.clone(), y: places().map(pooled).collect(), band: Some(band) };
+    let figure = Figure {
+        title: format!("{}: reliability of the stated intervals", first.method),
+        x_label: "stated probability".to_owned(),
+        y_label: "fraction that holds the truth".to_owned(),
+        series: vec![line, curve],
+        ..Figure::default()
+    };
+    let marks = key(&[("after", "all parameters"), ("noise", "as stated")]);
+    format!("{marks}<div class=\"grid\">{}</div>\n", plots.charts([figure]))
+}
+
+/// Every parameter's first draws.
+fn recovery(own: &[&RecoveryLine], plots: &mut Plots) -> String {
+    let one = |l: &&RecoveryLine| {
+        let of = |d: &RecoveredDraw| Pair { truth: d.truth, estimate: d.estimate, half: REACH * d.std_error };
+        let name = format!("{} {}", l.coefficient, l.name);
+        Plot::Pairs { title: format!("{}: {name}", l.method), y_label: name, pairs: l.draws.iter().map(of).collect() }
+    };
+    let drawn: String = own.iter().map(|l| plots.put(one(l))).collect();
+    if drawn.is_empty() { drawn } else { format!("<div class=\"grid\">{drawn}</div>\n") }
 }
 
 #[cfg(test)]
@@ -128,7 +183,11 @@ mod tests {
             "rates": [], "words": [],
             "numbers": [{"name": "m.C.p.error", "n": 39, "mean": 0.125, "mean_ci95": null, "std": 1.0, "std_ci95": null, "min": -2.0,
                 "max": 2.0, "quantiles": [{"p": 0.025, "value": -2.0}, {"p": 0.25, "value": -0.7}, {"p": 0.5, "value": 0.0},
-                    {"p": 0.75, "value": 0.7}, {"p": 0.975, "value": 2.0}]}]
+                    {"p": 0.75, "value": 0.7}, {"p": 0.975, "value": 2.0}]}],
+            "recovery": [{"method": "m", "coefficient": "C", "name": "p",
+                "draws": [{"truth": 1.0, "estimate": 1.5, "std_error": 0.5}, {"truth": 1.0, "estimate": 3.0, "std_error": 0.5}],
+                "reliability": [{"stated": 0.5, "count": 20, "of": 40, "ci95": [0.3, 0.7]},
+                    {"stated": 0.9, "count": 30, "of": 40, "ci95": [0.6, 0.9]}]}]
         }))
         .expect("a summary");
         let mut plots = Plots::default();
@@ -139,6 +198,10 @@ mod tests {
         // Errors from −2 to 2: the median, zero, lies on the middle mark.
         let Plot::Ranges { ranges, marks, .. } = &plots.all[0] else { panic!("errors first") };
         assert_eq!((ranges[0].ends, ranges[0].dot, marks[1]), ([-2.0, 2.0], 0.0, 0.0));
-        assert!(!body.contains("How often"), "no rates, no section");
+        assert!(!body.contains("How often") && !body.contains("Confusion"), "no rates, no section");
+        let Plot::Chart(reliability) = &plots.all[2] else { panic!("reliability after coverage") };
+        assert_eq!((reliability.series[1].x.as_slice(), reliability.series[1].y.as_slice()), (&[0.5, 0.9][..], &[0.5, 0.75][..]));
+        let Plot::Pairs { pairs, .. } = &plots.all[3] else { panic!("recovery last") };
+        assert!(pairs.len() == 2 && (pairs[1].half - 0.98).abs() < 1e-12);
     }
 }

@@ -35,6 +35,14 @@ pub fn number(x: f64) -> String {
 pub fn with_interval(estimate: f64, half: Option<f64>) -> (String, Option<String>) {
     let Some(half) = half.filter(|h| h.is_finite() && *h > 0.0) else { return (number(estimate), None) };
     let places = 1.0 - half.log10().floor();
+    let size = estimate.abs().max(half);
+    if size < 1e-4 {
+        // As many digits of the estimate as its interval needs, each with its own power of ten.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 12")]
+        let digits = (places + estimate.abs().max(f64::MIN_POSITIVE).log10().floor()).clamp(0.0, 12.0) as usize;
+        let estimate = if estimate.abs() < f64::MIN_POSITIVE { "0".to_owned() } else { format!("{estimate:.digits$e}") };
+        return (estimate, Some(format!("{half:.1e}")));
+    }
     if !(..=9.0).contains(&places) || estimate.abs() >= 1e9 {
         return (number(estimate), Some(number(half)));
     }
@@ -159,7 +167,13 @@ mod tests {
 
     #[test]
     fn exact_places_follow_the_interval() {
-        for (x, half, text) in [(-205.62, 3.42, "-205.6"), (0.001_001_6, 2.293e-6, "0.0010016"), (-1234.5, 420.0, "-1234")] {
+        for (x, half, text) in [
+            (-205.62, 3.42, "-205.6"),
+            (0.001_001_6, 2.293e-6, "0.0010016"),
+            (-1234.5, 420.0, "-1234"),
+            (5.46e-8, 9.93e-8, "5.5e-8"),
+            (-2.3456e-5, 4.2e-7, "-2.346e-5"),
+        ] {
             assert_eq!(with_interval(x, Some(half)).0, text);
         }
         assert_eq!(with_interval(0.5, None), ("0.5000".to_owned(), None));

@@ -1,11 +1,13 @@
 //! scenarios: the kinds of run files. In: a path. Out: named columns of numbers, or the fault that says what the file is instead.
 
 mod arrow;
+mod cell;
 mod csv_text;
 mod encoding;
 mod flatbuffer;
 mod hdf5;
 mod mat5;
+mod motion_capture;
 mod parquet;
 mod variables;
 

@@ -1,9 +1,12 @@
 //! scenarios: a first campaign file for a run file. In: the run's columns. Out: commented TOML in which every guess is marked as one and
 //! what no record tells is left as `nan`, which the reader refuses with what is allowed.
 
+mod axes;
+
 use crate::columns::Columns;
 use crate::error::ReadError;
 use crate::formats::{read_columns, stem};
+use axes::{AxesGuess, mean_of_angles, mean_of_quaternions, upright};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -47,6 +50,8 @@ struct Guess {
     rate_hz: f64,
     /// Axis with sign along which the record falls, and how clearly: mean acceleration, m/s².
     down: Option<(String, f64)>,
+    /// Which way up a model with attitude is.
+    axes: Option<AxesGuess>,
 }
 
 /// Words of a name: letters and digits in lower case, units after `_` or in brackets apart.
@@ -67,7 +72,7 @@ fn column<'a>(c: &'a Columns, names: &[&str]) -> Option<(&'a String, &'a Vec<f64
 fn written(c: &Columns, name: &str) -> Option<String> {
     let place = c.names().iter().position(|n| n == name)?;
     let row = c.units.get(place).filter(|u| !u.is_empty()).cloned();
-    const KNOWN: [(&str, &str); 16] = [
+    const KNOWN: [(&str, &str); 29] = [
         ("s", "s"),
         ("ms", "ms"),
         ("us", "us"),
@@ -84,6 +89,19 @@ fn written(c: &Columns, name: &str) -> Option<String> {
         ("k", "K"),
         ("degc", "degC"),
         ("c", "degC"),
+        ("degf", "degF"),
+        ("hpa", "hPa"),
+        ("mbar", "mbar"),
+        ("bar", "bar"),
+        ("psi", "psi"),
+        ("psf", "psf"),
+        ("m_s", "m/s"),
+        ("m/s", "m/s"),
+        ("ft_s", "ft/s"),
+        ("ft/s", "ft/s"),
+        ("fps", "ft/s"),
+        ("km_h", "km/h"),
+        ("kmh", "km/h"),
     ];
     row.or_else(|| bare(name).1.and_then(|t| KNOWN.iter().find(|(k, _)| *k == t).map(|(_, u)| (*u).to_owned())))
 }
@@ -137,7 +155,9 @@ impl Guess {
             return None;
         }
         let down = falls(c, &time, &position, per_s(&time.unit));
-        Some(Self { attitude: attitude(c), others: tunnel(c, &time.name), time, position, rate_hz, down })
+        let attitude = attitude(c);
+        let axes = attitude.as_ref().and_then(|a| axes_of(c, a));
+        Some(Self { attitude, axes, others: tunnel(c, &time.name), time, position, rate_hz, down })
     }
 
     fn text(&self, name: &str, file: &str) -> String {
@@ -206,11 +226,15 @@ impl Guess {
                 let _ = writeln!(out, "{ours} = {value}   # FILL IN: no such column was seen; a column's name or one number");
             }
         }
-        let down = self.down.as_ref().map_or("the record does not tell", |(axis, _)| axis.as_str());
+        let own = ["x", "y", "z"].map(str::to_owned);
+        let (tunnel, body, why) = self.axes.as_ref().map_or_else(
+            || (&own, &own, "GUESS: as the file has them; its attitudes do not tell which way is down".to_owned()),
+            |g| (&g.tunnel, &g.body, g.why.clone()),
+        );
         let _ = writeln!(
             out,
-            "\n[columns.axes]   # tunnel X is down; GUESS: as the file has them. Down by the mean acceleration: {down}.\ntunnel = [\"x\", \
-             \"y\", \"z\"]\nbody = [\"x\", \"y\", \"z\"]"
+            "\n[columns.axes]   # which of the file's axes are tunnel X (down), Y, Z, and body x (nose), y, z\n# {why}.\ntunnel = {tunnel:?}\n\
+             body = {body:?}"
         );
         match &self.attitude {
             Some(Attitude::Quaternion(q, last)) => {
@@ -229,6 +253,27 @@ impl Guess {
                 );
             }
             _ => {}
+        }
+    }
+}
+
+/// By the mean attitude, read as the first campaign reads it.
+fn axes_of(c: &Columns, attitude: &Attitude) -> Option<AxesGuess> {
+    let series = |names: &[String]| names.iter().map(|n| c.get(n)).collect::<Option<Vec<_>>>();
+    match attitude {
+        Attitude::Quaternion(names, last) => {
+            let q = series(names)?;
+            let real = if *last { 3 } else { 0 };
+            let row = |i: usize| {
+                let vector: Vec<f64> = (0..4).filter(|k| *k != real).map(|k| q[k][i]).collect();
+                [vector[0], vector[1], vector[2], q[real][i]]
+            };
+            upright(mean_of_quaternions((0..q[0].len()).map(row)))
+        }
+        Attitude::Euler(names, unit) => {
+            let a = series(names)?;
+            let rad = if *unit == "rad" { 1.0 } else { 1.0_f64.to_radians() };
+            upright(mean_of_angles((0..a[0].len()).map(|i| [0, 1, 2].map(|k| rad * a[k][i]))))
         }
     }
 }
@@ -336,6 +381,7 @@ mod tests {
             .expect("a run");
         assert!(matches!(g.attitude, Some(Attitude::Quaternion(_, true))));
         assert!(g.time.unit == "ms" && g.position.iter().all(|p| p.unit == "mm"), "as the names say");
+        assert_eq!(bare("fan_ft_s"), ("fan".to_owned(), Some("ft_s".to_owned())));
         g.text("run", "run.csv").parse::<toml::Table>().expect("TOML");
     }
 

@@ -33,15 +33,16 @@ function large(page) {
   const to = text.indexOf("</script>", from);
   const data = JSON.parse(text.slice(from, to));
   const kept = data.tracks[0].runs[0].channels.slice(0, CHANNELS);
+  const put = (f) => data.series.push(packed(f)) - 1;
   if (kept.length < CHANNELS) throw new Error(`${page} has ${kept.length} channels`);
   let seed = 1;
   const noise = () => { seed = (seed * 16807) % 2147483647; return seed / 2147483647 - 0.5; };
   const t = (i) => (SPAN_S * i) / (SAMPLES - 1);
   const channels = kept.map((c, k) => {
     const wave = (i, d) => Math.sin((2 + 0.3 * k) * t(i) + d) * Math.exp(-t(i) / 60);
-    return { ...c, noise: c.noise ?? 0.02, measured: packed((i) => wave(i, 0) + 0.1 * noise()), before: packed((i) => wave(i, 0.2)), after: packed((i) => wave(i, 0.01)) };
+    return { ...c, noise: c.noise ?? 0.02, measured: put((i) => wave(i, 0) + 0.1 * noise()), before: put((i) => wave(i, 0.2)), after: put((i) => wave(i, 0.01)) };
   });
-  const run = { name: "large", kind: "perturbed", use: "hold-out", t: packed(t), channels };
+  const run = { name: "large", kind: "perturbed", use: "hold-out", t: put(t), channels };
   data.tracks = [{ ...data.tracks[0], before: "declared model", after: "with the effects added", runs: [run] }];
   const folder = mkdtempSync(join(tmpdir(), "frames-"));
   const file = join(folder, "large.html");

@@ -125,6 +125,11 @@ async function look(browser, file) {
   const figures = await page.evaluate(() => [...document.querySelectorAll("figure[data-plot]")].map((f) => [f.querySelector("figcaption")?.textContent,
     !!f.querySelector("canvas")?.width]));
   hold(`${name}: every figure draws (${figures.length})`, figures.every((f) => f[1]), figures.filter((f) => !f[1]));
+  const records = await page.evaluate(() => [Windfall.data.tracks.some((t) => t.body.rigid), "smoothing" in Windfall.views,
+    Windfall.data.plots.filter((p) => p?.marks?.length).length]);
+  hold(`${name}: tunnel records have spectra with their cut-off, others none`, records[0] ? records[1] && records[2] === 7 : !records[1] && !records[2], records);
+  const told = await page.evaluate(() => Object.keys(Windfall.views).map((k) => [k, Windfall.views[k].plots.length]));
+  hold(`${name}: every view over time draws`, told.every(([, n]) => n > 0), told);
   const link = await interaction(page, name);
   await page.evaluate(axe);
   const found = await page.evaluate(() => axe.run(document, { resultTypes: ["violations"] }));

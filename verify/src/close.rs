@@ -9,19 +9,26 @@ use windfall_model::{Campaign, Use};
 
 mod balance;
 mod chance;
+mod figure;
 mod figures;
+mod flown;
 mod innovations;
 mod lead;
 mod likely;
 mod points;
 mod poses;
 mod result;
+mod sides;
 mod signals;
+mod slope;
+mod smoothing;
+mod track_shape;
 mod tracks;
 
 pub use crate::residual::ChannelResidual;
 pub use chance::p_value;
-pub use figures::{Figure, Role, Series, Topic, figures};
+pub use figure::{Figure, Role, Series, Topic};
+pub use figures::figures;
 pub use innovations::{InnovationLine, InnovationShape};
 pub(crate) use likely::LEFT;
 pub use result::{
@@ -29,6 +36,7 @@ pub use result::{
     ParameterLine, SetLine, Shift, Unexplained, Verdict,
 };
 pub use signals::{BodyShape, RunTracks, SignalTracks, TrackSignal};
+pub use smoothing::{SmoothingTracks, smoothing};
 pub use tracks::{coefficient_tracks, flight_tracks, tracks};
 
 /// Error rates and effort.

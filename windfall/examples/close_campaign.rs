@@ -24,7 +24,8 @@ fn main() -> windfall::Result<()> {
     }
 
     // The same page that `windfall close` writes.
-    let page = windfall::report::closing_page(&closing, &campaign.figures(&closing)?, Some(&campaign.tracks(&closing)?));
+    let (figures, tracks, smoothed) = (campaign.figures(&closing)?, campaign.tracks(&closing)?, campaign.smoothing(None)?);
+    let page = windfall::report::closing_page(&closing, &figures, Some(&tracks), Some(&smoothed));
     windfall::files::text_atomically(&std::env::temp_dir().join("windfall-close.html"), &page)?;
     Ok(())
 }

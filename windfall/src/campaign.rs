@@ -5,12 +5,15 @@ use crate::{Close, Error, Fly, Identify, Plan, Resimulate, Result, Scenario, Str
 use serde::Serialize;
 use std::path::Path;
 use windfall_model::{Data, Record, Run};
-use windfall_pid::Identification;
 use windfall_pid::compatibility::{Pressure, pressure};
 use windfall_pid::plan::{TestPlan as Targets, plan};
+use windfall_pid::smooth::Smoother;
 use windfall_pid::structure::{Choice, choose};
+use windfall_pid::{Identification, Method};
 use windfall_scenarios::{FEWEST_SAMPLES, FileKind, kind_of, read_campaign_with_warnings};
-use windfall_verify::close::{Closing, Figure, Options, SignalTracks, close, coefficient_tracks, figures, flight_tracks, tracks};
+use windfall_verify::close::{
+    Closing, Figure, Options, SignalTracks, SmoothingTracks, close, coefficient_tracks, figures, flight_tracks, smoothing, tracks,
+};
 use windfall_verify::separate::{Separation, separate};
 use windfall_verify::{Identified, Resimulation, identify, resimulate_with_draws};
 
@@ -128,6 +131,14 @@ impl Campaign {
     /// As [`Campaign::coefficient_tracks`].
     pub fn flight_tracks(&self, found: &impl AsRef<Identification>) -> Result<SignalTracks> {
         Ok(flight_tracks(&self.data, found.as_ref())?)
+    }
+    /// Raw and smoothed records with their spectra, as a method smooths them, or as closing does: the content of `smoothing.json`; without
+    /// runs for bodies that are no tunnel models.
+    ///
+    /// # Errors
+    /// A record that cannot be smoothed.
+    pub fn smoothing(&self, method: Option<Method>) -> Result<SmoothingTracks> {
+        Ok(smoothing(&self.data, &method.map_or(Smoother::Auto, Method::smoother))?)
     }
     /// Which aerodynamic terms the runs carry, whatever is declared: the content of `structure.json`.
     ///

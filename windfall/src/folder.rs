@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use windfall_report::{FolderResults, PaperFigure, folder_figures, folder_page};
 use windfall_scenarios::read_json;
-use windfall_verify::close::{Closing, Figure, SignalTracks};
+use windfall_verify::close::{Closing, Figure, SignalTracks, SmoothingTracks};
 use windfall_verify::descent::DescentSummary;
 use windfall_verify::many::ManySummary;
 use windfall_verify::study::Summary;
@@ -18,6 +18,8 @@ const OTHERS: [(&str, &str, &[&str]); 3] = [
 ];
 /// Signals over time: of a closing, of an identification, of a re-simulation.
 const TRACKS: [&str; 3] = ["tracks.json", "coefficients.json", "flights.json"];
+/// Raw and smoothed records: of a closing, of an identification.
+const SMOOTHING: [&str; 2] = ["smoothing.json", "records.json"];
 /// Keys of a closing against published statistics.
 const STATISTICS: &[&str] = &["verdict", "name", "source", "options", "seed"];
 
@@ -31,6 +33,7 @@ pub struct ResultsFolder {
     closing: Option<Closing>,
     figures: Vec<Figure>,
     tracks: [Option<SignalTracks>; 3],
+    smoothing: Option<SmoothingTracks>,
     study: Option<Summary>,
     many: Option<ManySummary>,
     descents: Option<DescentSummary>,
@@ -68,6 +71,7 @@ impl ResultsFolder {
         for (place, file) in tracks.iter_mut().zip(TRACKS) {
             *place = there(folder, file).map(|p| read_json(&p)).transpose()?;
         }
+        let smoothing = SMOOTHING.iter().find_map(|f| there(folder, f)).map(|p| read_json(&p)).transpose()?;
         let study = there(folder, "summary.json").map(|p| read_json(&p)).transpose()?;
         let many = there(folder, "many.json").map(|p| read_json(&p)).transpose()?;
         let descents = there(folder, DESCENT_FILES[0]).map(|p| read_json(&p)).transpose()?;
@@ -78,7 +82,7 @@ impl ResultsFolder {
         }
         let title = folder.canonicalize().ok().and_then(|p| Some(p.file_name()?.to_string_lossy().into_owned()));
         let title = title.unwrap_or_else(|| folder.display().to_string());
-        Ok(Self { title, closing, figures, tracks, study, many, descents, others })
+        Ok(Self { title, closing, figures, tracks, smoothing, study, many, descents, others })
     }
     /// The page as HTML in one piece.
     #[must_use]
@@ -98,6 +102,7 @@ impl ResultsFolder {
             tracks,
             coefficients,
             flights,
+            smoothing: self.smoothing.as_ref(),
             study: self.study.as_ref(),
             many: self.many.as_ref(),
             descents: self.descents.as_ref(),

@@ -63,7 +63,7 @@ pub mod results {
     pub use windfall_pid::structure::{Choice, CoefficientChoice, Symmetry};
     pub use windfall_pid::{DataSet, Estimate, Identifiability, Identification, NORMAL_95, relative_percent};
     pub use windfall_sim::{Flown, Truth};
-    pub use windfall_verify::close::{Closing, EffectLine, Figure, HeldOut, SignalTracks, Verdict};
+    pub use windfall_verify::close::{Closing, EffectLine, Figure, HeldOut, SignalTracks, SmoothingTracks, Verdict};
     pub use windfall_verify::descent::{Descended, DescentSummary, HeightLine, ParameterShare, SteadyFall, TouchDownLine};
     pub use windfall_verify::many::{CampaignOutcome, ManySummary, OutcomeParameter, Pooled, PooledParameter, Status, Tally};
     pub use windfall_verify::separate::{Deciding, NextRun, Separated, Separation, Sharpened};

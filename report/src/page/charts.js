@@ -2,21 +2,26 @@
 // Every still figure that is a chart becomes one to zoom and to read values from, when it comes into sight.
 (() => {
   const { data, make, number, colour, themed } = Windfall;
-  const names = { measured: "measured", before: "declared model", after: "with effects", noise: "noise" };
+  const names = { measured: "measured", before: "declared model", after: "model", noise: "noise" };
   /** What a role is called in a figure: as the section's key says, where it has one. */
   function named(figure, role) {
     const mark = figure.closest("section")?.querySelector(`.key.${role}`);
     return mark?.nextSibling?.textContent.split(",")[0] || names[role];
   }
+  /** Labels of a logarithmic axis, short: 1e−5. */
+  const decades = (u, all) => all.map((v) => (v == null ? "" : v !== 0 && (v < 1e-3 || v >= 1e5) ? v.toExponential(0).replace("e-", "e−").replace("e+", "e") : number(v)));
+  /** Lines of a grid at powers of ten alone. */
+  const powers = (u, all) => all.map((v) => (v != null && Math.abs(Math.log10(v) - Math.round(Math.log10(v))) < 1e-6 ? v : null));
   const strokes = { measured: 3, before: 1.5, after: 1.5, noise: 1.2 };
   /** How a series of that role is drawn. */
   Windfall.stroke = (role) => ({
     stroke: colour(role), width: strokes[role], dash: role === "noise" ? [5, 4] : undefined, points: { show: false },
   });
-  Windfall.axes = (x, y, log) => {
+  Windfall.axes = (x, y, log, logX) => {
     const common = { stroke: colour("soft"), grid: { stroke: colour("line"), width: 1 }, ticks: { stroke: colour("line"), width: 1 },
       font: "11px system-ui, sans-serif", labelFont: "11px system-ui, sans-serif", labelSize: 16, labelGap: 0 };
-    return [{ ...common, label: x || undefined, size: 30, labelSize: 20, space: 60 }, { ...common, label: y || undefined, size: 58, labelSize: 18, space: 24, values: log ? (u, all) => all.map((v) => (v == null ? "" : number(v))) : undefined }];
+    const grid = (is) => (is ? { grid: { ...common.grid, filter: powers }, ticks: { ...common.ticks, filter: powers } } : {});
+    return [{ ...common, ...grid(logX), label: x || undefined, size: 30, labelSize: 20, space: 60, values: logX ? decades : undefined }, { ...common, ...grid(log), label: y || undefined, size: 58, labelSize: 18, space: 24, values: log ? decades : undefined }];
   };
 
   /** All abscissae of some series, ascending, and each series on them, joined over what it lacks. */
@@ -32,6 +37,23 @@
     return twice ? { ...s, x: s.x.map((v, i) => v + (i % 2 ? -1e-6 : 1e-6)) } : s;
   }
 
+  /** Dashed lines at these abscissae. */
+  function upright(u, marks) {
+    const { ctx, bbox } = u;
+    ctx.save();
+    ctx.strokeStyle = colour("noise");
+    ctx.lineWidth = devicePixelRatio;
+    ctx.setLineDash([4, 4].map((n) => n * devicePixelRatio));
+    for (const mark of marks.filter((m) => m >= u.scales.x.min && m <= u.scales.x.max)) {
+      const x = Math.round(u.valToPos(mark, "x", true));
+      ctx.beginPath();
+      ctx.moveTo(x, bbox.top);
+      ctx.lineTo(x, bbox.top + bbox.height);
+      ctx.stroke();
+    }
+    ctx.restore();
+  }
+
   function build(figure, plot) {
     const series = plot.series.map(steps);
     const table = joined(series);
@@ -45,7 +67,7 @@
       lines.push({ label: name, value, spanGaps: true, ...Windfall.stroke(s.role) });
       if (s.band) {
         const at = lines.length;
-        for (const end of ["lower 95 %", "upper 95 %"]) lines.push({ label: end, value, width: 0, points: { show: false }, spanGaps: true });
+        for (const end of ["lower end", "upper end"]) lines.push({ label: end, value, width: 0, points: { show: false }, spanGaps: true });
         bands.push({ series: [at + 1, at], fill: colour(s.role) + "38" });
       }
     }
@@ -54,8 +76,9 @@
     const width = Math.max(240, figure.clientWidth);
     const options = {
       width, height: Math.round(Math.min(300, Math.max(190, width * 0.56))), series: lines, bands,
-      scales: { x: { time: false }, y: { distr: plot.log_y ? 3 : 1 } },
-      axes: Windfall.axes(plot.x_label, plot.y_label, plot.log_y), cursor: { drag: { x: true, y: false } }, legend: { live: true },
+      scales: { x: { time: false, distr: plot.log_x ? 3 : 1 }, y: { distr: plot.log_y ? 3 : 1 } },
+      axes: Windfall.axes(plot.x_label, plot.y_label, plot.log_y, plot.log_x), cursor: { drag: { x: true, y: false } }, legend: { live: true },
+      hooks: { drawAxes: [(u) => upright(u, plot.marks || [])] },
     };
     const old = figure.querySelector(".live");
     if (old) { old.uplot.destroy(); old.remove(); }
@@ -83,6 +106,9 @@
       clearTimeout(timer);
       timer = setTimeout(() => { if (innerWidth !== last) { last = innerWidth; again(); } }, 200);
     });
-    Windfall.showAll = () => figures.filter((f) => !f.uplot).forEach(show);
+    Windfall.showAll = () => {
+      figures.filter((f) => !f.uplot).forEach(show);
+      Object.values(Windfall.views).forEach((v) => v?.make());
+    };
   };
 })();

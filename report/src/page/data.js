@@ -8,11 +8,12 @@ const Windfall = (() => {
     const bytes = Uint8Array.from(atob(text || ""), (c) => c.charCodeAt(0));
     return new Float32Array(bytes.buffer);
   }
+  const series = data.series.map(floats);
   for (const tracks of data.tracks) {
     for (const run of tracks.runs) {
-      run.t = floats(run.t);
+      run.t = series[run.t];
       for (const c of run.channels) {
-        for (const side of ["measured", "before", "after"]) c[side] = floats(c[side]);
+        for (const side of ["measured", "before", "after"]) c[side] = series[c[side]];
       }
     }
   }

@@ -25,6 +25,30 @@
     return [0, 1, 2].map((k) => picture([t[0][k], t[1][k], t[2][k]]));
   }
 
+  /** Body to the picture's axes from roll, pitch and heading (deg): north to the right, east out of it, up. */
+  function columnsOfNed(roll, pitch, heading) {
+    const [[cf, sf], [ct, st], [cp, sp]] = [roll, pitch, heading].map((v) => [Math.cos(v * RAD), Math.sin(v * RAD)]);
+    const ned = [
+      [cp * ct, sp * ct, -st],
+      [cp * st * sf - sp * cf, sp * st * sf + cp * cf, ct * sf],
+      [cp * st * cf + sp * sf, sp * st * cf - cp * sf, ct * cf],
+    ];
+    return ned.map(([n, e, d]) => [n, -e, -d]);
+  }
+  /** A box about the origin with these half widths. */
+  function box(hx, hy, hz) {
+    const out = [];
+    const faces = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
+    const half = [hx, hy, hz];
+    for (const [n, u, v] of faces) for (const side of [-1, 1]) {
+      const corner = (a, b) => { const p = [0, 0, 0]; p[n] = side * half[n]; p[u] = a * half[u]; p[v] = b * half[v]; return p; };
+      const normal = [0, 0, 0];
+      normal[n] = side;
+      for (const [a, b] of [[-1, -1], [1, -1], [1, 1], [-1, -1], [1, 1], [-1, 1]]) out.push(...corner(a, b), ...normal);
+    }
+    return out;
+  }
+
   Windfall.Replay = class {
     constructor(place, view) {
       this.view = view;
@@ -58,7 +82,9 @@
       this.stage = stage;
       const vectors = this.body.rigid ? "Arrows: green the air past the body, orange the tether's pull (of the model). " : "";
       const note = make("p", { class: "note" }, `${vectors}Line: the last ${TRAIL_S} s. Drag or arrow keys turn, wheel or + and − move, 0 resets, space plays. ` +
-        (this.body.rigid ? "The body is drawn to its reference diameter; its shape is schematic." : "The body is drawn larger than it is where it would be too small to see."));
+        (this.body.rigid ? "The body is drawn to its reference diameter; its shape is schematic."
+          : this.body.free ? "Its shape is schematic, as wide as a disc of its reference area: dark nose, fin upward; larger where it would be too small to see. The faint line is the whole path."
+            : "The body is drawn larger than it is where it would be too small to see. The faint line is the whole path."));
       const row = make("div", { class: "controls" }, this.button, this.slider, this.clock, speed, near, ...(this.body.rigid ? [whole] : []));
       place.replaceChildren(row, stage, note);
       this.hands();
@@ -132,7 +158,7 @@
       const size = Math.max(...high.map((h, a) => h - low[a]), 1e-3);
       this.size = size;
       const d = this.body.diameter_m || 0.1;
-      this.radius = this.body.rigid ? d / 2 : Math.max(d / 2, size / 60);
+      this.radius = this.body.rigid ? d / 2 : Math.max(d / 2, size / (this.body.free ? 24 : 60));
       Object.assign(this.camera, { turn: this.body.rigid ? 0.6 : 1.2, lift: 0.25, at: low.map((l, a) => 0.5 * (l + high[a])),
         far: 1.6 * size + 8 * this.radius });
     }
@@ -144,7 +170,12 @@
       this.parts = body.rigid ? [
         { mesh: painter.mesh(gl.sphere(0.3 * d)), tint: 1 },
         { mesh: painter.mesh(disc(-0.32 * d, 0.5 * d, 0.02 * d)), tint: 0.8 },
+      ] : body.free ? [
+        { mesh: painter.mesh(box(1, 0.5, 0.3)), tint: 1 },
+        { mesh: painter.mesh(gl.turned([[1, 0.3], [1.4, 0]], 16)), tint: 0.45 },
+        { mesh: painter.mesh(box(0.3, 0.03, 0.3).map((v, i) => (i % 6 === 0 ? v - 0.7 : i % 6 === 2 ? v - 0.6 : v))), tint: 0.45 },
       ] : [{ mesh: painter.mesh(gl.sphere(1)), tint: 1 }];
+      this.whole_path = painter.mesh([], "LINE_STRIP");
       this.rod = painter.mesh(gl.turned([[0, 0], [0, 1], [1, 1], [1, 0]], 8));
       this.head = painter.mesh(gl.turned([[0, 0], [0, 2.4], [1, 0]], 12));
       this.ball = painter.mesh(gl.sphere(1, 10));
@@ -214,10 +245,12 @@
       painter.draw(this.walls, ONE, this.rgb("soft", 0.45));
       this.grid(c);
       const t = this.view.t;
+      if (!this.body.rigid) this.wholePath(side);
       this.path(side, t);
       const p = this.position(side, t);
       if (!p) return;
       if (this.body.rigid) this.lander(side, t, p);
+      else if (this.body.free) this.flyer(side, t, p);
       else painter.draw(this.parts[0].mesh, gl.frame([this.radius, 0, 0], [0, this.radius, 0], [0, 0, this.radius], p), this.rgb(side));
     }
     /** A level grid below the motion, a metre or a tenth of it a square. */
@@ -232,6 +265,25 @@
       }
       this.painter.refill(this.lines, all);
       this.painter.draw(this.lines, ONE, this.rgb("soft", 0.3));
+    }
+    /** The path of the whole run. */
+    wholePath(side) {
+      const all = [];
+      for (let k = 0; k <= 150; k += 1) {
+        const p = this.position(side, (this.view.end() * k) / 150);
+        if (p) all.push(...p, 0, 0, 0);
+      }
+      if (all.length < 12) return;
+      this.painter.refill(this.whole_path, all);
+      this.painter.draw(this.whole_path, ONE, this.rgb(side, 0.45));
+    }
+    /** A rigid body in free flight. */
+    flyer(side, t, p) {
+      const angles = this.read(["roll", "pitch", "heading"], side, t);
+      if (!angles) return;
+      const axes = columnsOfNed(...angles).map((a) => a.map((v) => v * this.radius));
+      const base = this.rgb(side);
+      for (const part of this.parts) this.painter.draw(part.mesh, gl.frame(...axes, p), [...base.slice(0, 3).map((v) => v * part.tint), 1]);
     }
     path(side, t) {
       const all = [];

@@ -7,6 +7,8 @@
    *  frame (70 ms for 18 plots; hairlines of a quarter of the points 12 ms). */
   const COARSE_PX = 4;
   const REST_MS = 120;
+  /** Height of a channel with its residual, about. */
+  const HEIGHT_PX = 330;
   /** A constant line. */
   const level = (y) => ({ level: y });
 
@@ -67,7 +69,13 @@
       if (this.range && !(this.range[1] > this.range[0])) this.range = null;
       if (mine.t) this.t = Number(mine.t) || 0;
       this.controls(names);
-      this.draw();
+      const still = document.querySelector(`[data-still="${tracks.id}"]`);
+      if (still) still.hidden = true;
+      // Plots of a view that nobody has come near are not made: a page has hundreds of thousands of samples.
+      this.grid.style.minHeight = `${HEIGHT_PX * Math.ceil(this.shown.size / Math.max(1, Math.floor(place.clientWidth / 440)))}px`;
+      const near = new IntersectionObserver((all) => { if (all.some((e) => e.isIntersecting)) this.make(); }, { rootMargin: "600px" });
+      near.observe(place);
+      this.near = near;
       themed.push(() => this.draw());
       let last = innerWidth;
       let timer = 0;
@@ -201,7 +209,16 @@
         out.textContent = `${words.join(", ")}${c.unit ? " " + c.unit : ""}`;
       }
     }
+    /** Draws for the first time. */
+    make() {
+      if (this.made) return;
+      this.made = true;
+      this.near.disconnect();
+      this.draw();
+      this.grid.style.minHeight = "";
+    }
     draw() {
+      if (!this.made) return;
       this.plots.forEach((u) => u.destroy());
       Object.assign(this, { plots: [], cells: [] });
       const run = this.runNow();
@@ -214,8 +231,6 @@
       });
       this.grid.replaceChildren(...places.map(([, p]) => p));
       for (const [c, place] of places) this.channel(run, c, place);
-      const still = document.querySelector(`[data-still="${this.tracks.id}"]`);
-      if (still) still.hidden = true;
       this.at(this.t, "replay");
     }
     channel(run, c, place) {

@@ -3,6 +3,7 @@
 //! Separators are commas, semicolons or tabs, as the header has them; with the latter two a comma may be the decimal point. Lines that
 //! start with `#` are comments; the last of them is the header where no other line is. A row of words below the header holds the units.
 
+use super::cell::number;
 use crate::columns::{Columns, fault};
 use crate::error::{Fault, ReadError};
 use std::collections::HashSet;
@@ -21,7 +22,7 @@ struct Layout {
 pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Columns, ReadError> {
     let (text, notes) = super::encoding::text(bytes)
         .map_err(|reason| ReadError::Faults(vec![fault(path, None, "file", "", &reason, "save it as CSV in UTF-8")]))?;
-    let mut columns = parse(path, &text)?;
+    let mut columns = super::motion_capture::read(path, &text).unwrap_or_else(|| parse(path, &text))?;
     columns.notes.splice(0..0, notes);
     Ok(columns)
 }
@@ -51,17 +52,6 @@ impl Layout {
 fn separator(line: &str) -> u8 {
     let count = |c: &u8| line.bytes().filter(|b| b == c).count();
     [b'\t', b';', b','].into_iter().max_by_key(count).unwrap_or(b',')
-}
-
-/// A cell as a number, NaN where nothing was measured; `None` when it is something else.
-fn number(cell: &str, separator: u8) -> Option<f64> {
-    let value = cell.parse().ok().or_else(|| match cell {
-        "" | "-" => Some(f64::NAN),
-        _ if ["na", "n/a", "null"].iter().any(|w| cell.eq_ignore_ascii_case(w)) => Some(f64::NAN),
-        _ if separator != b',' && cell.matches(',').count() == 1 && !cell.contains('.') => cell.replace(',', ".").parse().ok(),
-        _ => None,
-    })?;
-    Some(if f64::is_finite(value) { value } else { f64::NAN })
 }
 
 fn parse(path: &Path, text: &str) -> Result<Columns, ReadError> {

@@ -2,75 +2,16 @@
 //! residual over the variable that it follows, held-out runs flown again before and after, residual tracks of point masses.
 
 use super::balance::{BalanceResidual, BandPowers};
-use super::{Closing, Options, ParameterLine, Verdict, runs_of};
+use super::figure::{Figure, Role, Series, Topic, thinned};
+use super::flown::held_out;
+use super::sides::{Sides, sides_of};
+use super::track_shape::{ShapeChannel, shapes};
+use super::{Closing, Options, Verdict, runs_of};
 use crate::VerifyError;
 use crate::residual::LeadTable;
-use crate::resimulate::{Replay, TrajectoryError, estimate_initial, instant_errors};
-use crate::tracks::{TrackEvidence, TrackResidual};
-use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
-use windfall_model::{Campaign, Coefficient, Data, Measured, Plant, Record, Use, effects};
-use windfall_pid::rates_and_angles;
+use crate::tracks::{TrackEvidence, TrackResidual, stated_std};
+use windfall_model::{Campaign, Coefficient, Measured, Plant, Use};
 
-/// What a series is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Role {
-    /// Measured.
-    Measured,
-    /// With the declared model.
-    Before,
-    /// With the effects added.
-    After,
-    /// What noise alone would leave.
-    Noise,
-}
-
-/// One curve.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Series {
-    /// What it is.
-    pub role: Role,
-    /// Abscissae, in the unit that the figure's label names.
-    pub x: Vec<f64>,
-    /// Ordinates.
-    pub y: Vec<f64>,
-    /// Lower and upper ends of a band about it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub band: Option<[Vec<f64>; 2]>,
-}
-
-/// What a figure is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Topic {
-    /// Held-out runs flown again.
-    Trajectory,
-    /// Residual over a variable.
-    Variable,
-    /// Spectrum of a residual.
-    Spectrum,
-}
-
-/// One figure.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Figure {
-    /// What it is about.
-    pub topic: Topic,
-    /// Title.
-    pub title: String,
-    /// Abscissa with unit.
-    pub x_label: String,
-    /// Ordinate with unit.
-    pub y_label: String,
-    /// Whether ordinates are read on a logarithmic scale.
-    pub log_y: bool,
-    /// Curves.
-    pub series: Vec<Series>,
-}
-
-/// Longest curve, points.
-const POINTS: usize = 300;
 /// Frequency bands of a spectrum.
 const BANDS: usize = 40;
 /// Intervals of equal count over which a residual's mean is taken.
@@ -89,64 +30,23 @@ pub fn figures(campaign: &Campaign, closing: &Closing, options: &Options) -> Res
     if campaign.has_tracks() {
         sides.after.iter_mut().for_each(|p| set_constants(campaign, closing, p));
         let evidence = TrackEvidence::new(campaign, if held.is_empty() { &used } else { &held }, &sides.before)?;
-        let mut all = tracks(&evidence, &sides);
+        let flown = runs_flown(&evidence, &sides);
+        let mut all = tracks(&flown);
+        all.extend(track_shapes(campaign, &flown));
         let evidence = TrackEvidence::new(campaign, &used, &sides.before)?;
         all.extend(over_variables(&|plant| evidence.lead_table(plant), &sides, closing));
         return Ok(all);
     }
     let balance = BalanceResidual::new(campaign, &used, options)?;
-    let mut all: Vec<Figure> = held
-        .par_iter()
-        .map(|&i| flown_again(campaign, i, &sides))
-        .collect::<Result<Vec<_>, _>>()?
-        .into_iter()
-        .flatten()
-        .collect();
+    let mut all = held_out(campaign, &held, &sides)?;
     all.extend(over_variables(&|plant| balance.lead_table(plant), &sides, closing));
     all.extend(spectra(&balance, &sides));
     Ok(all)
 }
 
-/// The plants that a closing found.
-pub(super) fn sides_of(campaign: &Campaign, closing: &Closing) -> Sides {
-    let before = plant(campaign, &closing.before.parameters, &[]);
-    let added: Vec<(&str, Vec<f64>)> =
-        closing.effects.iter().map(|e| (e.family.as_str(), e.parameters.iter().map(|p| p.estimate).collect())).collect();
-    let after = (!added.is_empty()).then(|| plant(campaign, &closing.after.parameters, &added));
-    Sides { before, after }
-}
-
-/// SignalTracks flown again by each side.
+/// Tracks flown again by each side.
 pub(super) fn runs_flown(evidence: &TrackEvidence, sides: &Sides) -> Vec<(Role, Vec<TrackResidual>)> {
     sides.each().map(|(role, plant)| (role, evidence.series(plant))).collect()
-}
-
-/// The plant before, and after when effects were added.
-pub(super) struct Sides {
-    pub(super) before: Plant,
-    pub(super) after: Option<Plant>,
-}
-
-impl Sides {
-    pub(super) fn each(&self) -> impl Iterator<Item = (Role, &Plant)> {
-        std::iter::once((Role::Before, &self.before)).chain(self.after.iter().map(|p| (Role::After, p)))
-    }
-}
-
-/// The campaign's plant with these declared values and effects.
-fn plant(campaign: &Campaign, declared: &[ParameterLine], added: &[(&str, Vec<f64>)]) -> Plant {
-    let mut plant = campaign.plant.clone();
-    for p in declared {
-        if let Some(i) = plant.aero.structure.index(&p.name) {
-            plant.aero.values[i] = p.estimate;
-        }
-    }
-    for (family, values) in added {
-        if let Some(e) = effects::find(family, campaign.body()) {
-            (e.apply)(&mut plant, values);
-        }
-    }
-    plant
 }
 
 /// Uncertain constants as closing estimates them.
@@ -157,58 +57,6 @@ fn set_constants(campaign: &Campaign, closing: &Closing, plant: &mut Plant) {
             *x = line.estimate;
         }
     }
-}
-
-/// Every so-manieth point, so that a curve has at most [`POINTS`].
-fn thinned(role: Role, x: &[f64], y: &[f64]) -> Series {
-    let n = x.len().min(y.len());
-    let stride = n.div_ceil(POINTS).max(1);
-    let some = |s: &[f64]| s[..n].iter().step_by(stride).map(|v| short(*v)).collect();
-    Series { role, x: some(x), y: some(y), band: None }
-}
-
-/// Six digits: more cannot be seen.
-pub(super) fn short(x: f64) -> f64 {
-    format!("{x:.5e}").parse().unwrap_or(x)
-}
-
-/// One held-out run: Θ, and the distance of position and attitude.
-fn flown_again(campaign: &Campaign, index: usize, sides: &Sides) -> Result<Vec<Figure>, VerifyError> {
-    let run = &campaign.runs[index];
-    let Data::Tunnel(record) = &run.data else { return Err(VerifyError::NotTunnel { run: run.name.clone() }) };
-    let t_s: Vec<f64> = record.t_s.iter().map(|t| t - record.t_s[0]).collect();
-    let mut theta = Vec::new();
-    let (mut attitude, mut position) = (Vec::new(), Vec::new());
-    for (role, plant) in sides.each() {
-        let own = campaign.plant_for(plant, index);
-        let replay = Replay::new(record, &own)?;
-        if theta.is_empty() {
-            theta.push(thinned(Role::Measured, &t_s, &theta_deg(record, &replay)?));
-        }
-        let flown = replay.fly_as_far_as_it_goes(estimate_initial(record, &own)?.release)?.record;
-        theta.push(thinned(role, &t_s, &theta_deg(&flown, &replay)?));
-        let errors: Vec<TrajectoryError> = instant_errors(record, &flown);
-        let of = |f: fn(&TrajectoryError) -> f64| errors.iter().map(f).collect::<Vec<f64>>();
-        attitude.push(thinned(role, &t_s, &of(|e| e.attitude_rms_deg)));
-        position.push(thinned(role, &t_s, &of(|e| 1e3 * e.position_rms_m)));
-    }
-    let figure = |title: &str, y_label: &str, series| Figure {
-        topic: Topic::Trajectory,
-        title: format!("{}: {title}", run.name),
-        x_label: "time in the run (s)".to_owned(),
-        y_label: y_label.to_owned(),
-        log_y: false,
-        series,
-    };
-    Ok(vec![
-        figure("off-vertical angle", "Θ (deg)", theta),
-        figure("attitude error", "angle to measured (deg)", attitude),
-        figure("position error", "distance to measured (mm)", position),
-    ])
-}
-
-fn theta_deg(record: &Record, replay: &Replay) -> Result<Vec<f64>, VerifyError> {
-    Ok(rates_and_angles(record, replay.smoother())?.theta_rad.iter().map(|x| x.to_degrees()).collect())
 }
 
 /// Amplitude spectra of the six residuals, runs joined, in bands of frequency.
@@ -226,6 +74,7 @@ fn spectra(balance: &BalanceResidual<'_>, sides: &Sides) -> Vec<Figure> {
         y_label: "amplitude (1/√Hz)".to_owned(),
         log_y: true,
         series: std::iter::once(curve(Role::Noise, &noise[c])).chain(all.iter().map(|(role, s)| curve(*role, &s[c]))).collect(),
+        ..Figure::default()
     };
     Coefficient::ALL.iter().enumerate().map(one).collect()
 }
@@ -275,8 +124,8 @@ fn over_variables(of: &dyn Fn(&Plant) -> LeadTable, sides: &Sides, closing: &Clo
                 title: format!("residual of {channel} over {name}"),
                 x_label: name.clone(),
                 y_label: format!("mean residual of {channel}"),
-                log_y: false,
                 series: series.collect(),
+                ..Figure::default()
             })
         })
         .collect()
@@ -322,10 +171,29 @@ fn means(x: &[f64], y: &[f64]) -> Option<Means> {
     let mean = |s: &[f64], part: &[usize]| part.iter().map(|&i| s[i]).sum::<f64>() / part.len() as f64;
     let whole = mean(y, &order);
     let total: f64 = order.iter().map(|&i| (y[i] - whole).powi(2)).sum();
-    let parts: Vec<&[usize]> = order.chunks(order.len().div_ceil(INTERVALS)).collect();
+    let parts = intervals(x, &order);
+    if parts.len() < 2 {
+        return None;
+    }
     let (xs, ys): (Vec<f64>, Vec<f64>) = parts.iter().map(|p| (mean(x, p), mean(y, p))).unzip();
     let between: f64 = parts.iter().zip(&ys).map(|(p, m)| p.len() as f64 * (m - whole).powi(2)).sum();
     Some(Means { share: between / total.max(f64::MIN_POSITIVE), x: xs, y: ys })
+}
+
+/// Intervals of about equal count of samples in order; samples of one value, as the settings of runs have, are in one interval.
+fn intervals<'o>(x: &[f64], order: &'o [usize]) -> Vec<&'o [usize]> {
+    let least = order.len().div_ceil(INTERVALS);
+    let same = 1e-9 * (x[order[order.len() - 1]] - x[order[0]]).max(1e-6 * x[order[0]].abs());
+    let mut parts = Vec::new();
+    let mut from = 0;
+    for to in 1..=order.len() {
+        let closed = to == order.len() || to - from >= least && x[order[to]] - x[order[to - 1]] > same;
+        if closed {
+            parts.push(&order[from..to]);
+            from = to;
+        }
+    }
+    parts
 }
 
 /// Title, factor and label of a channel's residual.
@@ -343,8 +211,7 @@ fn label(kind: Measured, channel: usize) -> (&'static str, f64, &'static str) {
 }
 
 /// Residual of tracks in each channel over time: rms over runs.
-fn tracks(evidence: &TrackEvidence, sides: &Sides) -> Vec<Figure> {
-    let all = runs_flown(evidence, sides);
+fn tracks(all: &[(Role, Vec<TrackResidual>)]) -> Vec<Figure> {
     let kind = all.iter().flat_map(|(_, r)| r).next().map_or(Measured::Position, |r| r.measured);
     let end_s = all.iter().flat_map(|(_, r)| r).filter_map(|r| r.t_s.last().copied()).fold(0.0, f64::max);
     (0..6)
@@ -371,9 +238,40 @@ fn tracks(evidence: &TrackEvidence, sides: &Sides) -> Vec<Figure> {
                 title: format!("{name}: measured less re-simulated, rms over runs"),
                 x_label: "time in the run (s)".to_owned(),
                 y_label: y_label.to_owned(),
-                log_y: false,
                 series,
+                ..Figure::default()
             })
         })
         .collect()
+}
+
+/// How the residual of every measured channel is distributed and correlated.
+fn track_shapes(campaign: &Campaign, all: &[(Role, Vec<TrackResidual>)]) -> Vec<Figure> {
+    let kind = campaign.measured();
+    let one = |place: usize| {
+        let (name, per_unit, y_label) = label(kind, place);
+        let unit = y_label.rsplit_once('(').map_or("", |(_, u)| u.trim_end_matches(')'));
+        shapes(&ShapeChannel { place, name, per_unit, unit, stated_std: stated_std(&campaign.plant, kind, place) }, all)
+    };
+    (0..6).flat_map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A variable of three values gives three means, one of a single value none; of a smooth one all intervals.
+    #[test]
+    fn exact_means_over_settings() {
+        let setting: Vec<f64> = (0..90).map(|i| f64::from(i % 3)).collect();
+        let residual: Vec<f64> = (0..90).map(|i| f64::from(i % 3) * 2.0 + if i % 2 == 0 { 0.1 } else { -0.1 }).collect();
+        let m = means(&setting, &residual).expect("three settings");
+        assert_eq!(m.x, [0.0, 1.0, 2.0]);
+        assert!(m.y.iter().zip([0.0, 2.0, 4.0]).all(|(a, b)| (a - b).abs() < 0.02) && m.share > 0.9);
+        assert!(means(&[0.238; 90], &residual).is_none());
+        let rounded: Vec<f64> = (0..90).map(|i| if i % 2 == 0 { 0.238 } else { 0.238 + 3e-17 }).collect();
+        assert!(means(&rounded, &residual).is_none());
+        let time: Vec<f64> = (0..90).map(f64::from).collect();
+        assert!(means(&time, &residual).is_some_and(|m| m.x.len() >= INTERVALS - 1));
+    }
 }

@@ -1,6 +1,6 @@
 //! verify: shape of the innovations. In: whitened innovations before and after. Out: histograms and autocorrelations per channel.
 
-use super::figures::short;
+use super::figure::short;
 use serde::{Deserialize, Serialize};
 use windfall_likelihood::{CHANNEL_NAMES, Engine, Innovations, Model, POSE};
 

@@ -1,6 +1,8 @@
 //! verify: measured poses of rigid bodies beside flown ones, for the page. In: a campaign and its models. Out: series per channel and run.
 
-use super::figures::{Sides, runs_flown, short};
+use super::figure::short;
+use super::figures::runs_flown;
+use super::sides::Sides;
 use super::signals::{RunTracks, TrackSignal, named};
 use crate::VerifyError;
 use crate::tracks::{TrackEvidence, TrackResidual, kept_of, rotation_of, stated_std};

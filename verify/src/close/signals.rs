@@ -7,8 +7,11 @@ use windfall_model::Run;
 /// What is drawn of the body.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BodyShape {
-    /// True for a body with attitude; a point body is drawn as a sphere.
+    /// True for a model in a tunnel; a point body is drawn as a sphere.
     pub rigid: bool,
+    /// True for a rigid body in free flight, whose channels are roll, pitch and heading: drawn as a box with nose and fin.
+    #[serde(default)]
+    pub free: bool,
     /// Reference diameter, m.
     pub diameter_m: f64,
     /// Centre of mass from the geometric origin, body axes, m.

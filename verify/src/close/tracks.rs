@@ -1,8 +1,11 @@
 //! verify: measured and modelled signals over time, for the page and whoever plots them. In: a campaign, models. Out: a series per
 //! channel and run: `tracks.json`, `coefficients.json`, `flights.json`.
 
-use super::figures::{Sides, runs_flown, short, sides_of};
+use super::figure::short;
+use super::figures::runs_flown;
+use super::sides::{Sides, sides_of};
 use super::signals::{BodyShape, RunTracks, SignalTracks, TrackSignal, named};
+use super::slope::slope;
 use super::{Closing, Role};
 use crate::VerifyError;
 use crate::resimulate::{Replay, estimate_initial};
@@ -14,7 +17,7 @@ use windfall_pid::{Identification, rates_and_angles};
 use windfall_sim::Flown;
 
 /// Most samples of all runs together: longer campaigns are thinned.
-const SAMPLES: usize = 20_000;
+pub(super) const SAMPLES: usize = 20_000;
 /// Most samples of coefficients, which are smooth.
 const COEFFICIENT_SAMPLES: usize = 6_000;
 
@@ -79,13 +82,14 @@ fn identified(campaign: &Campaign, found: &Identification) -> Result<Plant, Veri
     Ok(set.plant(&campaign.plant)?)
 }
 
-fn empty(campaign: &Campaign) -> SignalTracks {
+pub(super) fn empty(campaign: &Campaign) -> SignalTracks {
     let plant = &campaign.plant;
     let tether = plant.tether.as_ref().filter(|_| !campaign.has_tracks());
     // Of a rigid body in free flight nothing is known of its shape but an area.
     let of_area = |f: &windfall_model::FreeFlight| 2.0 * (f.area_m2 / std::f64::consts::PI).sqrt();
     let body = BodyShape {
         rigid: !campaign.has_tracks(),
+        free: campaign.measured() == Measured::Pose,
         diameter_m: plant.free_flight.as_ref().map_or(plant.vehicle.diameter_m, of_area),
         center_of_mass_m: plant.vehicle.p_origin_cm.to_array(),
         attachment_m: tether.map(|t| t.p_origin_hook.to_array()),
@@ -111,7 +115,7 @@ fn of_runs(campaign: &Campaign, sides: &Sides) -> Result<Vec<RunTracks>, VerifyE
 }
 
 /// Every so-manieth sample, so that all runs together have at most so many.
-fn thinning(campaign: &Campaign, most: usize) -> usize {
+pub(super) fn thinning(campaign: &Campaign, most: usize) -> usize {
     let samples = |r: &Run| match &r.data {
         Data::Tunnel(t) => t.t_s.len(),
         Data::Point(p) => p.t_s.len(),
@@ -120,7 +124,7 @@ fn thinning(campaign: &Campaign, most: usize) -> usize {
 }
 
 /// Times from the first sample.
-fn times(t_s: &[f64], thin: usize) -> Vec<f64> {
+pub(super) fn times(t_s: &[f64], thin: usize) -> Vec<f64> {
     t_s.iter().step_by(thin).map(|t| short(t - t_s[0])).collect()
 }
 
@@ -207,7 +211,12 @@ fn points(campaign: &Campaign, sides: &Sides, thin: usize) -> Result<Vec<RunTrac
             let measured = track.position_m[axis].as_ref()?.iter().step_by(thin).map(|v| short(per_unit * v)).collect();
             Some(TrackSignal { measured, ..TrackSignal::new(names[axis], unit, noise) })
         };
-        let channels = (0..3).filter_map(channel).collect();
+        let mut channels: Vec<TrackSignal> = (0..3).filter_map(channel).collect();
+        let whole: Vec<&[f64]> = track.position_m.iter().flatten().map(Vec::as_slice).collect();
+        if let Some((name, unit, rate)) = rate(kind, &track.t_s, &whole) {
+            let measured = rate.into_iter().step_by(thin).map(|v| short(per_unit * v)).collect();
+            channels.push(TrackSignal { measured, ..TrackSignal::new(name, unit, None) });
+        }
         all.push(RunTracks { t_s: times(&track.t_s, thin), channels, ..named(run) });
     }
     for (role, flown) in runs_flown(&evidence, sides) {
@@ -215,13 +224,29 @@ fn points(campaign: &Campaign, sides: &Sides, thin: usize) -> Result<Vec<RunTrac
             let Data::Point(track) = &campaign.runs[r.run].data else { continue };
             let measured = track.position_m.iter().flatten();
             let left = r.residual_m.iter().flatten();
-            for (channel, (m, e)) in all[r.run].channels.iter_mut().zip(measured.zip(left)) {
-                // A track may begin before the times that its residual has.
-                if m.len() == e.len() {
-                    *channel.side(role) = m.iter().zip(e).step_by(thin).map(|(m, e)| short(per_unit * (m - e))).collect();
-                }
+            // A track may begin before the times that its residual has.
+            let both = measured.zip(left).filter(|(m, e)| m.len() == e.len());
+            let simulated: Vec<Vec<f64>> = both.map(|(m, e)| m.iter().zip(e).map(|(m, e)| m - e).collect()).collect();
+            let channels = &mut all[r.run].channels;
+            let whole: Vec<&[f64]> = simulated.iter().map(Vec::as_slice).collect();
+            let rate = rate(kind, &track.t_s, &whole).map(|(.., rate)| rate);
+            for (channel, series) in channels.iter_mut().zip(simulated.iter().chain(&rate)) {
+                *channel.side(role) = series.iter().step_by(thin).map(|v| short(per_unit * v)).collect();
             }
         }
     }
     Ok(all)
+}
+
+/// The rate of what was measured, with name and unit: speed where all three axes were, the rate of an angle; none of others.
+fn rate(kind: Measured, t_s: &[f64], series: &[&[f64]]) -> Option<(&'static str, &'static str, Vec<f64>)> {
+    let slopes: Vec<Vec<f64>> = series.iter().map(|x| slope(t_s, x)).collect();
+    match (kind, slopes.as_slice()) {
+        (Measured::Position, [x, y, z]) => {
+            let speed = x.iter().zip(y).zip(z).map(|((x, y), z)| x.hypot(*y).hypot(*z)).collect();
+            Some(("speed", "m/s", speed))
+        }
+        (Measured::Angle, [rate]) => Some(("rate", "deg/s", rate.clone())),
+        _ => None,
+    }
 }

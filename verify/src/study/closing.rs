@@ -3,7 +3,7 @@
 use super::columns::VERDICTS;
 use super::row::Cells;
 use crate::VerifyError;
-use crate::close::{Closing, Options, Verdict, close};
+use crate::close::{Closing, Options, SetLine, Verdict, close};
 use windfall_model::study::{Cell, Setting, StudyOrder};
 use windfall_model::{Campaign, Role};
 
@@ -26,6 +26,10 @@ pub(super) fn close_draw(
     out.set("close.rivals", Cell::Word(rivals.join("+")));
     VERDICTS.iter().enumerate().for_each(|(i, name)| out.flag(&format!("close.{name}"), i == verdict));
     let truth = true_families(study, setting);
+    out.set("close.truth", Cell::Word(truth.join("+")));
+    if let Some(p) = stated(&closing, &families) {
+        out.number("close.probability", p);
+    }
     let is_true = |f: &str| truth.contains(&f);
     let right = if truth.is_empty() { verdict == 0 } else { families.first().is_some_and(|f| is_true(f)) };
     out.flag("close.right", right);
@@ -34,6 +38,15 @@ pub(super) fn close_draw(
         effect(e.effect.family, &(e.effect.parameters)(&[]), &setting.effect_values[e.index], &closing, out);
     }
     Ok(())
+}
+
+/// Probability of the set that is named, or of none; none where nothing accounts for the residual.
+fn stated(closing: &Closing, families: &[&str]) -> Option<f64> {
+    if closing.verdict == Verdict::Unexplained {
+        return None;
+    }
+    let same = |s: &&SetLine| s.families.len() == families.len() && s.families.iter().all(|f| families.contains(&f.as_str()));
+    closing.sets.iter().find(same).map(|s| s.probability)
 }
 
 /// Families of which a strength is not zero in this draw.

@@ -1,5 +1,6 @@
 //! verify: names of a study's results. In: the order. Out: columns, before any draw is made.
 
+use super::recovery::CLOSING_COLUMNS;
 use windfall_model::study::{CellKind, Column, StudyOrder};
 use windfall_pid::{Method, estimated};
 
@@ -70,6 +71,7 @@ impl List {
         for name in ["close.verdict", "close.families", "close.rivals"] {
             self.add(name.to_owned(), CellKind::Word);
         }
+        CLOSING_COLUMNS.iter().for_each(|(name, kind)| self.add((*name).to_owned(), *kind));
         for name in VERDICTS.iter().chain(&["right", "right_or_rival"]) {
             self.add(format!("close.{name}"), CellKind::Flag);
         }

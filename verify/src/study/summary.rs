@@ -1,6 +1,7 @@
 //! verify: what all draws of a study say. In: columns of results. Out: bias, scatter, coverage, quantiles, rates, with intervals.
 
 use super::draw::PreparedStudy;
+use super::recovery::{ClosingSummary, RecoveryLine, closings, recovery};
 use super::select::{Read, quantiles};
 use super::stop::{Moments, clopper_pearson};
 use serde::{Deserialize, Serialize};
@@ -150,6 +151,12 @@ pub struct Summary {
     pub words: Vec<WordLine>,
     /// Numbers.
     pub numbers: Vec<NumberLine>,
+    /// Estimates beside what was put in, by method.
+    #[serde(default)]
+    pub recovery: Vec<RecoveryLine>,
+    /// What closings name where something acts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub closings: Option<ClosingSummary>,
 }
 
 /// Most failure messages that are listed.
@@ -177,6 +184,11 @@ pub fn summarise<E>(
             CellKind::Word => words.push(word_line(&column.name, &counted(read)?, draws)),
         }
     }
+    let mut recovered = Vec::new();
+    for column in prepared.columns() {
+        recovered.extend(recovery(column, prepared.columns(), &each)?);
+    }
+    let closings = closings(prepared.columns(), &each)?;
     let parameters = prepared.columns().iter().filter_map(|c| parameter(c, &numbers, &rates)).collect();
     Ok(Summary {
         study: study.name.clone(),
@@ -189,6 +201,8 @@ pub fn summarise<E>(
         rates,
         words,
         numbers,
+        recovery: recovered,
+        closings,
     })
 }
 

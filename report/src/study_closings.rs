@@ -1,0 +1,94 @@
+//! report: what the closings of a study name. In: their counts. Out: confusion matrix, stated probability against how often it is so.
+
+use crate::chart::Range;
+use crate::draw::Look;
+use crate::html::{escape, section};
+use crate::number;
+use crate::plot::{Plot, Plots};
+use std::fmt::Write as _;
+use windfall_verify::study::{ClosingSummary, ReliabilityPoint};
+
+/// Two sections; nothing without closings.
+pub(crate) fn closings(c: &ClosingSummary, plots: &mut Plots) -> String {
+    let lead = "Look at the diagonal: draws in which exactly what acts was named. Rows: the families that act in a draw; columns: what its closing \
+                names; darker: a larger share of the row. A rival that the data cannot tell apart counts as another name here.";
+    let mut out = section("Confusion matrix", lead, &matrix(c));
+    let lead = "Look for bars that hold the value in the name: of closings that state a probability for their set, the share in which it is the set \
+                that acts. Bar: 95 % of what so few draws leave open.";
+    let one = |r: &ReliabilityPoint| Range {
+        name: format!("stated {:.1} % in the mean", 100.0 * r.stated),
+        ends: r.ci95,
+        inner: None,
+        dot: r.share(),
+        note: format!("{} of {}", r.count, r.of),
+        look: Look::After,
+    };
+    let ranges: Vec<Range> = c.reliability.iter().map(one).collect();
+    let drawn = plots.put(Plot::Ranges {
+        title: "Stated probability of the named set against how often it acts".to_owned(),
+        x_label: "share of closings".to_owned(),
+        marks: vec![1.0],
+        ranges,
+    });
+    out += &section("Stated probability against fraction true", lead, &drawn);
+    out
+}
+
+/// Counts as a table, each cell shaded by its share of the row.
+fn matrix(c: &ClosingSummary) -> String {
+    if c.confusion.is_empty() {
+        return String::new();
+    }
+    // Truths first, in their order, so that right ones lie on the diagonal.
+    let mut columns: Vec<&str> = c.confusion.iter().map(|l| l.truth.as_str()).collect();
+    for found in c.confusion.iter().flat_map(|l| l.found.keys()) {
+        if !columns.contains(&found.as_str()) {
+            columns.push(found);
+        }
+    }
+    let words = |set: &str| set.replace('+', " + ");
+    let heads: String = columns.iter().map(|h| format!("<th scope=\"col\" class=\"n\">{}</th>", escape(&words(h)))).collect();
+    let mut rows = String::new();
+    for line in &c.confusion {
+        let of: u64 = line.found.values().sum();
+        let _ = write!(rows, "<tr><th scope=\"row\">{}</th>", escape(&words(&line.truth)));
+        for column in &columns {
+            let n = line.found.get(*column).copied().unwrap_or(0);
+            let right = if *column == line.truth { " right" } else { "" };
+            let share = 100.0 * n as f64 / of.max(1) as f64;
+            let text = if n == 0 { String::new() } else { n.to_string() };
+            let _ = write!(rows, "<td class=\"n cell{right}\" style=\"--share:{share:.0}%\">{text}</td>");
+        }
+        let right = line.found.get(&line.truth).copied().unwrap_or(0);
+        let _ = write!(rows, "<td class=\"n\">{of}</td><td class=\"n\">{}</td></tr>", number(right as f64 / of.max(1) as f64));
+    }
+    format!(
+        "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"confusion matrix\"><table class=\"confusion\"><thead><tr><th \
+         scope=\"col\">acts \\ named</th>{heads}<th scope=\"col\" class=\"n\">draws</th><th scope=\"col\" \
+         class=\"n\">right</th></tr></thead><tbody>{rows}</tbody></table></div>\n"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use windfall_verify::study::ConfusionLine;
+
+    #[test]
+    fn law_the_matrix_has_every_count_once_and_its_diagonal() {
+        let line = |truth: &str, found: &[(&str, u64)]| ConfusionLine {
+            truth: truth.to_owned(),
+            found: found.iter().map(|(f, n)| ((*f).to_owned(), *n)).collect(),
+        };
+        let confusion = vec![line("none", &[("none", 17), ("<mass>", 2)]), line("swirl", &[("swirl", 11), ("none", 4)])];
+        let reliability = vec![ReliabilityPoint { stated: 0.97, count: 28, of: 34, ci95: [0.65, 0.93] }];
+        let mut plots = Plots::default();
+        let html = closings(&ClosingSummary { confusion, reliability }, &mut plots);
+        for text in [">17<", ">2<", ">11<", ">4<", "&lt;mass&gt;", "stated 97.0 % in the mean", "28 of 34", ">0.8947<"] {
+            assert!(html.contains(text), "{text} in {html}");
+        }
+        assert_eq!(html.matches("cell right").count(), 2);
+        // 17 of 19 are right: the cell is shaded by 89 %.
+        assert!(html.contains("cell right\" style=\"--share:89%\">17<") && !html.contains("<mass>"));
+    }
+}
