@@ -1,4 +1,4 @@
-//! scenarios: the bundled scenario files. In: a name. Out: its text.
+//! scenarios: the bundled scenario files. In: a name. Out: its text, and that of tables that it names.
 
 /// Names of the bundled scenarios.
 pub const NAMES: [&str; 7] = [
@@ -28,4 +28,18 @@ pub fn bundled(name: &str) -> Option<&'static str> {
         include_str!("../bundled/full-scale-venus-20km.toml"),
     ];
     NAMES.iter().position(|n| *n == name).map(|i| texts[i])
+}
+
+/// Names of the bundled planet scenarios.
+pub const PLANETS: [&str; 2] = ["venus-descent", "venus-dispersions"];
+
+/// Text of the bundled planet scenario of that name.
+pub(crate) fn planet(name: &str) -> Option<&'static str> {
+    let texts = [include_str!("../planet/venus-descent.toml"), include_str!("../planet/venus-dispersions.toml")];
+    PLANETS.iter().position(|n| *n == name).map(|i| texts[i])
+}
+
+/// A table that a bundled scenario names.
+pub(crate) fn table(file: &str) -> Option<&'static str> {
+    (file == "venus-wind.csv").then_some(include_str!("../planet/venus-wind.csv"))
 }

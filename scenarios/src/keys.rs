@@ -242,9 +242,10 @@ pub(crate) static SENSORS: TableSpec = TableSpec {
 };
 pub(crate) static SENSORS_POINT: TableSpec = TableSpec {
     path: "sensors",
-    meaning: "What measured a point mass, and its standard deviation: exactly one of position, specific force and angle. Position: any of \
+    meaning: "What measured a point mass, and its standard deviation: position, specific force, both, or angle. Position: any of \
               X_m, Y_m, Z_m, the vertical one among them. Specific force: any of fX_m_s2, fY_m_s2, fZ_m_s2 (an accelerometer on a body that \
-              keeps its attitude; zero in free fall in a vacuum), with an offset of its own in every run. Angle: angle_deg, with [pivot].",
+              keeps its attitude; zero in free fall in a vacuum), with an offset of its own in every run; beside positions those of axes whose \
+              position is there, in the same rows. Angle: angle_deg, with [pivot].",
     keys: &[
         optional(plant("sensors.position_std_m")),
         optional(plant("sensors.specific_force_std_m_s2")),

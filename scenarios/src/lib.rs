@@ -47,7 +47,7 @@ mod uncertainty;
 mod units;
 mod write;
 
-pub use bundled::{NAMES as BUNDLED, bundled};
+pub use bundled::{NAMES as BUNDLED, PLANETS as BUNDLED_PLANETS, bundled};
 pub use campaign::{read_campaign, read_campaign_with_warnings};
 pub use campaign_store::{CampaignStore, ManyIdentity, ResultFile, campaign_hash, table_bytes};
 pub use columns::write_columns_csv;
@@ -57,7 +57,7 @@ pub use find::{FindError, FoundCampaign, FoundCampaigns, find_campaigns};
 pub use guess::campaign_of_run;
 pub use kind::{FileKind, kind_of};
 pub use open::read_json;
-pub use planet::{PlanetFile, read_planet};
+pub use planet::{PlanetFile, read_bundled_planet, read_planet};
 pub use planet_out::write_resolved_planet;
 pub use point::{Down, read_track};
 pub use record::{

@@ -15,6 +15,7 @@ use windfall_model::{Measured, PointRecord};
 const FEWEST: usize = 8;
 /// Columns of the file's axes.
 const COLUMNS: [&str; 3] = ["X_m", "Y_m", "Z_m"];
+const FORCES: [&str; 3] = ["fX_m_s2", "fY_m_s2", "fZ_m_s2"];
 
 /// The file axis that points down, as in `[axes] down`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +46,8 @@ pub(crate) struct Asked<'a> {
     pub(crate) down: Down,
     /// Stated standard deviation, in the unit of what was measured.
     pub(crate) std: f64,
+    /// The same of specific forces beside positions.
+    pub(crate) force_std: f64,
     pub(crate) window_s: Option<[f64; 2]>,
     /// Inputs that the file has row by row: their place, column, and what it has at 0 and 1.
     pub(crate) inputs: Vec<(usize, &'a str, [f64; 2])>,
@@ -54,19 +57,24 @@ impl Asked<'_> {
     /// Names of its columns, and the one that it cannot be without.
     fn columns(&self) -> ([&'static str; 3], &'static str) {
         let all = match self.measured {
-            Measured::Position | Measured::Pose => COLUMNS,
-            Measured::SpecificForce => ["fX_m_s2", "fY_m_s2", "fZ_m_s2"],
+            Measured::Position | Measured::Pose | Measured::PositionAndForce => COLUMNS,
+            Measured::SpecificForce => FORCES,
             Measured::Angle => return (["angle_deg", "", ""], "angle_deg"),
         };
         (all, all[self.down.axis])
     }
-    /// Largest median of a column, and its unit.
-    fn limit(&self) -> (f64, &'static str) {
+    /// Standard deviation of a column in its unit, its largest median, and that unit.
+    fn limit(&self, column: &str) -> (f64, f64, &'static str) {
         match self.measured {
-            Measured::Position | Measured::Pose => (1e5, "metres"),
-            Measured::SpecificForce => (1e4, "m/s2"),
-            Measured::Angle => (1e5, "degrees"),
+            Measured::PositionAndForce if FORCES.contains(&column) => (self.force_std, 1e4, "m/s2"),
+            Measured::Position | Measured::Pose | Measured::PositionAndForce => (self.std, 1e5, "metres"),
+            Measured::SpecificForce => (self.std, 1e4, "m/s2"),
+            Measured::Angle => (self.std.to_degrees(), 1e5, "degrees"),
         }
+    }
+    /// Columns of specific forces beside positions, for each of the file's axes.
+    fn beside(&self) -> Option<[&'static str; 3]> {
+        (self.measured == Measured::PositionAndForce).then_some(FORCES)
     }
 }
 
@@ -82,7 +90,8 @@ pub fn read_track(
     position_std_m: f64,
     window_s: Option<[f64; 2]>,
 ) -> Result<(PointRecord, Vec<String>), ReadError> {
-    let asked = Asked { measured: Measured::Position, down, std: position_std_m, window_s, inputs: Vec::new() };
+    let asked =
+        Asked { measured: Measured::Position, down, std: position_std_m, force_std: 0.0, window_s, inputs: Vec::new() };
     read_own_track(path, &Own::default(), &asked)
 }
 
@@ -95,7 +104,8 @@ pub(crate) fn read_own_track(path: &Path, own: &Own, asked: &Asked<'_>) -> Resul
     let (names, vertical) = asked.columns();
     let attitude = if asked.measured == Measured::Pose { Some(attitude_columns(path, &mut columns)?) } else { None };
     let all_axes = attitude.iter().flat_map(|_| names);
-    let needed = ["t_s", vertical].into_iter().chain(all_axes).chain(asked.inputs.iter().map(|(_, c, _)| *c));
+    let beside = asked.beside().map(|f| f[asked.down.axis]);
+    let needed = ["t_s", vertical].into_iter().chain(beside).chain(all_axes).chain(asked.inputs.iter().map(|(_, c, _)| *c));
     for needed in needed {
         if columns.get(needed).is_none() {
             let what = format!("column is missing; the file has {}", some_of(columns.names()));
@@ -103,9 +113,16 @@ pub(crate) fn read_own_track(path: &Path, own: &Own, asked: &Asked<'_>) -> Resul
             return Err(one(needed, "", &what, remedy));
         }
     }
+    for (force, place) in asked.beside().iter().flatten().zip(names) {
+        if columns.get(force).is_some() && columns.get(place).is_none() {
+            let what = format!("stands without {place}: a specific force beside positions is along an axis whose position is there");
+            return Err(one(force, "", &what, "both, or neither"));
+        }
+    }
     let inputs = asked.inputs.iter().map(|(_, c, _)| *c);
     let turned = attitude.into_iter().flatten();
-    let present: Vec<&str> = names.into_iter().filter(|c| columns.get(c).is_some()).chain(inputs).chain(turned).collect();
+    let series: Vec<&'static str> = names.into_iter().chain(asked.beside().into_iter().flatten()).collect();
+    let present: Vec<&str> = series.iter().copied().filter(|c| columns.get(c).is_some()).chain(inputs).chain(turned).collect();
     let complete: Vec<bool> =
         (0..columns.rows()).map(|i| present.iter().all(|c| columns.get(c).is_some_and(|x| x[i].is_finite()))).collect();
     let lost = complete.iter().filter(|c| !**c).count();
@@ -113,7 +130,7 @@ pub(crate) fn read_own_track(path: &Path, own: &Own, asked: &Asked<'_>) -> Resul
         let what = match asked.measured {
             Measured::Position => "position",
             Measured::Pose => "position or attitude",
-            Measured::SpecificForce | Measured::Angle => "value",
+            Measured::SpecificForce | Measured::Angle | Measured::PositionAndForce => "value",
         };
         notes.push(format!("{lost} rows with a missing {what} dropped"));
         columns.retain(&complete);
@@ -124,11 +141,10 @@ pub(crate) fn read_own_track(path: &Path, own: &Own, asked: &Asked<'_>) -> Resul
         return Err(one("samples", &t_s.len().to_string(), &what, "a longer track, or a wider window_s"));
     }
     let interval_s = median(&t_s.windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>());
-    let mut file_axes: [Option<Vec<f64>>; 3] = names.map(|c| columns.get(c).map(<[f64]>::to_vec));
-    let (limit, unit) = asked.limit();
-    let per_unit = if asked.measured == Measured::Angle { asked.std.to_degrees() } else { asked.std };
-    for (name, axis) in names.iter().zip(&mut file_axes) {
+    let mut file_axes: Vec<Option<Vec<f64>>> = series.iter().map(|c| columns.get(c).map(<[f64]>::to_vec)).collect();
+    for (name, axis) in series.iter().zip(&mut file_axes) {
         let Some(x) = axis else { continue };
+        let (per_unit, limit, unit) = asked.limit(name);
         if median(x).abs() > limit {
             return Err(one(name, &format!("{:.3} (median)", median(x)), &format!("must be within {limit:e} {unit}"), unit));
         }
@@ -147,13 +163,23 @@ pub(crate) fn read_own_track(path: &Path, own: &Own, asked: &Asked<'_>) -> Resul
     let mut quaternion = attitude.map(|names| names.map(|n| columns.get(n).map_or_else(Vec::new, <[f64]>::to_vec)));
     quaternion.iter_mut().flatten().for_each(keep);
     let attitude = quaternion.map_or_else(Vec::new, |q| (0..t_s.len()).map(|i| [q[0][i], q[1][i], q[2][i], q[3][i]]).collect());
-    let position_m = if asked.measured == Measured::Angle {
-        file_axes.map(|axis| axis.map(|x| x.into_iter().map(f64::to_radians).collect()))
-    } else {
-        let turned = |(axis, sign): (usize, f64)| file_axes[axis].as_ref().map(|x| x.iter().map(|v| sign * v).collect());
+    let along = |first: usize| {
+        let turned = |(axis, sign): (usize, f64)| {
+            file_axes.get(first + axis)?.as_ref().map(|x| x.iter().map(|v| sign * v).collect::<Vec<f64>>())
+        };
         asked.down.tunnel_from_file().map(turned)
     };
-    let record = PointRecord { t_s, position_m, attitude, measured: asked.measured, recorded_inputs, ..PointRecord::default() };
+    let radians = |axis: usize| file_axes[axis].as_ref().map(|x| x.iter().map(|v| v.to_radians()).collect());
+    let position_m = if asked.measured == Measured::Angle { [0, 1, 2].map(radians) } else { along(0) };
+    let record = PointRecord {
+        t_s,
+        position_m,
+        specific_force_m_s2: along(3),
+        attitude,
+        measured: asked.measured,
+        recorded_inputs,
+        ..PointRecord::default()
+    };
     Ok((record, notes))
 }
 

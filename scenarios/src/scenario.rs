@@ -75,8 +75,14 @@ pub fn read_bundled(name: &str) -> Result<ScenarioFile, ReadError> {
     match crate::bundled::bundled(name) {
         Some(text) => parse(&PathBuf::from(format!("{name}.toml (bundled)")), text, name),
         None => {
+            let planets = crate::bundled::PLANETS;
             let near = nearest(name, &crate::bundled::NAMES).unwrap_or("a path that ends in .toml");
-            let what = format!("is neither a file nor a bundled scenario; bundled: {}", crate::bundled::NAMES.join(", "));
+            let what = if planets.contains(&name) {
+                "is a planet scenario, which is flown, flown down and checked only".to_owned()
+            } else {
+                let names = [&crate::bundled::NAMES[..], &planets].concat().join(", ");
+                format!("is neither a file nor a bundled scenario; bundled: {names}")
+            };
             Err(ReadError::Faults(vec![crate::columns::fault(Path::new(name), None, "", "", &what, near)]))
         }
     }

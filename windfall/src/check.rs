@@ -57,6 +57,9 @@ impl Checked {
 /// Every fault of the file; a record that is not what its campaign says it is.
 pub fn check(word: &Path) -> Result<Checked> {
     if is_bundled(word) {
+        if let Some(file) = crate::planet::find(word)? {
+            return Ok(Checked::Planet(Box::new(file)));
+        }
         return Ok(Checked::Scenario(Box::new(Scenario::find(word)?)));
     }
     Ok(match kind_of(word)? {

@@ -75,7 +75,7 @@ pub mod results {
 /// Files of the program: results as JSON, structures, studies' folders.
 pub mod files {
     pub use windfall_scenarios::{
-        BUNDLED, CampaignStore, FileSet, Piece, Store, json_text, key_reference, read_json, read_runs, series_text, settle,
+        BUNDLED, BUNDLED_PLANETS, CampaignStore, FileSet, Piece, Store, json_text, key_reference, read_json, read_runs, series_text, settle,
         text_atomically, write_json_atomically, write_structure,
     };
 }

@@ -5,6 +5,7 @@
 //! groups of 20 ms.
 
 use super::bins::{BIN, Cov, Residual};
+use super::evidence::FLOOR;
 use super::pose::{self, Poses};
 use crate::VerifyError;
 use nalgebra::{DMatrix, DVector};
@@ -39,26 +40,29 @@ pub(super) struct Track {
     scatter_s2: Vec<f64>,
     /// Length of the track over a hundred units, one at least: what steps and tolerances grow with.
     size: f64,
-    /// Standard deviation of one sample as stated; of poses of a position.
+    /// Standard deviation of one sample as stated, of the first channel.
     pub(super) std: f64,
+    /// What residuals of each channel are in units of: one where channels have one unit, else the channel's stated standard deviation.
+    scales: Vec<f64>,
     /// Attitudes of a rigid body.
     poses: Option<Poses>,
     /// Whether `basis` starts with what a steady push leaves.
     pushed: bool,
     /// Times from the first sample, s.
     pub(super) t_s: Vec<f64>,
-    /// Measured channels: tunnel axes, the first alone for an angle; of poses the body's axes after them.
+    /// Measured channels: tunnel axes, the first alone for an angle; of poses the body's axes after them, of positions beside specific
+    /// forces those.
     pub(super) axes: Vec<usize>,
-    /// What was measured, in its unit: one axis after the other.
+    /// What was measured over `scales`: one channel after the other.
     pub(super) measured: DVector<f64>,
-    /// Initial state under the plant that the evidence was made with: positions, then velocities times the duration; for specific forces
-    /// velocities times the duration, then offsets.
+    /// Initial state under the plant that the evidence was made with: positions, then velocities times the duration, then offsets of
+    /// specific forces beside them; for specific forces alone velocities times the duration, then offsets.
     pub(super) start: DVector<f64>,
     /// Orthonormal columns that a change of the initial state spans there.
     pub(super) state_basis: DMatrix<f64>,
     /// Orthonormal columns of what is left, slow to fast.
     pub(super) basis: DMatrix<f64>,
-    /// What a steady push of 1 m/s² along each measured axis leaves in as many first columns of `basis`, m, if it starts so.
+    /// What a steady push of 1 m/s² along each axis of motion leaves in the first columns of `basis`, a column per channel, if it starts so.
     pub(super) push: DMatrix<f64>,
     /// Residual in `basis` there.
     pub(super) laid: DVector<f64>,
@@ -75,7 +79,7 @@ impl Track {
         pushed: bool,
     ) -> Result<Self, VerifyError> {
         let rigid = record.measured == Measured::Pose;
-        let present = |a: &usize| if *a < 3 { record.series()[*a].is_some() } else { rigid };
+        let present = |a: &usize| if rigid && *a > 2 { true } else { record.channel(*a).is_some() };
         let axes: Vec<usize> = (0..6).filter(present).collect();
         let samples = record.t_s.len();
         if axes.is_empty() || samples < 4 {
@@ -87,9 +91,13 @@ impl Track {
         let poses = if rigid { Some(Poses::of(whole, &record).ok_or(VerifyError::NotFlown { run: index })?) } else { None };
         let n = record.t_s.len();
         let t0 = record.t_s[0];
-        let positions = record.series().iter().flatten().flatten().copied();
-        let measured = DVector::from_iterator(axes.len() * n, positions.chain(std::iter::repeat(0.0)).take(axes.len() * n));
-        let reach = measured.iter().map(|x| (x - measured[0]).abs()).fold(0.0, f64::max);
+        let mixed = record.measured == Measured::PositionAndForce;
+        let scale = |a: &usize| if mixed { stated_std(around, record.measured, *a).max(FLOOR) } else { 1.0 };
+        let scales: Vec<f64> = axes.iter().map(scale).collect();
+        let series = axes.iter().zip(&scales).filter_map(|(a, s)| Some(record.channel(*a)?.iter().map(move |x| x / s)));
+        let measured = DVector::from_iterator(axes.len() * n, series.flatten().chain(std::iter::repeat(0.0)).take(axes.len() * n));
+        let places = n * axes.iter().filter(|a| !(mixed && **a > 2)).count();
+        let reach = scales[0] * measured.iter().take(places).map(|x| (x - measured[0]).abs()).fold(0.0, f64::max);
         let empty = DMatrix::zeros(0, 0);
         let mut track = Self {
             index,
@@ -98,10 +106,11 @@ impl Track {
             size: (reach / 100.0).max(1.0),
             std: stated_std(around, record.measured, 0),
             poses,
-            pushed: pushed && matches!(record.measured, Measured::Position | Measured::Pose),
+            pushed: pushed && matches!(record.measured, Measured::Position | Measured::Pose | Measured::PositionAndForce),
+            scales,
             inputs: inputs.to_vec(),
             t_s: record.t_s.iter().map(|t| t - t0).collect(),
-            start: DVector::zeros(2 * axes.len()),
+            start: DVector::zeros(0),
             record,
             axes,
             measured,
@@ -120,6 +129,31 @@ impl Track {
         self.record.measured
     }
 
+    /// Channels that are a motion, with a place and a velocity in the initial state; the others have an offset in it.
+    fn motions(&self) -> usize {
+        self.axes.iter().filter(|a| !self.is_beside(**a)).count()
+    }
+
+    /// Whether a channel is a specific force beside positions.
+    fn is_beside(&self, axis: usize) -> bool {
+        self.kind() == Measured::PositionAndForce && axis > 2
+    }
+
+    /// Residual of its `k`-th channel in the channel's unit.
+    pub(super) fn channel_of(&self, e: &DVector<f64>, k: usize) -> Vec<f64> {
+        let n = self.t_s.len();
+        e.as_slice()[k * n..(k + 1) * n].iter().map(|x| x * self.scales[k]).collect()
+    }
+
+    /// Sum of squares of a residual over all positions and angles, or over the specific forces beside them, in the channels' units, and how
+    /// many there are.
+    pub(super) fn squares(&self, e: &DVector<f64>, beside: bool) -> (f64, f64) {
+        let places = self.motions() * self.t_s.len();
+        let (from, count) = if beside { (places, e.len() - places) } else { (0, places) };
+        let scale = if beside { self.scales.last() } else { self.scales.first() }.copied().unwrap_or(1.0);
+        (scale * scale * e.rows(from, count).norm_squared(), count as f64)
+    }
+
     /// Run inputs that were recorded row by row, averaged.
     pub(super) fn recorded_inputs(&self) -> &[(usize, Vec<f64>)] {
         &self.record.recorded_inputs
@@ -134,7 +168,7 @@ impl Track {
     pub(super) fn own(&self, plant: &Plant) -> Plant {
         let mut own = self.record.plant(plant, self.index, &self.inputs);
         let a = own.point.acceleration.to_array();
-        if self.axes.len() < 3 {
+        if self.motions() < 3 {
             own.point.side_per_input.clear();
             own.point.side_constant = 0.0;
         }
@@ -167,22 +201,25 @@ impl Track {
         Some(())
     }
 
-    /// Orthonormal bases: of the initial state, and of what is left, first what a push leaves and then cosines from slow to fast.
+    /// Orthonormal bases: of the initial state, and of what is left, first what a push leaves and then cosines from slow to fast. Of a
+    /// specific force beside positions a constant alone is the initial state's, so that its cosines begin an order earlier.
     pub(super) fn lay_bases(&mut self, of_state: &DMatrix<f64>, of_push: Option<&DMatrix<f64>>) {
         let states = of_state.ncols();
         let (n, end) = (self.t_s.len(), self.duration_s());
         let first = usize::from(of_push.is_some());
         // Of poses a few slow numbers are all that counts (`scatter`).
-        let last = if self.poses.is_some() { 2 + BIN / self.axes.len() } else { n } - first;
-        let count = states + (last + first - 2) * self.axes.len();
-        let mut columns = DMatrix::zeros(self.measured.len(), count);
+        let orders = if self.poses.is_some() { BIN / self.axes.len() } else { n - 2 };
+        let mut columns = DMatrix::zeros(self.measured.len(), states + orders * self.axes.len());
         columns.columns_mut(0, states).copy_from(of_state);
-        if let Some(pushed) = of_push {
-            columns.columns_mut(states, self.axes.len()).copy_from(pushed);
-        }
-        for k in 2..last {
-            for a in 0..self.axes.len() {
-                let mut column = columns.column_mut(states + (k - 2 + first) * self.axes.len() + a);
+        for order in 0..orders {
+            for (a, &axis) in self.axes.iter().enumerate() {
+                let mut column = columns.column_mut(states + order * self.axes.len() + a);
+                let beside = self.is_beside(axis);
+                if let Some(pushed) = of_push.filter(|_| order == 0 && !beside) {
+                    column.copy_from(&pushed.column(a));
+                    continue;
+                }
+                let k = order + if beside { 1 } else { 2 - first };
                 for (i, t) in self.t_s.iter().enumerate() {
                     column[a * n + i] = (std::f64::consts::PI * k as f64 * t / end).cos();
                 }
@@ -222,11 +259,12 @@ impl Track {
         let (n, terms) = if swings { ((all / FIRST_SHARE).max(8).min(all), 4) } else { (all, 3) };
         let powers = DMatrix::from_fn(n, terms, |i, k| (self.t_s[i] / end).powi(k as i32));
         let svd = powers.svd(true, true);
-        let mut theta = DVector::zeros(2 * self.axes.len());
-        for a in 0..self.axes.len() {
+        let moves = self.motions();
+        let mut theta = DVector::zeros(moves + self.axes.len());
+        for a in 0..moves {
             let c = svd.solve(&self.measured.rows(a * all, n), 1e-12).ok()?;
-            theta[a] = c[0];
-            theta[self.axes.len() + a] = c[1];
+            theta[a] = self.scales[a] * c[0];
+            theta[moves + a] = self.scales[a] * c[1];
         }
         Some(theta)
     }
@@ -234,9 +272,9 @@ impl Track {
     /// Position and velocity (tunnel axes, or angle and rate) of an initial state.
     pub(super) fn state(&self, theta: &DVector<f64>) -> ([f64; 3], [f64; 3]) {
         let (mut p, mut v) = ([0.0; 3], [0.0; 3]);
-        let m = self.axes.len();
+        let m = self.motions();
         let of_force = self.kind() == Measured::SpecificForce;
-        for (k, &axis) in self.axes.iter().enumerate().take(3) {
+        for (k, &axis) in self.axes.iter().enumerate().take(m.min(3)) {
             p[axis] = if of_force { 0.0 } else { theta[k] };
             v[axis] = theta[if of_force { k } else { m + k }] / self.duration_s();
         }
@@ -258,26 +296,29 @@ impl Track {
         }
         let states = self.states(own, theta)?;
         let longer = 1.0 + own.sensors.length_scale;
-        let m = self.axes.len();
+        let m = self.motions();
         let mut out = DVector::zeros(self.measured.len());
         let mut own = own.clone();
-        for (k, &axis) in self.axes.iter().enumerate() {
+        for (k, &channel) in self.axes.iter().enumerate() {
+            let axis = channel % 3;
+            let force = self.kind().is_force(channel);
             for (i, s) in states.iter().enumerate() {
                 let mean = s.position[axis] + 0.5 * s.acceleration[axis] * self.scatter_s2[i];
-                out[k * states.len() + i] = match self.kind() {
-                    Measured::Position if axis == 0 && own.point.altimeter => {
+                let value = match self.kind() {
+                    _ if force => {
+                        let gravity = if axis == 0 { own.environment.gravity_m_s2 } else { 0.0 };
+                        s.acceleration[axis] - gravity + theta[m + k]
+                    }
+                    Measured::Angle => mean,
+                    _ if axis == 0 && own.point.altimeter => {
                         for (place, series) in self.recorded_inputs() {
                             own.point.inputs[*place] = series[i];
                         }
                         longer * mean - own.altimeter_error_m(Vec3::from_array(s.velocity))
                     }
-                    Measured::Position | Measured::Pose => longer * mean,
-                    Measured::Angle => mean,
-                    Measured::SpecificForce => {
-                        let gravity = if axis == 0 { own.environment.gravity_m_s2 } else { 0.0 };
-                        s.acceleration[axis] - gravity + theta[m + k]
-                    }
+                    _ => longer * mean,
                 };
+                out[k * states.len() + i] = value / self.scales[k];
             }
         }
         Some(out)
@@ -292,8 +333,9 @@ impl Track {
             Measured::Pose => 3,
             _ => 0,
         };
-        let mut jacobian = DMatrix::zeros(self.measured.len(), 2 * m);
-        for a in 0..2 * m {
+        let states = self.motions() + m;
+        let mut jacobian = DMatrix::zeros(self.measured.len(), states);
+        for a in 0..states {
             if a < placeless {
                 jacobian.column_mut(a).rows_mut(a * n, n).fill(1.0 + own.sensors.length_scale);
                 continue;
@@ -309,8 +351,8 @@ impl Track {
         Some((self.flown(own, theta)?, jacobian))
     }
 
-    /// Change of what is recorded with a steady push along each measured tunnel axis, per m/s², and of poses with a steady turn about each
-    /// body axis, per rad/s²: central differences.
+    /// Change of what is recorded with a steady push along each tunnel axis whose position was measured, per m/s², and of poses with a steady
+    /// turn about each body axis, per rad/s²: central differences.
     fn push_columns(&self, own: &Plant, theta: &DVector<f64>) -> Option<DMatrix<f64>> {
         let step = if self.poses.is_some() { POSE_PUSH_STEP } else { PUSH_STEP };
         let at = |axis: usize, by: f64| {
@@ -326,7 +368,7 @@ impl Track {
             self.flown(&moved, theta)
         };
         let slope = |axis: &usize| Some((at(*axis, step)? - at(*axis, -step)?) / (2.0 * step));
-        Some(DMatrix::from_columns(&self.axes.iter().map(slope).collect::<Option<Vec<_>>>()?))
+        Some(DMatrix::from_columns(&self.axes.iter().take(self.motions()).map(slope).collect::<Option<Vec<_>>>()?))
     }
 
     /// Time, speed and what else residuals may vary with, at every sample; `evidence` names them.
@@ -454,7 +496,8 @@ pub(crate) fn stated_std(plant: &Plant, kind: Measured, channel: usize) -> f64 {
     match kind {
         Measured::Pose if channel == 3 => plant.sensors.roll_std_rad,
         Measured::Pose if channel > 3 => plant.sensors.pitch_yaw_std_rad,
-        Measured::Position | Measured::Pose => plant.sensors.position_std_m,
+        Measured::PositionAndForce if channel > 2 => plant.sensors.specific_force_std_m_s2,
+        Measured::Position | Measured::Pose | Measured::PositionAndForce => plant.sensors.position_std_m,
         Measured::SpecificForce => plant.sensors.specific_force_std_m_s2,
         Measured::Angle => plant.sensors.angle_std_rad,
     }
@@ -471,6 +514,7 @@ fn averaged(record: &PointRecord, group: usize) -> (PointRecord, Vec<f64>) {
     let scatter = |(c, m): (&[f64], &f64)| c.iter().map(|t| (t - m).powi(2)).sum::<f64>() / group as f64;
     let scatter_s2 = record.t_s.chunks_exact(group).zip(&t_s).map(scatter).collect();
     let position_m = record.series().each_ref().map(|s| s.as_deref().map(mean));
+    let specific_force_m_s2 = record.specific_force_m_s2.each_ref().map(|s| s.as_deref().map(mean));
     let recorded_inputs = record.recorded_inputs.iter().map(|(i, u)| (*i, mean(u))).collect();
-    (PointRecord { t_s, position_m, recorded_inputs, ..record.clone() }, scatter_s2)
+    (PointRecord { t_s, position_m, specific_force_m_s2, recorded_inputs, ..record.clone() }, scatter_s2)
 }
