@@ -21,7 +21,13 @@ fn main() {
         }
         match engine.climb(&model, true, 20) {
             Ok(f) => {
-                println!("{spec}: LL {:.1} total {:.1} chi {:.3} {}", f.log_likelihood, f.total, f.chi, f.stop.words());
+                println!(
+                    "{spec}: LL {:.1} total {:.1} chi {:.3} {}",
+                    f.log_likelihood,
+                    f.total,
+                    f.chi,
+                    f.stop.words(windfall_pid::SearchKind::Likelihood)
+                );
                 println!("  channels {:?}", f.channels.iter().map(|c| (c[2] * 1e3).round() / 1e3).collect::<Vec<_>>());
                 for (i, n) in f.numbers.iter().enumerate() {
                     let sd = f.covariance[(i, i)].sqrt();

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use windfall_model::{Campaign, Constant, Data, Plant, Record};
+use windfall_pid::StopReason;
 
 /// Runs of a campaign made ready, with their noise.
 #[derive(Clone, Debug)]
@@ -47,38 +48,7 @@ pub struct Fit {
     /// Per channel: mean square of the innovations, of what is expected of them, of both's ratio, and count.
     pub channels: [[f64; 4]; CHANNELS],
     /// Why it ended.
-    pub stop: Stop,
-}
-
-/// Why a climb ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Stop {
-    /// The next step is a small part of the standard errors.
-    Converged,
-    /// No shorter step raises the likelihood.
-    NoAscent,
-    /// The number of steps allowed is used up.
-    Iterations,
-    /// With these numbers the model departs in that run at that time, s.
-    Departs {
-        /// Index of the run.
-        run: usize,
-        /// Time in it, s.
-        t_s: f64,
-    },
-}
-
-impl Stop {
-    /// In words.
-    #[must_use]
-    pub fn words(self) -> String {
-        match self {
-            Self::Converged => "converged".to_owned(),
-            Self::NoAscent => "no shorter step raises the likelihood".to_owned(),
-            Self::Iterations => "the number of steps allowed is used up".to_owned(),
-            Self::Departs { run, t_s } => format!("with these parameters {}", Departed { run, t_s }.words()),
-        }
-    }
+    pub stop: StopReason,
 }
 
 /// Key of the instant at which a pose is taken within its sample interval: known to half of that interval where nothing is declared.
@@ -223,7 +193,7 @@ impl Engine {
                 })
             };
             let value = |u: &[f64]| self.with_noise(at(u)).sum(model, &[], &[]).map_or(1e300, |s| -s.log_likelihood);
-            let (best, _) = windfall_pid::simplex::minimise(value, &[0.5, 0.5], 0.15, 25);
+            let best = windfall_pid::simplex::minimise(value, &[0.5, 0.5], 0.15, 25).at;
             self.noise = at(&best);
         }
         if let Ok(sum) = self.sum(model, &[], &[]) {
@@ -370,16 +340,16 @@ impl Engine {
     pub fn climb(&self, model: &Model, shapes: bool, most: usize) -> Result<Fit, Departed> {
         let mut model = model.clone();
         let (mut gram, mut chi) = self.gram(&model, self.free(&model, shapes))?;
-        let mut stop = Stop::Iterations;
+        let mut stop = StopReason::Iterations;
         let most = if self.is_exhausted() { most.min(FEW) } else { most };
         for _ in 0..most {
             let Some((_, step, covariance)) = gram.laplace() else {
-                stop = Stop::NoAscent;
+                stop = StopReason::NoDescent;
                 break;
             };
             let largest = (0..step.len()).map(|i| step[i].abs() / covariance[(i, i)].sqrt().max(1e-300)).fold(0.0, f64::max);
             if largest < SMALL {
-                stop = Stop::Converged;
+                stop = StopReason::Converged;
                 break;
             }
             let here = gram.log_likelihood - penalty(&gram.numbers);
@@ -387,8 +357,8 @@ impl Engine {
                 Ok(next) => next,
                 Err(departed) => {
                     stop = match departed {
-                        Some(d) if largest > 10.0 => Stop::Departs { run: d.run, t_s: d.t_s },
-                        _ => Stop::NoAscent,
+                        Some(d) if largest > 10.0 => StopReason::Departs { run: d.run, t_s: d.t_s },
+                        _ => StopReason::NoDescent,
                     };
                     break;
                 }
@@ -396,7 +366,7 @@ impl Engine {
             let gained = g.log_likelihood - penalty(&g.numbers) - here;
             (model, gram, chi) = (next, g, c);
             if gained < 0.02 {
-                stop = Stop::Converged;
+                stop = StopReason::Converged;
                 break;
             }
         }

@@ -63,7 +63,7 @@ pub struct Departed {
 impl Departed {
     /// In words.
     pub fn words(self) -> String {
-        format!("the model departs at {:.2} s of run {}", self.t_s, self.run + 1)
+        windfall_pid::departure(self.run, self.t_s)
     }
 }
 

@@ -26,6 +26,7 @@ mod scenario;
 mod sensors;
 pub mod study;
 mod tether;
+mod unknowns;
 mod vehicle;
 
 pub use aero::{Aero, Coefficient, Contribution, Factor, Structure, Term, Wrench, wrench_at_cm};
@@ -47,4 +48,5 @@ pub use run_use::Use;
 pub use scenario::{Flight, Integrator, Numerics, Operator, Release, Scenario, TestSection, TunnelSpeed};
 pub use sensors::Sensors;
 pub use tether::{Line, Tether};
+pub use unknowns::{Freedom, Transform, Unknown, UnknownId, Unknowns};
 pub use vehicle::{ApparentMass, Inertia, LooseMass, Vehicle};

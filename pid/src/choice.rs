@@ -3,9 +3,9 @@
 use crate::error::PidError;
 use crate::identification::Identification;
 use crate::identify::{Method, identify_by};
-use crate::output_error::{CHANNELS, EstimateOptions, NOT_NOISE, StopReason};
+use crate::output_error::{CHANNELS, EstimateOptions, NOT_NOISE};
 use crate::plant::{PROCESS_NOISE, TURBULENCE};
-use crate::{filter_error, output_error};
+use crate::{StopReason, filter_error, output_error};
 use windfall_model::Campaign;
 
 /// Channels that test the declared model; the tunnel speed, the last, tests the smoothness that it is taken to have.
@@ -72,7 +72,7 @@ fn by_filter(left: &str, mut found: Identification) -> Identification {
 
 /// True for a search that ended without an answer although the model flies.
 fn searched(e: &PidError) -> bool {
-    matches!(e, PidError::NoAnswer { reason, .. } if *reason != StopReason::FlightFails.words())
+    matches!(e, PidError::NoAnswer { stop, .. } if *stop != StopReason::FlightFails)
 }
 
 fn because(mut found: Identification, reason: String) -> Identification {

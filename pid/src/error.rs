@@ -1,5 +1,6 @@
 //! pid: what can go wrong. In: the fault. Out: where, what, value, what is allowed, what to try.
 
+use crate::stop::{SearchKind, StopReason};
 use thiserror::Error;
 
 /// Why a record or campaign cannot be identified.
@@ -138,15 +139,15 @@ pub enum PidError {
         allowed: String,
     },
     /// A search ended without an answer.
-    #[error("campaign {campaign}, data set {set}, method {method}: {reason}")]
+    #[error("campaign {campaign}, data set {set}, method {}: {}", .search.name(), .stop.words(*.search))]
     NoAnswer {
         /// Campaign name.
         campaign: String,
         /// Data set.
         set: String,
-        /// Method.
-        method: &'static str,
-        /// Why, and what to try.
-        reason: &'static str,
+        /// Which search.
+        search: SearchKind,
+        /// Why it ended.
+        stop: StopReason,
     },
 }

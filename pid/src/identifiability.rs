@@ -10,10 +10,11 @@ use crate::error::PidError;
 use crate::identification::ALL_RUNS;
 use crate::identify::{Method, identify_with};
 use crate::information::{Correlation, Identifiability};
-use crate::output_error::{EstimateOptions, PreparedRun, Unknowns, ready, run_plants, sensitivities};
+use crate::output_error::{EstimateOptions, FreeColumns, PreparedRun, ready, run_plants, sensitivities, unknowns};
 use crate::smooth::Smoother;
+use crate::{SearchKind, StopReason};
 use nalgebra::DMatrix;
-use windfall_model::Campaign;
+use windfall_model::{Campaign, Unknowns};
 
 /// Share of the largest singular value below which a combination of parameters counts as not told at all.
 const RANK_TOLERANCE: f64 = 1e-10;
@@ -29,29 +30,29 @@ const REPORTED: f64 = 0.9;
 pub fn identifiability(campaign: &Campaign, options: &EstimateOptions) -> Result<Identifiability, PidError> {
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;
-    let mut unknowns = Unknowns::new(campaign, options)?;
+    let mut unknowns = unknowns(campaign, options)?;
     if unknowns.free() == 0 {
         return Err(PidError::NothingToEstimate { campaign: campaign.name.clone() });
     }
     if let Ok(first) = identify_with(campaign, Method::EquationError, &Smoother::Auto)
         && let Some(set) = first.of_all_runs()
     {
-        unknowns.start(&set.values(&campaign.plant.aero.structure, &unknowns.parameters));
+        unknowns.start(&set.values(&campaign.plant.aero.structure, &unknowns.parameters()));
     }
     of_runs(&runs, &unknowns).ok_or_else(|| PidError::NoAnswer {
         campaign: campaign.name.clone(),
         set: ALL_RUNS.to_owned(),
-        method: "identifiability",
-        reason: crate::output_error::StopReason::FlightFails.words(),
+        search: SearchKind::Identifiability,
+        stop: StopReason::FlightFails,
     })
 }
 
 /// Examines runs made ready, at these unknowns; `None` where the flight cannot go on.
 pub(crate) fn of_runs(runs: &[PreparedRun<'_>], unknowns: &Unknowns) -> Option<Identifiability> {
-    let (c, mut work) = (unknowns.columns(), Transition::default());
+    let (c, mut work) = (FreeColumns::of(unknowns), Transition::default());
     let one = |run: &PreparedRun<'_>| run.linearise(&run.smoothed, &c, &run.noise_std.map(|s| s.max(1e-9)), &mut work);
     let linear: Vec<_> = runs.iter().map(one).collect::<Option<_>>()?;
-    Some(examine(sensitivities(&linear, c.free), &unknowns.names, &unknowns.values()))
+    Some(examine(sensitivities(&linear, c.free), &unknowns.names(), &unknowns.values()))
 }
 
 /// Examines sensitivities, a row per whitened measurement.

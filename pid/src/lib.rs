@@ -27,6 +27,7 @@ pub mod regress;
 pub mod simplex;
 pub mod smooth;
 pub mod states;
+mod stop;
 pub mod structure;
 pub mod tether_fit;
 
@@ -38,3 +39,4 @@ pub use identification::{CoefficientFit, Curve, DataSet, Estimate, Held, Identif
 pub use identify::{Method, RunRows, estimated, identify, identify_by, identify_with, process};
 pub use information::{Correlation, Identifiability};
 pub use interval::{NORMAL_95, relative_percent};
+pub use stop::{SearchKind, StopReason, departure};

@@ -10,11 +10,12 @@ use crate::choice::identify_chosen;
 use crate::equations::{Craft, Drive, Extra, INPUTS, STATES, Segment, Transition, TunnelAir, origin};
 use crate::error::PidError;
 use crate::filter_error::{Filter, NONE_M_S, Random};
-use crate::output_error::{CHANNELS, EstimateOptions, FreeColumns, NODE, PreparedRun, SPEED, Unknowns, ready, run_plants};
+use crate::output_error::{CHANNELS, EstimateOptions, FreeColumns, NODE, PreparedRun, SPEED, ready, run_plants, unknowns};
 use crate::plant::START_SCALE_M;
+use crate::{SearchKind, StopReason};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
-use windfall_model::{Campaign, Plant, Record, Turbulence};
+use windfall_model::{Campaign, Plant, Record, Turbulence, Unknowns};
 
 /// Release angles tried, deg.
 const RELEASES_DEG: [f64; 8] = [2.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0];
@@ -105,9 +106,9 @@ pub struct Choice {
 pub fn plan(campaign: &Campaign, targets: &[Target], between_s: f64) -> Result<TestPlan, PidError> {
     let options = EstimateOptions { combined_only: true, ..EstimateOptions::default() };
     let found = identify_chosen(campaign, &options)?;
-    let mut unknowns = Unknowns::new(campaign, &options)?;
+    let mut unknowns = unknowns(campaign, &options)?;
     let set = found.of_all_runs().ok_or_else(|| PidError::NothingToEstimate { campaign: campaign.name.clone() })?;
-    unknowns.start(&set.values(&campaign.plant.aero.structure, &unknowns.parameters));
+    unknowns.start(&set.values(&campaign.plant.aero.structure, &unknowns.parameters()));
     let found_gusts = set.plant(&Plant { turbulence: Turbulence::default(), ..campaign.plant.clone() })?.turbulence;
     let scale = |m: f64| if m > 0.0 { m } else { START_SCALE_M };
     let turbulence = Turbulence {
@@ -183,10 +184,11 @@ impl<'s> Scene<'s> {
 
     /// Speed at which the level model hovers, by bisection: drag grows with speed.
     fn trim(&self, craft: &Craft<'_>) -> Result<f64, PidError> {
+        let parameters = self.unknowns.parameters();
         let mut terms = vec![0.0; craft.terms.acts.len()];
         let mut sinks = |vw_m_s: f64| {
             let air = TunnelAir { t_s: 0.0, density_kg_m3: self.density(), vw_m_s, vw_rate_m_s2: 0.0 };
-            let rate = craft.rate(&[0.0; STATES], air, &Extra::default(), &self.unknowns.parameters, &mut terms);
+            let rate = craft.rate(&[0.0; STATES], air, &Extra::default(), &parameters, &mut terms);
             rate.is_some_and(|r| r[6] > 0.0)
         };
         let (mut low, mut high) = (0.01, 300.0);
@@ -208,8 +210,8 @@ impl<'s> Scene<'s> {
             let seen = self.information(run, &[f64::INFINITY]).ok_or_else(|| PidError::NoAnswer {
                 campaign: run.name.to_owned(),
                 set: run.name.to_owned(),
-                method: "plan",
-                reason: crate::output_error::StopReason::FlightFails.words(),
+                search: SearchKind::Plan,
+                stop: StopReason::FlightFails,
             })?;
             sum += &seen[0];
         }
@@ -237,12 +239,13 @@ impl<'s> Scene<'s> {
         let mut constant = vec![0.0; INPUTS * SPEED];
         constant[0] = 1.0;
         let drive = Drive { states: SPEED, at: vec![constant; 2 * steps + 1] };
-        let none = vec![None; self.unknowns.parameters.len()];
+        let parameters = self.unknowns.parameters();
+        let none = vec![None; parameters.len()];
         let density = vec![self.density(); steps + 1];
         let segment = Segment {
             craft: &craft,
             drive: &drive,
-            parameters: &self.unknowns.parameters,
+            parameters: &parameters,
             columns: &none,
             free: 0,
             start_s: 0.0,
@@ -281,7 +284,7 @@ impl<'s> Scene<'s> {
 
     /// Information on the free parameters of a run's first part, for each length, s.
     fn information(&self, run: &PreparedRun<'_>, lengths_s: &[f64]) -> Option<Vec<DMatrix<f64>>> {
-        let c: FreeColumns<'_> = self.unknowns.columns();
+        let c = FreeColumns::of(self.unknowns);
         let random = Random { turbulence: self.turbulence, turning: [0.0; 2] };
         let seen = Filter::new(run, self.noise).run(&random, &c, &mut Transition::default())?;
         let mut m = DMatrix::<f64>::zeros(c.free, c.free);
@@ -302,7 +305,7 @@ impl<'s> Scene<'s> {
 
     fn target(&self, target: &Target, now: &DMatrix<f64>, kinds: &[Kind], between_s: f64) -> Result<TargetPlan, PidError> {
         let fault = |what| PidError::Unknown { what, name: target.parameter.clone() };
-        let names = &self.unknowns.names;
+        let names = self.unknowns.names();
         let column =
             names.iter().position(|n| *n == target.parameter).ok_or_else(|| fault("target that is no free parameter"))?;
         let estimate = self.unknowns.values()[column];

@@ -1,8 +1,22 @@
 //! pid: downhill simplex (Nelder and Mead 1965) on the unit cube. In: a function and a start. Out: the best place met.
 
+use crate::StopReason;
+
+/// The best place met.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Minimum {
+    /// Where, each in [0, 1].
+    pub at: Vec<f64>,
+    /// Value there.
+    pub value: f64,
+    /// [`StopReason::Converged`] when the simplex had shrunk to a thousandth of the cube's side, [`StopReason::Iterations`] when the
+    /// evaluations were used up first.
+    pub stop: StopReason,
+}
+
 /// Smallest value found within `evaluations` calls, and where. Places outside the cube are drawn to its nearest face.
 #[must_use]
-pub fn minimise(mut f: impl FnMut(&[f64]) -> f64, start: &[f64], reach: f64, evaluations: usize) -> (Vec<f64>, f64) {
+pub fn minimise(mut f: impl FnMut(&[f64]) -> f64, start: &[f64], reach: f64, evaluations: usize) -> Minimum {
     let n = start.len();
     let mut used = 0;
     let mut call = |x: &mut Vec<f64>| {
@@ -19,7 +33,7 @@ pub fn minimise(mut f: impl FnMut(&[f64]) -> f64, start: &[f64], reach: f64, eva
         let (value, _) = call(&mut x);
         corners.push((x, value));
     }
-    loop {
+    let stop = loop {
         corners.sort_by(|a, b| a.1.total_cmp(&b.1));
         let size = (0..n).map(|i| (corners[n].0[i] - corners[0].0[i]).abs()).fold(0.0, f64::max);
         let centre: Vec<f64> = (0..n).map(|i| corners[..n].iter().map(|c| c.0[i]).sum::<f64>() / n as f64).collect();
@@ -28,7 +42,7 @@ pub fn minimise(mut f: impl FnMut(&[f64]) -> f64, start: &[f64], reach: f64, eva
         let (value, count) = call(&mut reflected);
         if count >= evaluations || size < 1e-3 {
             corners.push((reflected, value));
-            break;
+            break if size < 1e-3 { StopReason::Converged } else { StopReason::Iterations };
         }
         let tried = if value < corners[0].1 {
             let mut further = along(-2.0);
@@ -51,22 +65,28 @@ pub fn minimise(mut f: impl FnMut(&[f64]) -> f64, start: &[f64], reach: f64, eva
                 *c = (x, value);
             }
         }
-    }
-    corners.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((start.to_vec(), f64::INFINITY))
+    };
+    let (at, value) = corners.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((start.to_vec(), f64::INFINITY));
+    Minimum { at, value, stop }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::*;
+
     /// A quadratic bowl off the middle: its minimum within the simplex' last size (a thousandth) in 200 calls.
     #[test]
     fn exact_bowl() {
         let f = |x: &[f64]| (x[0] - 0.3).powi(2) + 4.0 * (x[1] - 0.8).powi(2) + (x[0] - 0.3) * (x[1] - 0.8);
-        let (x, v) = super::minimise(f, &[0.9, 0.1], 0.2, 200);
-        assert!((x[0] - 0.3).abs() < 2e-3 && (x[1] - 0.8).abs() < 2e-3 && v < 1e-5, "{x:?} {v}");
+        let found = super::minimise(f, &[0.9, 0.1], 0.2, 200);
+        let Minimum { at: x, value, stop } = &found;
+        assert!((x[0] - 0.3).abs() < 2e-3 && (x[1] - 0.8).abs() < 2e-3 && *value < 1e-5, "{found:?}");
+        assert_eq!(*stop, StopReason::Converged);
+        assert_eq!(super::minimise(f, &[0.9, 0.1], 0.2, 20).stop, StopReason::Iterations);
     }
     #[test]
     fn exact_minimum_on_a_face() {
-        let (x, _) = super::minimise(|x| x[0] + (x[1] - 0.5).powi(2), &[0.5, 0.2], 0.2, 200);
+        let x = super::minimise(|x| x[0] + (x[1] - 0.5).powi(2), &[0.5, 0.2], 0.2, 200).at;
         assert!(x[0] < 1e-3 && (x[1] - 0.5).abs() < 0.03, "{x:?}");
     }
 }

@@ -10,11 +10,14 @@ use windfall_verify::campaign_of;
 /// Runs of the scenario that make 67 s.
 const RUNS: usize = 3;
 
-fn flown(family: Option<(&str, &[f64])>, times: usize) -> Option<Campaign> {
+/// A family of the catalogue and the values of its parameters.
+type Undeclared<'a> = (&'a str, &'a [f64]);
+
+fn flown(undeclared: Option<Undeclared<'_>>, times: usize) -> Option<Campaign> {
     let scenario = windfall_scenarios::read_bundled("sage-combined").ok()?.scenario;
     let flights: Vec<_> = scenario.flights.iter().take(RUNS).cycle().take(RUNS * times).collect();
     let mut plant = scenario.plant.clone();
-    if let Some((family, values)) = family {
+    if let Some((family, values)) = undeclared {
         (CATALOGUE.iter().find(|e| e.family == family)?.apply)(&mut plant, values);
     }
     let one = |(k, flight)| fly(&plant, flight, Seed { campaign: 1, run: k as u64 }).ok().map(|f| f.record);
@@ -46,16 +49,16 @@ fn searched(campaign: &Campaign) -> (f64, String) {
 
 fn main() {
     let Ok(one) = rayon::ThreadPoolBuilder::new().num_threads(1).build() else { return };
-    let cases: [(&str, Option<(&str, &[f64])>, &[usize]); 3] = [
+    let cases: [(&str, Option<Undeclared<'_>>, &[usize]); 3] = [
         ("nothing undeclared", None, &[1, 4, 16]),
         ("center-of-mass", Some(("center-of-mass", &[0.0, 0.002, -0.003])), &[1, 4, 16]),
         ("turbulence", Some(("turbulence", &[0.1, 0.1, 0.6, 0.6, 0.0])), &[1, 4]),
     ];
     one.install(|| {
-        for (name, family, times) in cases {
+        for (name, undeclared, times) in cases {
             let mut first = None;
             for &n in times {
-                let Some(campaign) = flown(family, n) else { continue };
+                let Some(campaign) = flown(undeclared, n) else { continue };
                 let (seconds, names) = searched(&campaign);
                 let of = seconds / *first.get_or_insert(seconds);
                 let memory = memory_mb().map_or(String::new(), |m| format!(", {m:.0} MB at most so far"));

@@ -1,7 +1,7 @@
 //! verify: what can go wrong. Out: one enum with the place, the value and what to try.
 
 use thiserror::Error;
-use windfall_pid::PidError;
+use windfall_pid::{PidError, SearchKind, StopReason};
 use windfall_sim::SimError;
 
 /// Errors of this room.
@@ -67,12 +67,12 @@ pub enum VerifyError {
         words: String,
     },
     /// A fit that has no answer.
-    #[error("the declared model cannot be fitted to `{campaign}`: {reason}; check units, or declare fewer parameters")]
+    #[error("the declared model cannot be fitted to `{campaign}`: {}; check units, or declare fewer parameters", .stop.words(SearchKind::Tracks))]
     Fit {
         /// Name of the campaign.
         campaign: String,
         /// Why.
-        reason: &'static str,
+        stop: StopReason,
     },
     /// A method that does not exist.
     #[error("there is no method `{name}`; try: {allowed}")]

@@ -16,12 +16,12 @@ use statistics::{Squares, table_5_6};
 use windfall_model::frames::Vec3;
 use windfall_model::{Campaign, Data, Plant, Run, wrench_at_cm};
 use windfall_pid::coefficients::coefficients;
-use windfall_pid::{Identification, rates_and_angles};
+use windfall_pid::{Identification, StopReason, rates_and_angles};
 use windfall_sim::Seed;
 
 pub use bands::Band;
 pub(crate) use bands::root as covariance_root;
-pub use initial::{Initial, InitialStop, estimate_initial};
+pub use initial::{Initial, estimate_initial};
 pub use replay::{Replay, fly_like};
 
 pub use statistics::{Statistic, Swing, TrajectoryError};
@@ -59,7 +59,7 @@ pub struct RunComparison {
     /// That span from the first sample, s: the run's duration for a model that follows the run to the end.
     pub initial_span_s: f64,
     /// How the estimation of the initial state ended.
-    pub initial: InitialStop,
+    pub initial: StopReason,
     /// Duration of the run, s.
     pub duration_s: f64,
     /// How far the model could be flown, s; shorter than the run when the flight failed.

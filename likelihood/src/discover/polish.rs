@@ -2,9 +2,10 @@
 
 use super::weigh::{SURE, Weighed, weigh, with_set};
 use super::{describe, score};
-use crate::engine::{Engine, Fit, Stop};
+use crate::engine::{Engine, Fit};
 use crate::model::Model;
 use windfall_model::Role;
+use windfall_pid::{SearchKind, StopReason};
 
 /// Rounds of fitting and weighing again.
 pub(super) const ROUNDS: usize = 6;
@@ -37,7 +38,7 @@ pub(super) fn polish(engine: &Engine, mut model: Model, floor: f64, log: &mut Ve
             "  round {round} ({:.0}): {here:.1} chi {:.3} {} | {} -> {a}",
             engine.passes(),
             fit.chi,
-            fit.stop.words(),
+            fit.stop.words(SearchKind::Likelihood),
             describe(&fit.model)
         ));
         if round >= 1 && here < floor - HOPELESS {
@@ -204,8 +205,9 @@ pub(super) fn without_idle(engine: &Engine, fit: Fit) -> Fit {
         without.members.remove(k);
         let less = engine.climb(&without, false, 4);
         // From far away, but not lost: to the end.
-        let less =
-            less.and_then(|f| if f.stop == Stop::Iterations && f.chi < NEAR { engine.climb(&f.model, false, 12) } else { Ok(f) });
+        let less = less.and_then(|f| {
+            if f.stop == StopReason::Iterations && f.chi < NEAR { engine.climb(&f.model, false, 12) } else { Ok(f) }
+        });
         if let Ok(less) = less
             && score(engine, &less) > score(engine, &fit) - SURE
         {

@@ -7,6 +7,7 @@ use crate::engine::{Engine, Fit};
 use crate::model::{Member, Model, catalogue};
 use crate::shock::{Shock, expected_beyond};
 use windfall_model::Role;
+use windfall_pid::SearchKind;
 
 /// Sizes of a random input that are tried, as shares of the largest plausible (turbulence: 2 m/s).
 pub(super) const LEVELS: [f64; 5] = [0.15, 0.06, 0.025, 0.01, 0.0035];
@@ -174,7 +175,7 @@ pub(super) fn start(engine: &Engine, fit: Fit, log: &mut Vec<String>) -> Option<
         engine.passes(),
         describe(&fit.model),
         fit.chi,
-        fit.stop.words(),
+        fit.stop.words(SearchKind::Likelihood),
         describe(&next)
     ));
     Some(Start { total, at: fit.model, next })

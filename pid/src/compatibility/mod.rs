@@ -14,13 +14,13 @@ use crate::PidError;
 use crate::information::Correlation;
 use crate::interval::NORMAL_95;
 use crate::output_error::{
-    Glance, KINDS, Outcome, PreparedRun, Solved, Unknowns, channel_fits, coloured, not_noise, one_step, ready, run_plants,
-    solve_from,
+    Glance, KINDS, Outcome, PreparedRun, Solved, channel_fits, coloured, not_noise, one_step, ready, run_plants, solve_from,
+    unknowns, with_errors,
 };
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
-use windfall_model::Campaign;
+use windfall_model::{Campaign, UnknownId, Unknowns};
 
 pub use pressure::Pressure;
 
@@ -130,7 +130,7 @@ pub fn pressure(campaign: &Campaign) -> Option<Pressure> {
 pub fn compatibility(campaign: &Campaign) -> Result<Compatibility, PidError> {
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;
-    let unknowns = Unknowns::new(campaign, &crate::output_error::EstimateOptions::default())?;
+    let unknowns = unknowns(campaign, &crate::output_error::EstimateOptions::default())?;
     let nominals = runs.iter().map(|r| r.smoothed.clone()).collect();
     let solved = match crate::output_error::solve(&runs, unknowns, nominals, ITERATIONS) {
         Outcome::Solved(solved) => Some(solved),
@@ -153,14 +153,14 @@ pub(crate) fn join(pressure: Option<Pressure>, instruments: Option<Instruments>)
 
 /// Errors of the instruments beside a solution's parameters. `None` where the search with them does not end.
 pub(crate) fn instruments(runs: &[PreparedRun<'_>], solved: &Solved) -> Option<Instruments> {
-    let mut unknowns = solved.unknowns.clone().with_errors();
+    let mut unknowns = with_errors(solved.unknowns.clone());
     let mut not_told = Vec::new();
     let (step, mut covariance) = loop {
         let first = solved.unknowns.free();
         match one_step(runs, &unknowns, &solved.nominals, &solved.solution.noise_std)? {
             Err(column) if column < first => return None,
             Err(column) => {
-                not_told.push(unknowns.names[column].clone());
+                not_told.push(unknowns.name(column).to_owned());
                 unknowns.hold(column);
             }
             Ok(Glance { step, covariance }) => {
@@ -169,7 +169,7 @@ pub(crate) fn instruments(runs: &[PreparedRun<'_>], solved: &Solved) -> Option<I
                 let worst = told.into_iter().map(|k| (beyond(&k) / KINDS[k.0].2, k)).max_by(|a, b| a.0.total_cmp(&b.0));
                 match worst {
                     Some((ratio, (_, column))) if ratio > 1.0 => {
-                        not_told.push(unknowns.names[column].clone());
+                        not_told.push(unknowns.name(column).to_owned());
                         unknowns.hold(column);
                     }
                     Some(_) => break (step, covariance),
@@ -194,13 +194,14 @@ pub(crate) fn instruments(runs: &[PreparedRun<'_>], solved: &Solved) -> Option<I
             coloured(runs, &found).unwrap_or_else(|| found.solution.covariance.clone())
         };
     }
-    Some(judged(&told, &values, &covariance, &unknowns.names, not_told, residual))
+    Some(judged(&told, &values, &covariance, &unknowns.names(), not_told, residual))
 }
 
 /// Kind and column of each error that is free.
 fn kinds(unknowns: &Unknowns) -> Vec<(usize, usize)> {
-    let columns = unknowns.errors.iter().flat_map(|e| e.columns.into_iter().enumerate());
-    columns.filter_map(|(kind, column)| Some((kind, column?))).collect()
+    let place = |name| unknowns.position(UnknownId::Nuisance(name));
+    let column = |(kind, k): (usize, &(&'static str, &str, f64))| Some((kind, unknowns.all[place(k.0)?].column()?));
+    KINDS.iter().enumerate().filter_map(column).collect()
 }
 
 fn judged(

@@ -202,7 +202,7 @@ impl<'r, 'a> Filter<'r, 'a> {
 
     /// Filters the run, the model linearised about its own predictions; `None` where the flight cannot go on. Measurements are
     /// taken one by one (their noise is independent; Durbin and Koopman 2012, §6.4).
-    pub(crate) fn run(&self, random: &Random, c: &FreeColumns<'_>, work: &mut Transition) -> Option<FilteredRun> {
+    pub(crate) fn run(&self, random: &Random, c: &FreeColumns, work: &mut Transition) -> Option<FilteredRun> {
         let g = self.gusts(random);
         let (mut z, mut p) = self.start(&g);
         let mut s = DMatrix::<f64>::zeros(c.free, ALL);
@@ -303,13 +303,13 @@ impl<'r, 'a> Filter<'r, 'a> {
         pass
     }
 
-    fn segment<'s>(&'s self, k: usize, g: &'s Gusts, c: &FreeColumns<'s>, spread_m_s: [f64; 3]) -> Segment<'s> {
+    fn segment<'s>(&'s self, k: usize, g: &'s Gusts, c: &'s FreeColumns, spread_m_s: [f64; 3]) -> Segment<'s> {
         let first = k * self.piece;
         Segment {
             craft: &self.run.craft,
             drive: &g.drive,
-            parameters: c.parameters,
-            columns: c.columns,
+            parameters: &c.parameters,
+            columns: &c.columns,
             free: c.free,
             start_s: first as f64 * self.run.interval_s,
             interval_s: self.run.interval_s,
@@ -326,7 +326,7 @@ impl<'r, 'a> Filter<'r, 'a> {
         k: usize,
         x: &[f64; STATES],
         inputs: &[f64],
-        c: &FreeColumns<'_>,
+        c: &FreeColumns,
         work: &Transition,
     ) -> Vec<(f64, usize, [f64; ALL], Vec<f64>)> {
         let mut out = Vec::with_capacity(CHANNELS * self.piece);

@@ -24,9 +24,8 @@ pub(super) struct LocalLikelihood {
 
 /// Twice the log-likelihood alone.
 pub(super) fn log_likelihood2(filters: &[Filter<'_, '_>], point: &SearchPoint, work: &mut Transition) -> Option<f64> {
-    let c = point.unknowns.columns();
-    let none = vec![None; c.columns.len()];
-    let without = FreeColumns { columns: &none, bias_columns: [None; CHANNELS], free: 0, ..c };
+    let c = FreeColumns::of(&point.unknowns);
+    let without = c.held();
     let mut sum = 0.0;
     for filter in filters {
         sum += filter.run(&point.random(), &without, work)?.pass.log_likelihood2();
@@ -47,9 +46,8 @@ pub(super) fn inverse(m: &DMatrix<f64>) -> Result<DMatrix<f64>, usize> {
 
 /// Likelihood of the runs at a point with its slopes; `None` where the flight cannot go on.
 pub(super) fn local(filters: &[Filter<'_, '_>], point: &SearchPoint, work: &mut Transition) -> Option<LocalLikelihood> {
-    let c = point.unknowns.columns();
-    let none = vec![None; c.columns.len()];
-    let without = FreeColumns { columns: &none, bias_columns: [None; CHANNELS], free: 0, ..c };
+    let c = FreeColumns::of(&point.unknowns);
+    let without = c.held();
     let (free, base) = (c.free, point.random());
     let count = free + RANDOM;
     let mut out = LocalLikelihood {

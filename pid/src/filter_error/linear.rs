@@ -2,11 +2,11 @@
 //! the wider structure's parameters.
 
 use super::filter::Filter;
-use super::search::{Begin, Search, SearchEnd, noise_of, started};
-use crate::PidError;
+use super::search::{Begin, Search, no_answer, noise_of, started};
 use crate::equations::Transition;
 use crate::identification::ALL_RUNS;
-use crate::output_error::{EstimateOptions, PreparedRun, StopReason, Unknowns, ready, run_plants};
+use crate::output_error::{EstimateOptions, FreeColumns, PreparedRun, ready, run_plants, unknowns};
+use crate::{PidError, StopReason};
 use nalgebra::{DMatrix, DVector};
 use windfall_model::{Aero, Campaign};
 
@@ -22,31 +22,27 @@ pub(crate) fn linearised(campaign: &Campaign, wide: &Aero) -> Result<Vec<Linear>
     let runs = ready(campaign, &plants)?;
     let all: Vec<usize> = (0..runs.len()).collect();
     let begin = Begin::From(started(campaign, &options)?);
-    let point = Search::new(&runs, &all, &options).find(begin).map_err(|end| end.of(campaign, ALL_RUNS))?.point;
+    let point = Search::new(&runs, &all, &options).find(begin).map_err(|stop| no_answer(stop, campaign, ALL_RUNS))?.point;
     let mut wider = campaign.clone();
     wider.plant.aero = wide.clone();
     wider.declared = vec![true; wide.values.len()];
+    let found = point.unknowns.parameters();
     for (i, name) in campaign.plant.aero.structure.parameters.iter().enumerate() {
         if let Some(k) = wide.structure.index(name) {
-            wider.plant.aero.values[k] = point.unknowns.parameters[i];
+            wider.plant.aero.values[k] = found[i];
         }
     }
     let plants = run_plants(&wider)?;
     let wide_runs = ready(&wider, &plants)?;
-    let unknowns = Unknowns::new(&wider, &options)?;
-    let (c, mut work) = (unknowns.columns(), Transition::default());
+    let (c, mut work) = (FreeColumns::of(&unknowns(&wider, &options)?), Transition::default());
     let noise = noise_of(&runs.iter().collect::<Vec<_>>());
     let flown = |run: &PreparedRun<'_>| {
         let seen = Filter::new(run, noise).run(&point.random(), &c, &mut work)?;
         let weight: Vec<f64> = seen.pass.variance.iter().map(|v| v.sqrt().recip()).collect();
         let x = DMatrix::from_fn(weight.len(), c.free, |row, j| seen.by_parameter[row * c.free + j] * weight[row]);
         let innovation = DVector::from_fn(weight.len(), |row, _| seen.pass.innovation[row] * weight[row]);
-        let y = &x * DVector::from_column_slice(c.parameters) - innovation;
+        let y = &x * DVector::from_column_slice(&c.parameters) - innovation;
         Some((x, y))
     };
-    wide_runs
-        .iter()
-        .map(flown)
-        .collect::<Option<_>>()
-        .ok_or_else(|| SearchEnd::Stopped(StopReason::FlightFails).of(campaign, ALL_RUNS))
+    wide_runs.iter().map(flown).collect::<Option<_>>().ok_or_else(|| no_answer(StopReason::FlightFails, campaign, ALL_RUNS))
 }

@@ -2,10 +2,9 @@
 //! with some taken for none.
 
 use super::filter::Random;
-use crate::output_error::Unknowns;
 use crate::plant::START_SCALE_M;
 use nalgebra::DVector;
-use windfall_model::Turbulence;
+use windfall_model::{Turbulence, Unknowns};
 
 /// Numbers that describe the random drive: rms and scale of axial and lateral gusts, intensity of turning about x and across it.
 pub(super) const RANDOM: usize = 6;
@@ -54,7 +53,7 @@ impl SearchPoint {
     pub(super) fn moved(&self, step: &DVector<f64>) -> Self {
         let free = self.unknowns.free();
         let mut moved = self.clone();
-        moved.unknowns = self.unknowns.moved(&step.rows(0, free).into_owned(), 1.0);
+        moved.unknowns = self.unknowns.moved(&step.as_slice()[..free], 1.0);
         moved.random.iter_mut().enumerate().for_each(|(k, r)| *r += step[free + k]);
         moved
     }

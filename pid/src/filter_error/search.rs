@@ -8,16 +8,15 @@ use super::filter::Filter;
 use super::likelihood::{LocalLikelihood, inverse, local, log_likelihood2};
 use super::point::{RANDOM, SCALE_PRIOR, SIZES, SearchPoint, Sought};
 use super::report::data_set;
-use crate::PidError;
 use crate::equations::Transition;
 use crate::identifiability::of_runs;
 use crate::identification::{ALL_RUNS, DataSet, Identification};
-use crate::output_error::{CHANNELS, EstimateOptions, PreparedRun, StopReason, Unknowns, kinds, ready, run_plants};
+use crate::output_error::{CHANNELS, EstimateOptions, PreparedRun, kinds, ready, run_plants, unknowns};
 use crate::plant::START_SCALE_M;
+use crate::{Method, PidError, SearchKind, StopReason};
 use nalgebra::{DMatrix, DVector};
-use windfall_model::Campaign;
+use windfall_model::{Campaign, Unknowns};
 
-pub(super) const METHOD: &str = "filter-error";
 /// Sizes tried for a start, m/s: from 1 % of the tunnel speed by this factor, up or down, within these bounds.
 const START_SIZE_M_S: f64 = 0.08;
 const SIZE_FACTOR: f64 = 3.0;
@@ -64,7 +63,7 @@ pub fn identify(campaign: &Campaign, options: &EstimateOptions) -> Result<Identi
     let all: Vec<usize> = (0..runs.len()).collect();
     let mut solve = |name: &str, members: &[usize], begin: Begin| -> Result<(DataSet, SearchPoint), PidError> {
         let mut search = Search::new(&runs, members, options);
-        let found = search.find(begin).map_err(|end| end.of(campaign, name))?;
+        let found = search.find(begin).map_err(|stop| no_answer(stop, campaign, name))?;
         let set = data_set(campaign, name, &search.filters, &found.point, &found.local, &found.covariance, &mut warnings);
         Ok((set, found.point))
     };
@@ -78,16 +77,23 @@ pub fn identify(campaign: &Campaign, options: &EstimateOptions) -> Result<Identi
     }
     warnings.extend(left_out);
     data_sets.push(combined);
-    Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability, compatibility: None })
+    Ok(Identification {
+        method: Method::FilterError.name().to_owned(),
+        data_sets,
+        warnings,
+        reason: None,
+        identifiability,
+        compatibility: None,
+    })
 }
 
 /// Unknowns where regression says; where it cannot, at the declared values.
 pub(super) fn started(campaign: &Campaign, options: &EstimateOptions) -> Result<Unknowns, PidError> {
-    let mut unknowns = Unknowns::new(campaign, options)?;
+    let mut unknowns = unknowns(campaign, options)?;
     if let Ok(first) = crate::identify::identify_with(campaign, crate::Method::EquationError, &crate::smooth::Smoother::Auto)
         && let Some(set) = first.of_all_runs()
     {
-        unknowns.start(&set.values(&campaign.plant.aero.structure, &unknowns.parameters));
+        unknowns.start(&set.values(&campaign.plant.aero.structure, &unknowns.parameters()));
     }
     Ok(unknowns)
 }
@@ -100,36 +106,9 @@ pub(super) enum Begin {
     Near(SearchPoint),
 }
 
-/// Why a search ended without an answer.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum SearchEnd {
-    Stopped(StopReason),
-    Unexcited,
-    /// The scale of a gust left its range.
-    ScaleAway,
-}
-
-impl SearchEnd {
-    /// As an error of a data set.
-    pub(super) fn of(self, campaign: &Campaign, set: &str) -> PidError {
-        PidError::NoAnswer { campaign: campaign.name.clone(), set: set.to_owned(), method: METHOD, reason: self.words() }
-    }
-    const fn words(self) -> &'static str {
-        match self {
-            Self::Stopped(StopReason::NoDescent) => {
-                "no step makes these runs more likely, gusts and random moments allowed for: the declared model lacks more than that; \
-                 try windfall close"
-            }
-            Self::Stopped(StopReason::Iterations) => {
-                "iterations used up while parameters still moved: declare fewer parameters, hold some, or try windfall close"
-            }
-            Self::Stopped(stop) => stop.words(),
-            Self::Unexcited => {
-                "a parameter is not excited by these runs: add a run with larger angles or rates, or do not declare it"
-            }
-            Self::ScaleAway => "the scale of the gusts has no likeliest value",
-        }
-    }
+/// As an error of a data set.
+pub(super) fn no_answer(stop: StopReason, campaign: &Campaign, set: &str) -> PidError {
+    PidError::NoAnswer { campaign: campaign.name.clone(), set: set.to_owned(), search: SearchKind::FilterError, stop }
 }
 
 /// Noise of each channel, root mean square over runs.
@@ -157,7 +136,7 @@ impl<'r, 'a> Search<'r, 'a> {
         Self { filters, work: Transition::default(), iterations: options.iterations }
     }
 
-    pub(super) fn find(&mut self, begin: Begin) -> Result<Found, SearchEnd> {
+    pub(super) fn find(&mut self, begin: Begin) -> Result<Found, StopReason> {
         let mut start = match begin {
             Begin::Near(point) => return self.near(point),
             Begin::From(unknowns) => SearchPoint::new(unknowns, START_SIZE_M_S),
@@ -166,7 +145,7 @@ impl<'r, 'a> Search<'r, 'a> {
         let sizes = if start.random[0] < LARGE_M_S.ln() {
             self.climb(start.clone(), MOST_ITERATIONS)
         } else {
-            Err(SearchEnd::Stopped(StopReason::NoDescent))
+            Err(StopReason::NoDescent)
         };
         match sizes {
             Ok(found) if found.point.is_still() => Ok(found),
@@ -174,13 +153,13 @@ impl<'r, 'a> Search<'r, 'a> {
                 let freed = SearchPoint { sought: Sought { scales: true, turning: false }, ..found.point.clone() };
                 Ok(self.climb(freed, SCALE_ITERATIONS).unwrap_or(found))
             }
-            Err(SearchEnd::Unexcited) => Err(SearchEnd::Unexcited),
+            Err(StopReason::NotExcited) => Err(StopReason::NotExcited),
             Err(_) => self.turning(start.unknowns),
         }
     }
 
     /// With moments at random beside gusts.
-    fn turning(&mut self, unknowns: Unknowns) -> Result<Found, SearchEnd> {
+    fn turning(&mut self, unknowns: Unknowns) -> Result<Found, StopReason> {
         let mut start = SearchPoint::new(unknowns, BESIDE_TURNING_M_S);
         start.sought.turning = true;
         (start.random[4], start.random[5]) = (START_TURNING[0].ln(), START_TURNING[1].ln());
@@ -190,7 +169,7 @@ impl<'r, 'a> Search<'r, 'a> {
     }
 
     /// From another data set's point, scales held where they run away.
-    fn near(&mut self, mut point: SearchPoint) -> Result<Found, SearchEnd> {
+    fn near(&mut self, mut point: SearchPoint) -> Result<Found, StopReason> {
         if point.sought.scales {
             if let Ok(found) = self.climb(point.clone(), SCALE_ITERATIONS) {
                 return Ok(found);
@@ -200,20 +179,20 @@ impl<'r, 'a> Search<'r, 'a> {
         }
         let unknowns = point.unknowns.clone();
         match self.climb(point, MOST_ITERATIONS) {
-            Err(SearchEnd::Stopped(_)) => self.turning(unknowns),
+            Err(stop) if !matches!(stop, StopReason::NotExcited | StopReason::ScaleAway) => self.turning(unknowns),
             other => other,
         }
     }
 
     /// Climbs to the likelihood's peak by scoring.
-    fn climb(&mut self, mut point: SearchPoint, most: usize) -> Result<Found, SearchEnd> {
-        let flown = |l: Option<LocalLikelihood>| l.ok_or(SearchEnd::Stopped(StopReason::FlightFails));
+    fn climb(&mut self, mut point: SearchPoint, most: usize) -> Result<Found, StopReason> {
+        let flown = |l: Option<LocalLikelihood>| l.ok_or(StopReason::FlightFails);
         let mut now = flown(local(&self.filters, &point, &mut self.work))?;
         let mut damping = FIRST_DAMPING;
         let free = point.unknowns.free();
         for _ in 0..self.iterations.min(most) {
             let covariance = inverse(&now.information)
-                .map_err(|column| if column < free { SearchEnd::Unexcited } else { SearchEnd::Stopped(StopReason::NoDescent) })?;
+                .map_err(|column| if column < free { StopReason::NotExcited } else { StopReason::NoDescent })?;
             if self.give_up_untold(&mut point, &covariance, now.log_likelihood2) {
                 now = flown(local(&self.filters, &point, &mut self.work))?;
                 continue;
@@ -232,15 +211,15 @@ impl<'r, 'a> Search<'r, 'a> {
                 }
                 damping *= 5.0;
                 if damping > LAST_DAMPING {
-                    return Err(SearchEnd::Stopped(StopReason::NoDescent));
+                    return Err(StopReason::NoDescent);
                 }
             }
             let off = |k: usize| (point.random[k] - START_SCALE_M.ln()).abs();
             if off(2).max(off(3)) > AWAY * SCALE_PRIOR {
-                return Err(SearchEnd::ScaleAway);
+                return Err(StopReason::ScaleAway);
             }
         }
-        Err(SearchEnd::Stopped(StopReason::Iterations))
+        Err(StopReason::Iterations)
     }
 
     /// The point a step away, where the step is short enough and the likelihood no smaller.

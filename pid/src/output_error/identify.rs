@@ -1,20 +1,18 @@
 //! pid: a campaign by output error. In: campaign, options. Out: the contract's identification, each kind of run alone and combined.
 
-use super::problem::{Outcome, Solved, StopReason, solve};
+use super::problem::{Outcome, Solved, solve};
 use super::residual::{ChannelFit, channel_fits, coloured};
 use super::run::{Nominal, PreparedRun};
-use super::unknowns::{EstimateOptions, Unknowns};
+use super::unknowns::{EstimateOptions, unknowns};
 use crate::PidError;
 use crate::compatibility;
 use crate::identifiability::{examine, of_runs};
 use crate::identification::{ALL_RUNS, CoefficientFit, DataSet, Estimate, Identification, in_unit_of};
 use crate::interval::{NORMAL_95, relative_percent};
+use crate::{Method, SearchKind};
 use nalgebra::DMatrix;
-use windfall_model::{Campaign, Coefficient, Data, Plant, Use};
+use windfall_model::{Campaign, Coefficient, Data, Plant, Unknowns, Use};
 
-/// Name of the method.
-const METHOD: &str = "output-error";
-/// Half-width of a 95 % interval in standard errors; residuals are many.
 /// Probability below which a residual is not taken for noise, all channels together.
 pub(crate) const NOT_NOISE: f64 = 0.01;
 
@@ -26,18 +24,18 @@ pub(crate) const NOT_NOISE: f64 = 0.01;
 pub fn identify(campaign: &Campaign, options: &EstimateOptions) -> Result<Identification, PidError> {
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;
-    let unknowns = Unknowns::new(campaign, options)?;
+    let free = unknowns(campaign, options)?;
     let mut warnings = Vec::new();
     let all: Vec<usize> = (0..runs.len()).collect();
     let start = runs.iter().map(|r| r.smoothed.clone()).collect();
     let work = SetWork { campaign, runs: &runs, kinds: &plants, options };
-    let combined = work.solve(ALL_RUNS, &all, unknowns.clone(), start, &mut warnings)?;
+    let combined = work.solve(ALL_RUNS, &all, free.clone(), start, &mut warnings)?;
     // The search began by asking just this, unless it had to hold something.
     let first = &combined.1.first;
-    let identifiability = if first.ncols() == unknowns.free() {
-        Some(examine(first.clone(), &unknowns.names, &unknowns.values()))
+    let identifiability = if first.ncols() == free.free() {
+        Some(examine(first.clone(), &free.names(), &free.values()))
     } else {
-        of_runs(&runs, &unknowns)
+        of_runs(&runs, &free)
     };
     let compatibility = options
         .compatibility
@@ -47,16 +45,22 @@ pub fn identify(campaign: &Campaign, options: &EstimateOptions) -> Result<Identi
     for (kind, members) in alone {
         let nominals = members.iter().map(|&i| combined.1.nominals[i].clone()).collect();
         // Every kind starts from what all runs gave, and ends where its own likelihood is largest.
-        let mut unknowns = Unknowns::new(campaign, options)?;
-        unknowns.parameters.clone_from(&combined.1.solution.parameters);
-        unknowns.biases = combined.1.unknowns.biases;
-        match work.solve(&kind, &members, unknowns, nominals, &mut warnings) {
+        let mut free = free.clone();
+        free.all.iter_mut().zip(&combined.1.unknowns.all).for_each(|(u, found)| u.at = found.at);
+        match work.solve(&kind, &members, free, nominals, &mut warnings) {
             Ok((set, _)) => data_sets.push(set),
             Err(e) => warnings.push(format!("data set {kind}: left out: {e}")),
         }
     }
     data_sets.push(combined.0);
-    Ok(Identification { method: METHOD.to_owned(), data_sets, warnings, reason: None, identifiability, compatibility })
+    Ok(Identification {
+        method: Method::OutputError.name().to_owned(),
+        data_sets,
+        warnings,
+        reason: None,
+        identifiability,
+        compatibility,
+    })
 }
 
 /// Plant, index and kind of every run to identify on.
@@ -115,11 +119,11 @@ impl SetWork<'_, '_> {
     ) -> Result<(DataSet, Box<Solved>), PidError> {
         debug_assert_eq!(self.kinds.len(), self.runs.len(), "a plant for every run");
         let runs: Vec<PreparedRun<'_>> = members.iter().map(|&i| self.runs[i].clone()).collect();
-        let stopped = |stop: StopReason| PidError::NoAnswer {
+        let stopped = |stop| PidError::NoAnswer {
             campaign: self.campaign.name.clone(),
             set: name.to_owned(),
-            method: METHOD,
-            reason: stop.words(),
+            search: SearchKind::OutputError,
+            stop,
         };
         loop {
             if unknowns.free() == 0 {
@@ -132,7 +136,7 @@ impl SetWork<'_, '_> {
                     warnings.push(format!(
                         "data set {name}: {} is not excited (rank {rank} of {}); it is held at its declared value: add a run with \
                          larger angles or rates, or do not declare it",
-                        unknowns.names[column],
+                        unknowns.name(column),
                         unknowns.free()
                     ));
                     unknowns.hold(column);
@@ -193,7 +197,7 @@ pub(crate) fn aligned(
     parameters: &[Estimate],
 ) -> Vec<Vec<f64>> {
     let structure = &campaign.plant.aero.structure;
-    let column = |p: &Estimate| structure.index(&p.name).and_then(|i| unknowns.columns[i]);
+    let column = |p: &Estimate| structure.index(&p.name).and_then(|i| unknowns.all[i].column());
     let columns: Vec<Option<usize>> = parameters.iter().map(column).collect();
     let entry = |i: usize, j: usize| match (columns[i], columns[j]) {
         (Some(a), Some(b)) => covariance[(a, b)],
@@ -214,13 +218,13 @@ pub(crate) fn estimates(
     let mut out: Vec<Estimate> = Vec::new();
     for coefficient in Coefficient::ALL {
         for (i, name) in structure.parameters.iter().enumerate() {
-            let Some(column) = unknowns.columns[i] else { continue };
+            let Some(column) = unknowns.all[i].column() else { continue };
             let acts = structure.contributions.iter().any(|k| k.coefficient == coefficient && k.parameter == i);
             let label = if coefficient == Coefficient::CY { Coefficient::CN.name() } else { coefficient.name() };
             if !acts || out.iter().any(|e| e.coefficient == label && e.name == *name) {
                 continue;
             }
-            let estimate = unknowns.parameters[i];
+            let estimate = unknowns.all[i].value();
             let std_error = covariance[(column, column)].max(0.0).sqrt();
             out.push(Estimate {
                 coefficient: label.to_owned(),

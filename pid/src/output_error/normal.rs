@@ -2,8 +2,8 @@
 //! covariance, or the unknown that the data do not determine.
 
 use super::run::Linearised;
-use super::unknowns::Unknowns;
 use nalgebra::{DMatrix, DVector};
+use windfall_model::Unknowns;
 
 /// Share of the largest singular value below which a combination of parameters counts as undetermined; as in the regression.
 const RANK_TOLERANCE: f64 = 1e-10;
@@ -53,7 +53,7 @@ impl Normal {
     /// undetermined, and the rank, where there is such.
     pub(super) fn new(linear: &[Linearised], unknowns: &Unknowns) -> Result<Self, (usize, usize)> {
         let free = unknowns.free();
-        let rows = linear.len() * (free + 1) + unknowns.priors.len();
+        let rows = linear.len() * (free + 1) + unknowns.priors().count();
         let mut a = DMatrix::zeros(rows.max(free), free);
         let mut b = DVector::zeros(rows.max(free));
         let mut row = 0;

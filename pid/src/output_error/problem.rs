@@ -2,48 +2,11 @@
 
 use super::CHANNELS;
 use super::normal::{MOST_SHORT, Normal, Pace};
-use super::run::{Linearised, Misfit, Nominal, PreparedRun};
-use super::unknowns::Unknowns;
+use super::run::{FreeColumns, Linearised, Misfit, Nominal, PreparedRun};
+use crate::StopReason;
 use crate::equations::Transition;
 use nalgebra::{DMatrix, DVector};
-
-/// Why a search ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum StopReason {
-    /// The last step was below a thousandth of a standard error, and all pieces meet.
-    Converged,
-    /// Iterations used up, the last step below a tenth of a standard error, and all pieces meet.
-    Nearly,
-    /// Iterations used up.
-    Iterations,
-    /// No step, however short, made the misfit smaller.
-    NoDescent,
-    /// The model cannot fly through the record: airspeed vanishes, the nose is horizontal, or numbers overflow.
-    FlightFails,
-}
-
-impl StopReason {
-    /// In words, with what to try.
-    #[must_use]
-    pub const fn words(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::Nearly => "converged to a tenth of a standard error",
-            Self::Iterations => {
-                "iterations used up while parameters still moved: declare fewer parameters, hold some, or give priors; where the \
-                 declared model's flights drift away from the record, take --method filter-error"
-            }
-            Self::NoDescent => {
-                "no step lowers the misfit: flights of the declared model drift away from these runs; take --method filter-error, \
-                 which lets them, and windfall close"
-            }
-            Self::FlightFails => {
-                "the declared model cannot fly through the record (no airspeed or nose horizontal): check units, cut the window"
-            }
-        }
-    }
-}
+use windfall_model::Unknowns;
 
 /// A finished search.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,7 +90,7 @@ pub(crate) fn one_step(
     nominals: &[Nominal],
     std: &[f64; CHANNELS],
 ) -> Option<Result<Glance, usize>> {
-    let (c, mut work) = (unknowns.columns(), Transition::default());
+    let (c, mut work) = (FreeColumns::of(unknowns), Transition::default());
     let linear: Option<Vec<Linearised>> =
         runs.iter().zip(nominals).map(|(run, nominal)| run.linearise(nominal, &c, std, &mut work)).collect();
     Some(Normal::new(&linear?, unknowns).map(|n| Glance { step: n.step, covariance: n.covariance }).map_err(|(column, _)| column))
@@ -219,12 +182,12 @@ struct Search<'r, 'a> {
 
 impl Search<'_, '_> {
     fn linearise(&mut self) -> Option<Vec<Linearised>> {
-        let c = self.unknowns.columns();
+        let c = FreeColumns::of(&self.unknowns);
         let work = &mut self.work;
         self.runs.iter().zip(&self.nominals).map(|(run, nominal)| run.linearise(nominal, &c, &self.std, work)).collect()
     }
     fn misfits(&mut self, unknowns: &Unknowns, nominals: &[Nominal]) -> Option<Vec<Misfit>> {
-        let c = unknowns.columns();
+        let c = FreeColumns::of(unknowns);
         let work = &mut self.work;
         self.runs.iter().zip(nominals).map(|(run, nominal)| run.misfit(nominal, &c, work)).collect()
     }
@@ -241,7 +204,7 @@ impl Search<'_, '_> {
         let steps: Vec<_> = self.runs.iter().zip(linear).map(|(r, l)| r.step(l, &normal.step)).collect::<Option<_>>()?;
         for halving in 0..=HALVINGS {
             let fraction = whole * 0.5_f64.powi(halving as i32);
-            let unknowns = self.unknowns.moved(&normal.step, fraction);
+            let unknowns = self.unknowns.moved(normal.step.as_slice(), fraction);
             let nominals: Vec<Nominal> = self.nominals.iter().zip(&steps).map(|(n, s)| n.moved(s, fraction)).collect();
             let Some(misfits) = self.misfits(&unknowns, &nominals) else { continue };
             let merit = self.merit(&misfits, &unknowns);
@@ -277,8 +240,8 @@ impl Search<'_, '_> {
         let count: usize = misfits.iter().map(|m| m.residuals[0].len()).sum();
         let logs: f64 = self.std.iter().map(|s| 2.0 * s.ln()).sum();
         let solution = Solution {
-            parameters: self.unknowns.parameters.clone(),
-            names: self.unknowns.names.clone(),
+            parameters: self.unknowns.parameters(),
+            names: self.unknowns.names(),
             estimates: self.unknowns.values(),
             covariance: normal.covariance.clone(),
             noise_std: self.std,

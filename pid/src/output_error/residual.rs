@@ -3,7 +3,7 @@
 
 use super::CHANNELS;
 use super::problem::{Solved, floor};
-use super::run::PreparedRun;
+use super::run::{FreeColumns, PreparedRun};
 use crate::equations::Transition;
 use nalgebra::DMatrix;
 use realfft::RealFftPlanner;
@@ -101,7 +101,7 @@ fn transform(x: &[f64], length: usize, planner: &mut RealFftPlanner<f64>) -> Vec
 pub(crate) fn coloured(runs: &[PreparedRun<'_>], solved: &Solved) -> Option<DMatrix<f64>> {
     let mut planner = RealFftPlanner::new();
     let mut work = Transition::default();
-    let c = solved.unknowns.columns();
+    let c = FreeColumns::of(&solved.unknowns);
     let free = c.free;
     let mut middle = DMatrix::<f64>::zeros(free, free);
     for (i, run) in runs.iter().enumerate() {

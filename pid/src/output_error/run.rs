@@ -7,14 +7,15 @@
 mod linear;
 
 use super::CHANNELS;
-use super::instruments::{Errors, Known, STATE_OF, VARIABLES, observe, variables};
+use super::instruments::{Errors, KINDS, Known, STATE_OF, VARIABLES, observe, variables};
 use super::speed::liveliness;
+use super::unknowns::ANGLE_BIASES;
 use crate::PidError;
 use crate::equations::{Craft, Drive, Dual, Extra, INPUTS, STATES, Segment, Transition, TunnelAir, origin, origin_slopes};
 use crate::smooth::{Smoother, smooth};
 use crate::states::states;
 pub(crate) use linear::Linearised;
-use windfall_model::{Plant, Record};
+use windfall_model::{Plant, Record, Unknown, UnknownId, Unknowns};
 
 /// Input states: tunnel speed and its first and second derivative.
 pub(crate) const SPEED: usize = 3;
@@ -50,13 +51,13 @@ pub(crate) struct Nominal {
     pub(crate) nodes: Vec<[f64; NODE]>,
 }
 
-/// How parameters enter.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FreeColumns<'a> {
+/// How the unknowns enter a flight: they by place instead of by name.
+#[derive(Clone, Debug)]
+pub(crate) struct FreeColumns {
     /// Values of all the structure's parameters.
-    pub(crate) parameters: &'a [f64],
+    pub(crate) parameters: Vec<f64>,
     /// Column of each; none where held.
-    pub(crate) columns: &'a [Option<usize>],
+    pub(crate) columns: Vec<Option<usize>>,
     /// Bias of each channel, SI.
     pub(crate) biases: [f64; CHANNELS],
     /// Column of each bias; none where held.
@@ -65,6 +66,35 @@ pub(crate) struct FreeColumns<'a> {
     pub(crate) errors: Option<Errors>,
     /// Number of columns.
     pub(crate) free: usize,
+}
+
+impl FreeColumns {
+    pub(crate) fn of(unknowns: &Unknowns) -> Self {
+        let (mut biases, mut bias_columns) = ([0.0; CHANNELS], [None; CHANNELS]);
+        let nuisance = |name| unknowns.position(UnknownId::Nuisance(name)).map(|at| &unknowns.all[at]);
+        for (channel, name) in ANGLE_BIASES {
+            if let Some(u) = nuisance(name) {
+                (biases[channel], bias_columns[channel]) = (u.value(), u.column());
+            }
+        }
+        let errors = KINDS.map(|k| nuisance(k.0));
+        let looked_for = errors.iter().any(Option::is_some);
+        Self {
+            parameters: unknowns.parameters(),
+            columns: unknowns.of_parameters().map(Unknown::column).collect(),
+            biases,
+            bias_columns,
+            errors: looked_for.then(|| Errors {
+                values: errors.map(|u| u.map_or(0.0, Unknown::value)),
+                columns: errors.map(|u| u.and_then(Unknown::column)),
+            }),
+            free: unknowns.free(),
+        }
+    }
+    /// The same flight with nothing free.
+    pub(crate) fn held(&self) -> Self {
+        Self { columns: vec![None; self.columns.len()], bias_columns: [None; CHANNELS], free: 0, ..self.clone() }
+    }
 }
 
 impl<'a> PreparedRun<'a> {
@@ -135,14 +165,14 @@ impl<'a> PreparedRun<'a> {
         (first, self.piece.min(self.record.len() - first))
     }
 
-    fn segment<'s>(&'s self, k: usize, c: &FreeColumns<'s>) -> Segment<'s> {
+    fn segment<'s>(&'s self, k: usize, c: &'s FreeColumns) -> Segment<'s> {
         let (first, samples) = self.span(k);
         let last = first + samples == self.record.len();
         Segment {
             craft: &self.craft,
             drive: &self.drive,
-            parameters: c.parameters,
-            columns: c.columns,
+            parameters: &c.parameters,
+            columns: &c.columns,
             free: c.free,
             start_s: first as f64 * self.interval_s,
             interval_s: self.interval_s,
@@ -153,7 +183,7 @@ impl<'a> PreparedRun<'a> {
     }
 
     /// Residuals (measured less predicted) of one sample.
-    pub(crate) fn residual(&self, sample: usize, x: &[f64; STATES], vw_m_s: f64, c: &FreeColumns<'_>) -> [f64; CHANNELS] {
+    pub(crate) fn residual(&self, sample: usize, x: &[f64; STATES], vw_m_s: f64, c: &FreeColumns) -> [f64; CHANNELS] {
         let p = origin(x, self.craft.plant.vehicle.p_origin_cm.to_array());
         let scale = 1.0 + self.craft.plant.sensors.wind_scale;
         let predicted = [p[0], p[1], p[2], x[3], x[4], x[5], vw_m_s * scale];
@@ -163,7 +193,7 @@ impl<'a> PreparedRun<'a> {
 
     /// Residuals of all samples, channel by channel, and what is left between pieces, in units of [`MEETING`], squared and summed
     /// with the jumps. `None` where the flight cannot go on.
-    pub(crate) fn misfit(&self, nominal: &Nominal, c: &FreeColumns<'_>, work: &mut Transition) -> Option<Misfit> {
+    pub(crate) fn misfit(&self, nominal: &Nominal, c: &FreeColumns, work: &mut Transition) -> Option<Misfit> {
         let mut residuals: [Vec<f64>; CHANNELS] = std::array::from_fn(|_| Vec::with_capacity(self.record.len()));
         let (mut gaps, mut jumps) = (0.0_f64, 0.0);
         for (k, node) in nominal.nodes.iter().enumerate() {
@@ -237,7 +267,7 @@ impl<'a> PreparedRun<'a> {
     }
 
     /// [`PreparedRun::residual`], with errors of the instruments where there are such; zero where a delay leaves the record.
-    fn left(&self, sample: usize, x: &[f64; STATES], speed: [f64; SPEED], c: &FreeColumns<'_>) -> [f64; CHANNELS] {
+    fn left(&self, sample: usize, x: &[f64; STATES], speed: [f64; SPEED], c: &FreeColumns) -> [f64; CHANNELS] {
         let Some(errors) = &c.errors else { return self.residual(sample, x, speed[0], c) };
         let seen = observe(&variables(x, speed, errors), &self.known(sample, x, speed, errors, c));
         let measured = self.record.channels();
@@ -249,7 +279,7 @@ impl<'a> PreparedRun<'a> {
         sample.checked_add_signed(errors.shift(channel, self.interval_s)).filter(|i| *i < self.record.len())
     }
 
-    fn known(&self, sample: usize, x: &[f64; STATES], speed: [f64; SPEED], errors: &Errors, c: &FreeColumns<'_>) -> Known {
+    fn known(&self, sample: usize, x: &[f64; STATES], speed: [f64; SPEED], errors: &Errors, c: &FreeColumns) -> Known {
         let taken_s = [3, 6].map(|channel| errors.shift(channel, self.interval_s) as f64 * self.interval_s);
         let air = TunnelAir {
             t_s: sample as f64 * self.interval_s,
@@ -259,7 +289,7 @@ impl<'a> PreparedRun<'a> {
         };
         let mut terms = vec![0.0; self.craft.terms.acts.len()];
         // Where the flow is not defined the trajectory has failed already.
-        let rate = self.craft.rate(x, air, &Extra::default(), c.parameters, &mut terms).unwrap_or([0.0; STATES]);
+        let rate = self.craft.rate(x, air, &Extra::default(), &c.parameters, &mut terms).unwrap_or([0.0; STATES]);
         Known {
             p_cm: [x[0], x[1], x[2]],
             w_rate: [rate[9], rate[10], rate[11]],
@@ -270,7 +300,7 @@ impl<'a> PreparedRun<'a> {
     }
 
     /// What outputs depend on at one sample.
-    fn outputs(&self, sample: usize, x: &[f64; STATES], speed: [f64; SPEED], c: &FreeColumns<'_>) -> Outputs {
+    fn outputs(&self, sample: usize, x: &[f64; STATES], speed: [f64; SPEED], c: &FreeColumns) -> Outputs {
         let Some(errors) = &c.errors else {
             return Outputs::Plain(origin_slopes(x, self.craft.plant.vehicle.p_origin_cm.to_array()));
         };
@@ -281,7 +311,7 @@ impl<'a> PreparedRun<'a> {
     }
 
     /// Slopes of one output at sample `i` of a piece by node and parameters, into `out`.
-    fn slopes(&self, i: usize, channel: usize, outputs: &Outputs, c: &FreeColumns<'_>, work: &Transition, out: &mut [f64]) {
+    fn slopes(&self, i: usize, channel: usize, outputs: &Outputs, c: &FreeColumns, work: &Transition, out: &mut [f64]) {
         out.fill(0.0);
         match outputs {
             Outputs::Plain(turned) => self.output_slopes(i, channel, turned, work, NODE + c.free, out),

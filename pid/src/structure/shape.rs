@@ -99,7 +99,7 @@ impl Shaped<'_> {
             ShapeSearch::GaussNewton => self.descend(start, [low, high])?,
             ShapeSearch::Simplex => {
                 let value = |x: &[f64]| self.at((low + x[0] * (high - low)).exp()).map_or(f64::INFINITY, |a| a.rss);
-                let (x, _) = crate::simplex::minimise(value, &[(start - low) / (high - low)], REACH, EVALUATIONS);
+                let x = crate::simplex::minimise(value, &[(start - low) / (high - low)], REACH, EVALUATIONS).at;
                 low + x[0] * (high - low)
             }
         };

@@ -14,6 +14,7 @@ use crate::VerifyError;
 use crate::close::result::FormCheck;
 use crate::tracks::{Free, Problem, TrackEvidence, TrackFit, TrackModel};
 use windfall_model::{Acts, Campaign, Measured, Use};
+use windfall_pid::StopReason;
 
 mod contest;
 mod settings;
@@ -293,7 +294,7 @@ fn settled_fit(campaign: &Campaign, evidence: &mut TrackEvidence, start: TrackMo
     for round in 0..3 {
         let fit = problem(campaign, evidence).fit(&h, false);
         if !fit.log_likelihood.is_finite() {
-            return Err(VerifyError::Fit { campaign: campaign.name.clone(), reason: fit.stop.words() });
+            return Err(VerifyError::Fit { campaign: campaign.name.clone(), stop: fit.stop });
         }
         h = fit.hypothesis.clone();
         if round == 2 {
@@ -301,7 +302,7 @@ fn settled_fit(campaign: &Campaign, evidence: &mut TrackEvidence, start: TrackMo
         }
         evidence.settle(&h.plant(&campaign.plant));
     }
-    Err(VerifyError::Fit { campaign: campaign.name.clone(), reason: "no fit was made" })
+    Err(VerifyError::Fit { campaign: campaign.name.clone(), stop: StopReason::Iterations })
 }
 
 fn parameter_lines(campaign: &Campaign, fit: &TrackFit) -> Vec<ParameterLine> {

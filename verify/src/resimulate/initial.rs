@@ -5,24 +5,9 @@ use super::replay::{Replay, turned};
 use crate::VerifyError;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use windfall_model::{Plant, Record, Release, Sensors};
-
-/// Why the estimation of an initial state ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[non_exhaustive]
-pub enum InitialStop {
-    /// A further step would gain next to nothing.
-    Converged,
-    /// No step, however small, made the misfit smaller.
-    NoDescent,
-    /// Iterations used up; the state is the best found.
-    Iterations,
-    /// The flight from the smoothed first state fails before the run's end, so nothing was estimated.
-    FlightFails,
-}
+use windfall_pid::StopReason;
 
 /// An estimated initial state.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +23,7 @@ pub struct Initial {
     /// Steps taken.
     pub iterations: usize,
     /// Why it ended.
-    pub stop: InitialStop,
+    pub stop: StopReason,
 }
 
 /// Shortest span used, s: even a wrong model errs little in it, and 37 samples at 150 Hz give rates to 0.3 deg/s.
@@ -107,7 +92,7 @@ pub(crate) fn again(replay: &Replay, record: &Record, sensors: &Sensors, near: &
 }
 
 fn failed(release: Release) -> Initial {
-    let stop = InitialStop::FlightFails;
+    let stop = StopReason::FlightFails;
     Initial { release, std_error: [f64::INFINITY; N], misfit: f64::INFINITY, span_s: 0.0, iterations: 0, stop }
 }
 
@@ -145,19 +130,19 @@ impl Problem<'_> {
         let mut residual = self.residual(start)?;
         let mut square = self.square(release, &residual);
         let mut damping = 1e-6;
-        let (mut stop, mut iterations) = (InitialStop::Iterations, 0);
-        while iterations < ITERATIONS && stop == InitialStop::Iterations {
+        let (mut stop, mut iterations) = (StopReason::Iterations, 0);
+        while iterations < ITERATIONS && stop == StopReason::Iterations {
             iterations += 1;
             match self.step(release, &residual, &square, &mut damping) {
                 Stepped::Taken { release: next, residual: r, gain } => {
                     (release, residual) = (next, r);
                     square = self.square(release, &residual);
                     if gain < GAIN {
-                        stop = InitialStop::Converged;
+                        stop = StopReason::Converged;
                     }
                 }
-                Stepped::NotWorth => stop = InitialStop::Converged,
-                Stepped::None => stop = InitialStop::NoDescent,
+                Stepped::NotWorth => stop = StopReason::Converged,
+                Stepped::None => stop = StopReason::NoDescent,
             }
         }
         let misfit = residual.norm_squared() / residual.len() as f64;

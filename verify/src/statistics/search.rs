@@ -217,8 +217,8 @@ impl Search<'_> {
             x
         };
         let steps = self.options.steps_per_parameter * (searched.len() + 2);
-        let (part, misfit) = simplex::minimise(|part| value(&from.h, &whole(part)), &start, reach, steps);
-        Found { h: from.h.clone(), x: whole(&part), misfit }
+        let found = simplex::minimise(|part| value(&from.h, &whole(part)), &start, reach, steps);
+        Found { h: from.h.clone(), x: whole(&found.at), misfit: found.value }
     }
 
     /// Misfit over the runs of the fine search, and two for every parameter (Akaike 1974).
@@ -328,7 +328,7 @@ impl Found {
     /// The second effect as it is here, beside another lead, whose strengths are a little weaker than alone.
     fn beside(&self, lead: &Found) -> Found {
         let own = self.h.dimension() - self.h.of_last();
-        let mut h = lead.h.with(self.h.effects[1]);
+        let mut h = lead.h.with(self.h.effects()[1]);
         let mut x = lead.x.clone();
         for i in lead.h.strengths() {
             x[i] = (x[i] - 0.25 * WEAKER).max(0.0);

@@ -11,6 +11,7 @@ use super::scatter;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use windfall_model::{Plant, Role};
+use windfall_pid::StopReason;
 
 /// Iterations of the joint fit.
 const ITERATIONS: usize = 8;
@@ -27,32 +28,6 @@ pub struct Problem<'a> {
     pub declared: &'a [bool],
 }
 
-/// Why a fit stopped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TrackStop {
-    /// Steps fell below a hundredth of a standard error.
-    Converged,
-    /// Iterations used up.
-    IterationLimit,
-    /// The normal equations have no solution: a parameter is not excited beyond noise.
-    NotExcited,
-    /// A residual was not a number.
-    NotFinite,
-}
-
-impl TrackStop {
-    /// In words.
-    #[must_use]
-    pub const fn words(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::IterationLimit => "the iterations did not settle",
-            Self::NotExcited => "a declared parameter is not excited beyond noise in these runs",
-            Self::NotFinite => "a state or residual is not a number under the declared model",
-        }
-    }
-}
-
 /// A fitted model.
 #[derive(Clone, Debug)]
 pub struct TrackFit {
@@ -67,7 +42,7 @@ pub struct TrackFit {
     /// Residual of the data.
     pub residual: Residual,
     /// Why it stopped.
-    pub stop: TrackStop,
+    pub stop: StopReason,
 }
 
 impl TrackFit {
@@ -152,12 +127,12 @@ impl Problem<'_> {
             covariance: DMatrix::zeros(free.len(), free.len()),
             log_likelihood: f64::NEG_INFINITY,
             residual: Vec::new(),
-            stop: TrackStop::IterationLimit,
+            stop: StopReason::Iterations,
         };
         for iteration in 0..ITERATIONS {
             let z = self.evidence.residual(&h.plant(self.base));
             if z.iter().any(|x| !x.is_finite()) {
-                fit.stop = TrackStop::NotFinite;
+                fit.stop = StopReason::NotFinite;
                 return Ok(fit);
             }
             if shapes && iteration < 2 {
@@ -166,11 +141,11 @@ impl Problem<'_> {
             match self.iterate(&mut h, &free, &z, &mut fit.covariance)? {
                 Moved::Further => {}
                 Moved::Settled => {
-                    fit.stop = TrackStop::Converged;
+                    fit.stop = StopReason::Converged;
                     break;
                 }
                 Moved::NotExcited => {
-                    fit.stop = TrackStop::NotExcited;
+                    fit.stop = StopReason::NotExcited;
                     return Ok(fit);
                 }
                 Moved::Unseen(unseen) => return self.fit_with(start, shapes, &[pinned, &unseen].concat()),

@@ -3,9 +3,10 @@
 use crate::common::*;
 use windfall_model::frames::{EulerXyz, Rotation};
 use windfall_model::{Campaign, Data, Record, Release};
+use windfall_pid::StopReason;
 use windfall_pid::{DataSet, Estimate};
 use windfall_sim::{Seed, SimError, fly};
-use windfall_verify::{HoldOut, InitialStop, Replay, VerifyError, campaign_of, estimate_initial, fly_like, hold_out, resimulate};
+use windfall_verify::{HoldOut, Replay, VerifyError, campaign_of, estimate_initial, fly_like, hold_out, resimulate};
 
 fn record(campaign: &Campaign, run: usize) -> &Record {
     match &campaign.runs[run].data {
@@ -21,7 +22,7 @@ fn recover_trajectories_to_the_noise_floor() {
     let Some(campaign) = campaign("recover_trajectories_to_the_noise_floor", "open-00") else { return };
     let h = hold_out(&campaign, &with_table_5_5(&campaign), &[0, 1, 2, 3, 4], 1).expect("flies");
     for r in &h.runs {
-        assert_eq!(r.initial, InitialStop::Converged);
+        assert_eq!(r.initial, StopReason::Converged);
         assert!((0.15..0.18).contains(&r.trajectory.attitude_rms_deg), "{r:?}");
         assert!((1.2e-3..1.6e-3).contains(&r.trajectory.position_rms_m), "{r:?}");
         // Residuals are white sensor noise: their mean square is 1 within its scatter over 10,000 samples, plus V_W's noise.
@@ -83,7 +84,7 @@ fn recover_initial_state() {
         let flight = &s.flights[run];
         let flown = fly(&s.plant, flight, Seed { campaign: 7, run: run as u64 }).expect("flies");
         let found = estimate_initial(&flown.record, &s.plant).expect("estimates");
-        assert_eq!(found.stop, InitialStop::Converged);
+        assert_eq!(found.stop, StopReason::Converged);
         let (a, b) = (found.release, flight.release);
         let turn = |r: Release| {
             let [rx_rad, ry_rad, rz_rad] = r.attitude_rad;

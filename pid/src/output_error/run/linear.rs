@@ -38,7 +38,7 @@ impl PreparedRun<'_> {
     pub(crate) fn linearise(
         &self,
         nominal: &Nominal,
-        c: &FreeColumns<'_>,
+        c: &FreeColumns,
         std: &[f64; CHANNELS],
         work: &mut Transition,
     ) -> Option<Linearised> {
@@ -81,7 +81,7 @@ impl PreparedRun<'_> {
     }
 
     /// `[Φ | Γ | d]` of a piece to the next node.
-    fn forward(&self, next: &[f64; NODE], s: &[f64; SPEED], c: &FreeColumns<'_>, work: &Transition) -> DMatrix<f64> {
+    fn forward(&self, next: &[f64; NODE], s: &[f64; SPEED], c: &FreeColumns, work: &Transition) -> DMatrix<f64> {
         let width = NODE + c.free;
         let mut f = DMatrix::zeros(NODE, width + 1);
         let (states, slopes) = (&work.states[self.piece - 1], &work.slopes[self.piece - 1]);
@@ -110,7 +110,7 @@ impl PreparedRun<'_> {
         &self,
         k: usize,
         nominal: &Nominal,
-        c: &FreeColumns<'_>,
+        c: &FreeColumns,
         std: &[f64; CHANNELS],
         work: &Transition,
         a: &mut DMatrix<f64>,
@@ -143,7 +143,7 @@ impl PreparedRun<'_> {
         &self,
         nominal: &Nominal,
         linear: &Linearised,
-        c: &FreeColumns<'_>,
+        c: &FreeColumns,
         work: &mut Transition,
     ) -> Option<Vec<Vec<Vec<f64>>>> {
         let width = NODE + c.free;

@@ -117,15 +117,15 @@ impl Search<'_> {
 fn parameters(f: &Found, std_errors: &[f64]) -> Vec<Estimated> {
     let searched = f.h.searched();
     (0..f.h.dimension())
-        .filter(|i| f.h.held[*i].is_none_or(|v| v != 0.0))
+        .filter(|i| f.h.held(*i).is_none_or(|v| v != 0.0))
         .map(|i| {
-            let (effect, p) = &f.h.free[i];
+            let (effect, p) = f.h.entry(i);
             let reach = searched.iter().position(|s| *s == i).map_or(f64::INFINITY, |k| 1.96 * std_errors[k]);
             let (low, high) = ((f.x[i] - reach).max(0.0), (f.x[i] + reach).min(1.0));
             let mut ci95 = if reach.is_finite() { [f.h.value(i, low), f.h.value(i, high)] } else { [p.low, p.high] };
             ci95.sort_by(f64::total_cmp);
             Estimated {
-                family: f.h.effects[*effect].family,
+                family: effect.family,
                 name: p.name.clone(),
                 unit: p.unit,
                 estimate: f.h.value(i, f.x[i]),
