@@ -106,19 +106,33 @@ impl Member {
                 continue;
             }
             seen.push((tried, i));
-            forms = forms
-                .iter()
-                .flat_map(|f| {
-                    tried.iter().map(|v| {
-                        let mut next = f.clone();
-                        next[i] = *v;
-                        next
-                    })
-                })
-                .collect();
+            forms = with_each(&forms, i, tried);
         }
         forms
     }
+    /// Its values in every other form that no small change leads to: a switch thrown, another whole number.
+    pub(crate) fn other_forms(&self) -> Vec<Vec<f64>> {
+        let mut forms = vec![self.values.clone()];
+        for (i, p) in self.parameters.iter().enumerate() {
+            if let Role::Shape(tried) = p.role
+                && !p.is_graded()
+            {
+                forms = with_each(&forms, i, tried);
+            }
+        }
+        forms.retain(|f| *f != self.values);
+        forms
+    }
+}
+
+/// Each of the forms with each of those values at a place.
+fn with_each(forms: &[Vec<f64>], place: usize, tried: &[f64]) -> Vec<Vec<f64>> {
+    let with = |form: &Vec<f64>, v: f64| {
+        let mut next = form.clone();
+        next[place] = v;
+        next
+    };
+    forms.iter().flat_map(|f| tried.iter().map(|v| with(f, *v)).collect::<Vec<_>>()).collect()
 }
 
 /// The effects of the catalogue that a lander may have.

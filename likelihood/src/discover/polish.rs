@@ -162,18 +162,9 @@ pub(super) fn in_other_forms(engine: &Engine, mut best: Scored, log: &mut Vec<St
     const DIFFERENT: f64 = 0.1;
     for k in 0..best.1.model.members.len() {
         let Some(member) = best.1.model.members.get(k).filter(|m| !m.random && !m.declared) else { continue };
-        let mut others = vec![member.values.clone()];
-        for (i, p) in member.parameters.iter().enumerate() {
-            let Role::Shape(tried) = p.role else { continue };
-            if !p.is_graded() {
-                let with =
-                    |v: &f64, values: &[f64]| values.iter().enumerate().map(|(j, x)| if i == j { *v } else { *x }).collect();
-                others =
-                    others.iter().flat_map(|values| tried.iter().map(|v| with(v, values)).collect::<Vec<Vec<f64>>>()).collect();
-            }
-        }
+        let others = member.other_forms();
         let model = best.1.model.clone();
-        let fits = others.into_iter().filter(|values| *values != model.members[k].values).filter_map(|values| {
+        let fits = others.into_iter().filter_map(|values| {
             let mut other = model.clone();
             other.members[k].values = values;
             let fit = engine.climb(&other, true, 8).ok()?;

@@ -22,13 +22,13 @@ pub(super) struct Start {
 
 /// Starts with random inputs of every effect, sizes and forms, or none; best first, those that lead to the same set once.
 pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Result<Vec<Start>, String> {
-    let random: Vec<Member> = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random).collect();
     // What leaves hardly more than noise has led to no wrong place: random inputs are tried beside what it ends at.
     let calm = |model: &Model| engine.climb(model, false, 12).ok().filter(|fit| fit.chi < LEFT);
-    let start_calm = calm(declared).or_else(|| calm(&lead_in(engine, declared)?)).and_then(|fit| start(engine, fit, log));
-    if let Some((_, start)) = start_calm.map(|s| (0.0, s)).or_else(|| freed(engine, declared, log).filter(|f| f.0 < LEFT)) {
+    let fit = calm(declared).or_else(|| calm(&lead_in(engine, declared)?)).or_else(|| freed(engine, declared, log));
+    if let Some(start) = fit.and_then(|fit| start(engine, fit, log)) {
         return Ok(vec![start]);
     }
+    let random: Vec<Member> = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random).collect();
     let mut fits: Vec<Fit> = Vec::new();
     let mut last = String::new();
     let air = random.iter().find(|m| moves_air(m, engine));
@@ -117,9 +117,9 @@ pub(super) fn lead_in(engine: &Engine, model: &Model) -> Option<Model> {
     Some(model)
 }
 
-/// A start with a set that was found while accelerations are left free, less and less, and what it leaves; in gusts of any size strong effects
-/// together lead a model astray. `None` where the model departs once accelerations are free no more.
-fn freed(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Option<(f64, Start)> {
+/// A fit of a set that was found while accelerations are left free, less and less; in gusts of any size strong effects together lead a model
+/// astray. `None` where more than noise is left, or the model departs once accelerations are free no more.
+fn freed(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Option<Fit> {
     const FREEDOM: [f64; 5] = [1.0, 0.3, 0.1, 0.03, 0.01];
     let mut free = engine.clone();
     let mut model = declared.clone();
@@ -131,8 +131,7 @@ fn freed(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Option<(f6
         model = with_set(&fit.model, &w, w.choice(), &free);
         log.push(format!("  freed {slack} ({:.0}): chi {:.3} -> {}", engine.passes(), fit.chi, describe(&model)));
     }
-    let fit = engine.climb(&climb_down(engine, &model)?.model, true, 8).ok()?;
-    Some((fit.chi, start(engine, fit, log)?))
+    engine.climb(&climb_down(engine, &model)?.model, true, 8).ok().filter(|fit| fit.chi < LEFT)
 }
 
 /// Forms of a random input that are scanned: every value of its first shape, the middle ones of the others.
@@ -208,8 +207,7 @@ pub(super) fn with_random(engine: &Engine, fit: &Fit) -> Option<Fit> {
 /// air kicks as hard by itself: in bursts its instants have a longer tail than a Gaussian's.
 pub(super) fn struck(engine: &Engine, fit: &Fit) -> Option<Fit> {
     let null = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).find(|m| m.is_local() && !has(&fit.model, m))?;
-    let strongest = |all: &[Shock]| all.iter().copied().max_by(|a, b| a.gain.total_cmp(&b.gain));
-    let all = engine.shocks(&fit.model).into_iter().filter_map(|(run, all)| Some((run, strongest(&all)?)));
+    let all = engine.shocks(&fit.model).into_iter().flat_map(|(run, all)| all.into_iter().map(move |shock| (run, shock)));
     let (run, shock) = all.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))?;
     if shock.gain < cost(&null, engine) + SURE {
         return None;

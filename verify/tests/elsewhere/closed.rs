@@ -105,7 +105,6 @@ fn covered(z: &[f64]) -> (usize, usize) {
 
 fn rows(all: &[Closed]) -> String {
     let mut groups: Vec<&str> = all.iter().map(|c| c.group.as_str()).collect();
-    groups.dedup();
     groups.sort_unstable();
     groups.dedup();
     groups.push("all");
