@@ -53,7 +53,10 @@ pub(crate) fn quaternions(columns: &mut Columns) -> Option<[&'static str; 4]> {
 #[derive(Clone, Debug, PartialEq)]
 enum Origin {
     /// Columns with weights, whose sum it is: one, or three along a direction.
-    Columns { parts: Vec<(String, f64)>, unit: ColumnUnit },
+    Columns {
+        parts: Vec<(String, f64)>,
+        unit: ColumnUnit,
+    },
     Constant(f64),
 }
 
@@ -159,7 +162,8 @@ impl Own {
                 let word = word.trim_matches(['[', ']', '(', ')']);
                 if ColumnUnit::of(quantity, word).is_some_and(|u| u.factor() != unit.factor()) {
                     let what = format!("is the unit that the file gives for {name}, which is read in {}", unit.word);
-                    let remedy = format!("[columns] {ours} = {{ name = \"{name}\", unit = \"{word}\" }}, or a right row of units");
+                    let remedy =
+                        format!("[columns] {ours} = {{ name = \"{name}\", unit = \"{word}\" }}, or a right row of units");
                     all.push(fault(path, None, ours, word, &what, &remedy));
                 }
             }

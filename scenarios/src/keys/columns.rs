@@ -40,7 +40,11 @@ pub(crate) static COLUMN: TableSpec = TableSpec {
               degC, degF, degR. Acceleration: m/s2, g, ft/s2.",
     keys: &[
         optional(other("name", Kind::Text, "the file's column; absent: our name")),
-        optional(other("names", Kind::Words, "in place of `name`: three columns of a vector, whose component along `along` it is")),
+        optional(other(
+            "names",
+            Kind::Words,
+            "in place of `name`: three columns of a vector, whose component along `along` it is",
+        )),
         optional(Key {
             name: "along",
             kind: Kind::Numbers(3),
