@@ -251,7 +251,8 @@ fn side(campaign: &Campaign, fit: &TrackFit, held: Option<&TrackEvidence>) -> Af
         if campaign.measured() == Measured::Pose {
             return HeldOut::of_poses(h.pose_rms(&plant), Some(problem.predict(&fit.hypothesis)));
         }
-        let of_points = HeldOut::of_points(campaign.measured(), h.rms_m(&plant), plant.point.pivot, Some(problem.predict(&fit.hypothesis)));
+        let of_points =
+            HeldOut::of_points(campaign.measured(), h.rms_m(&plant), plant.point.pivot, Some(problem.predict(&fit.hypothesis)));
         match campaign.measured() {
             Measured::PositionAndForce => of_points.with_specific_force(h.rms_m_s2(&plant)),
             _ => of_points,

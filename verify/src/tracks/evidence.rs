@@ -9,7 +9,8 @@
 //! value that covers drift as well would hide the drift. The unmodelled residual has parts per axis whose sizes are fitted: more white noise; a random walk (what
 //! a drifting tracker leaves: variance falls with the square of the order); and, where there are runs enough to tell, what a
 //! steady push and a random slow force leave, different in every run. Without the second, tracks with correlated errors give intervals that are
-//! several times too short; without the third, scatter between launches counts as an effect. What the tracker is
+//! several times too short; without the third, scatter between launches counts as an effect. An accelerometer beside positions has neither: it is
+//! off by a constant in each run, and drifts in a flight by less than its noise; a walk of it could stand for any force. What the tracker is
 //! stated to err may be the same in every run: no repetition tells that from an effect, so an effect must take more than the
 //! stated variance out of the tracks along some axis.
 
@@ -59,8 +60,10 @@ pub struct TrackEvidence {
     inputs: Vec<String>,
     noise: Vec<Cov>,
     generic: Vec<Vec<Cov>>,
-    /// Place in `generic` of the first component along each measured axis: more white noise, then a random walk.
+    /// Place in `generic` of the first component along each measured axis, which is more white noise.
     firsts: Vec<usize>,
+    /// Unit covariances of a random walk along each measured axis: components of `generic` but for specific forces beside positions.
+    walks: Vec<Vec<Cov>>,
 }
 
 impl TrackEvidence {
@@ -83,8 +86,8 @@ impl TrackEvidence {
         let mixed = kind == Measured::PositionAndForce;
         let (scales, variances) = if mixed { (stated, [1.0; 6]) } else { ([1.0; 6], stated.map(|s: f64| s.powi(2))) };
         let inputs = campaign.inputs.clone();
-        let (noise, generic, firsts) = (Vec::new(), Vec::new(), Vec::new());
-        let mut evidence = Self { tracks, kind, variances, scales, inputs, noise, generic, firsts };
+        let (noise, generic, firsts, walks) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut evidence = Self { tracks, kind, variances, scales, inputs, noise, generic, firsts, walks };
         evidence.measure();
         Ok(evidence)
     }
@@ -98,25 +101,29 @@ impl TrackEvidence {
         let scatter = self.recordings() >= RUNS_FOR_SCATTER;
         // Of poses the scatter between runs is all of it.
         let axes = if self.kind == Measured::Pose { Vec::new() } else { self.axes() };
+        let walk = |axis: usize| parts(tracks, white[axis], |a, s, r| if a == axis { s.min(r) } else { 0.0 });
+        let walks: Vec<Vec<Cov>> = axes.iter().map(|a| walk(*a)).collect();
         let each: Vec<Vec<Vec<Cov>>> = axes
             .into_iter()
-            .map(|axis| {
+            .zip(&walks)
+            .map(|(axis, walk)| {
                 let variance = white[axis];
-                let extra = parts(tracks, variance, |a, s, r| if a == axis && same(s, r) { 1.0 } else { 0.0 });
-                let walk = parts(tracks, variance, |a, s, r| if a == axis { s.min(r) } else { 0.0 });
-                let mut all = vec![extra, walk];
-                let beside = self.kind == Measured::PositionAndForce && self.kind.is_force(axis);
-                if scatter && !beside {
+                let mut all = vec![parts(tracks, variance, |a, s, r| if a == axis && same(s, r) { 1.0 } else { 0.0 })];
+                if self.kind == Measured::PositionAndForce && self.kind.is_force(axis) {
+                    return all;
+                }
+                all.push(walk.clone());
+                if scatter {
                     all.push(parts(tracks, variance, |a, s, r| if a == axis { smooth(s, r) } else { 0.0 }));
                 }
-                if scatter && !beside && matches!(self.kind, Measured::Position | Measured::PositionAndForce) {
+                if scatter && matches!(self.kind, Measured::Position | Measured::PositionAndForce) {
                     all.push(pushes(tracks, variance, axis));
                 }
                 all
             })
             .collect();
         self.firsts = each.iter().scan(0, |next, parts| Some(std::mem::replace(next, *next + parts.len()))).collect();
-        (self.noise, self.generic) = (noise, each.into_iter().flatten().collect());
+        (self.noise, self.walks, self.generic) = (noise, walks, each.into_iter().flatten().collect());
     }
 
     /// Variance of one sample's white noise along an axis, in the unit of residuals: as stated, or the median square of the fast half of the orders over that of
@@ -293,8 +300,7 @@ impl TrackEvidence {
         axes.iter()
             .enumerate()
             .map(|(c, &axis)| {
-                let first = self.firsts[c];
-                let own = AxisNoise { noise: &self.noise, parts: [&self.generic[first], &self.generic[first + 1]], z };
+                let own = AxisNoise { noise: &self.noise, parts: [&self.generic[self.firsts[c]], &self.walks[c]], z };
                 let mut judged = own.judge(self.kind.names()[axis], &self.places(axis), share);
                 judged.rms *= self.scales[axis];
                 judged.expected_rms *= self.scales[axis];
