@@ -16,11 +16,13 @@ use windfall_sim::{PointState, fly_point_states};
 /// Largest last step of an initial state over its unit (velocities times the duration), of tracks up to a hundred units long; in
 /// proportion beyond.
 const TOLERANCE: f64 = 1e-11;
+/// Share of the stated noise below which steps of an initial state that shrink no more are done with.
+const NEGLIGIBLE: f64 = 1e-4;
 /// Most samples of a track; longer records are averaged.
 const MOST: usize = 256;
 /// Steps for differences by the initial state and by pushes: of velocities a tenth of a millimetre at the end, of pushes a tenth of a m/s²;
 /// of a slow rigid body a hundredth of that.
-const STATE_STEP: f64 = 1e-4;
+pub(super) const STATE_STEP: f64 = 1e-4;
 const PUSH_STEP: f64 = 0.1;
 const POSE_PUSH_STEP: f64 = 1e-3;
 /// Share of a swing's samples that its start is guessed from.
@@ -46,6 +48,8 @@ pub(super) struct Track {
     scales: Vec<f64>,
     /// Attitudes of a rigid body.
     poses: Option<Poses>,
+    /// Whether the initial state is the record's own (`pose`), under every plant; else it is estimated under each.
+    given: bool,
     /// Whether `basis` starts with what a steady push leaves.
     pushed: bool,
     /// Times from the first sample, s.
@@ -95,7 +99,8 @@ impl Track {
         let scale = |a: &usize| if mixed { stated_std(around, record.measured, *a).max(FLOOR) } else { 1.0 };
         let scales: Vec<f64> = axes.iter().map(scale).collect();
         let series = axes.iter().zip(&scales).filter_map(|(a, s)| Some(record.channel(*a)?.iter().map(move |x| x / s)));
-        let measured = DVector::from_iterator(axes.len() * n, series.flatten().chain(std::iter::repeat(0.0)).take(axes.len() * n));
+        let measured =
+            DVector::from_iterator(axes.len() * n, series.flatten().chain(std::iter::repeat(0.0)).take(axes.len() * n));
         let places = n * axes.iter().filter(|a| !(mixed && **a > 2)).count();
         let reach = scales[0] * measured.iter().take(places).map(|x| (x - measured[0]).abs()).fold(0.0, f64::max);
         let empty = DMatrix::zeros(0, 0);
@@ -105,6 +110,7 @@ impl Track {
             scatter_s2,
             size: (reach / 100.0).max(1.0),
             std: stated_std(around, record.measured, 0),
+            given: poses.is_some(),
             poses,
             pushed: pushed && matches!(record.measured, Measured::Position | Measured::Pose | Measured::PositionAndForce),
             scales,
@@ -120,6 +126,10 @@ impl Track {
             push: empty.clone(),
             state_inverse: empty,
         };
+        if let Some(poses) = &track.poses {
+            let own = track.own(around);
+            track.given = !track.keeps_its_start(poses, &own).ok_or(VerifyError::NotFlown { run: index })?;
+        }
         track.lay(around).ok_or(VerifyError::NotFlown { run: index })?;
         Ok(track)
     }
@@ -225,7 +235,10 @@ impl Track {
                 }
             }
         }
-        let q = columns.qr().q();
+        let qr = columns.qr();
+        let (mut q, r) = (qr.q(), qr.r());
+        // Each along what it stands for, not against it: the numbers of one run are compared with those of another.
+        (0..q.ncols()).filter(|k| r[(*k, *k)] < 0.0).for_each(|k| q.column_mut(k).neg_mut());
         self.state_basis = q.columns(0, states).into_owned();
         self.basis = q.columns(states, q.ncols() - states).into_owned();
     }
@@ -235,7 +248,7 @@ impl Track {
         if self.kind() == Measured::SpecificForce {
             return self.launched(own);
         }
-        if self.poses.is_some() {
+        if self.given {
             let e = &self.measured - self.flown(own, &start)?;
             return Some((start, e));
         }
@@ -389,7 +402,7 @@ impl Track {
     }
 
     /// Initial state under a plant, and the residual that it leaves, orthogonal to the state basis; Broyden's (1965) method
-    /// from the state under the plant of the bases, so that the answer depends on the plant alone. Of poses the state is the record's own.
+    /// from the state under the plant of the bases, so that the answer depends on the plant alone.
     pub(super) fn estimated(&self, plant: &Plant) -> Option<(DVector<f64>, DVector<f64>)> {
         let own = self.own(plant);
         if self.kind() == Measured::SpecificForce {
@@ -397,7 +410,7 @@ impl Track {
         }
         let mut theta = self.start.clone();
         let mut inverse = self.state_inverse.clone();
-        if self.poses.is_some() {
+        if self.given {
             return self.least_squares(&own, theta);
         }
         let mut e = &self.measured - self.flown(&own, &theta)?;
@@ -419,22 +432,26 @@ impl Track {
             }
             g = next;
         }
-        let nonlinear = self.kind() == Measured::Angle || own.point.atmosphere.is_some();
+        let nonlinear = matches!(self.kind(), Measured::Angle | Measured::Pose) || own.point.atmosphere.is_some();
         if nonlinear { self.estimated_by_newton(&own) } else { None }
     }
 
-    /// The same by Newton's method with a Jacobian at every step, for swings and long climbs that Broyden's does not follow.
+    /// The same by Newton's method with a Jacobian at every step, for swings and long climbs that Broyden's does not follow. Where a flight is no
+    /// smooth function of its start - a table has kinks - steps come to go to and fro; that is an answer where they are far below the noise.
     fn estimated_by_newton(&self, own: &Plant) -> Option<(DVector<f64>, DVector<f64>)> {
         let mut theta = self.start.clone();
+        let mut last = f64::INFINITY;
         for _ in 0..STEPS {
             let (flown, jacobian) = self.linearised(own, &theta)?;
             let e = &self.measured - flown;
             let step = (self.state_basis.transpose() * jacobian).try_inverse()? * self.state_basis.tr_mul(&e);
             theta += &step;
-            if step.amax() < 1e-9 * self.size {
+            let size = step.amax();
+            if size < 1e-9 * self.size || (size > 0.5 * last && size < NEGLIGIBLE * self.std) {
                 let e = &self.measured - self.flown(own, &theta)?;
                 return Some((theta, e));
             }
+            last = size;
         }
         None
     }
