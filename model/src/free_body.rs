@@ -116,10 +116,9 @@ impl FreeBody {
         let down = r_body_tunnel * Vec3::new(1.0, 0.0, 0.0);
         let u = s.v_tunnel_origin - r_body_tunnel * self.v_tunnel_air;
         let [air_f, air_m] = self.of_air(u, s.w_tunnel_body);
-        let push = r_body_tunnel * self.push;
-        let f = down * self.net_n + self.thrust[0] + air_f + push * self.mass_kg;
+        let f = down * self.net_n + self.thrust[0] + air_f + (r_body_tunnel * self.push) * self.mass_kg;
         let turn: Vec3<Body> = (self.second_kg_m2 * self.turn.xyz).into();
-        [f, self.net_n_m.cross(down) + self.thrust[1] + air_m + self.first_kg_m.cross(push) + turn]
+        [f, self.net_n_m.cross(down) + self.thrust[1] + air_m + turn]
     }
 
     /// Force and moment of the air at a velocity through it, with the rate damping.

@@ -272,29 +272,6 @@ fn recover_what_is_left_beside_uncertain_coefficients() {
     assert!(after < 1.02 * before, "{before} {after} m");
 }
 
-/// The numbers of one run mean what those of another do: a steady push or turn moves each run's own number of it the same way, wherever its
-/// centre of mass is.
-#[test]
-fn law_slow_numbers_point_the_same_way_in_every_run() {
-    let c = made(Truth::default(), 3);
-    let all: Vec<usize> = (0..c.runs.len()).collect();
-    let mut around = c.plant.clone();
-    around.vehicle.p_origin_cm += Vec3::new(0.01, -0.005, 0.02);
-    let evidence = TrackEvidence::new(&c, &all, &around).expect("flies");
-    let z = evidence.residual(&around);
-    let numbers = z.len() / c.runs.len();
-    for k in 0..6 {
-        let mut moved = around.clone();
-        let free = moved.free_flight.as_mut().expect("a body in free flight");
-        let by: [f64; 6] = std::array::from_fn(|i| if i == k { 1e-3 } else { 0.0 });
-        free.push += Vec3::new(by[0], by[1], by[2]);
-        free.turn += Vec3::new(by[3], by[4], by[5]);
-        let less = evidence.residual(&moved);
-        // What is flown moves along, so that what is left moves against it.
-        assert!(all.iter().all(|r| less[r * numbers + k] < z[r * numbers + k]), "number {k}");
-    }
-}
-
 fn cubes() -> Campaign {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../benchmarks/measured/cube-tosses/campaign.toml");
     read_campaign(&path).expect("a bundled campaign is well-formed")

@@ -282,9 +282,10 @@ impl TrackEvidence {
     pub fn components(&self) -> usize {
         self.generic.len()
     }
-    /// Measures noise again at a better plant.
+    /// Measures noise again at a better plant. Bases of poses of a flight that keeps its start stay: that flight is as good as linear, and about a plant whose
+    /// centre of mass was moved a push at the origin turns the body, each run's another way.
     pub fn settle(&mut self, plant: &Plant) {
-        let laid: Vec<bool> = self.tracks.par_iter_mut().map(|t| t.lay(plant).is_some()).collect();
+        let laid: Vec<bool> = self.tracks.par_iter_mut().map(|t| !t.stays() && t.lay(plant).is_some()).collect();
         if laid.iter().any(|ok| *ok) {
             self.measure();
         }
