@@ -39,7 +39,19 @@ pub(crate) fn planet(name: &str) -> Option<&'static str> {
     PLANETS.iter().position(|n| *n == name).map(|i| texts[i])
 }
 
-/// A table that a bundled scenario names.
+/// Names of the bundled scenarios of rigid bodies in free flight.
+pub const FREE: [&str; 1] = ["glider-throws"];
+
+/// Text of the bundled one of that name.
+pub(crate) fn free(name: &str) -> Option<&'static str> {
+    (name == FREE[0]).then_some(include_str!("../bundled/glider-throws.toml"))
+}
+
+/// A table or structure that a bundled scenario names.
 pub(crate) fn table(file: &str) -> Option<&'static str> {
-    (file == "venus-wind.csv").then_some(include_str!("../planet/venus-wind.csv"))
+    match file {
+        "venus-wind.csv" => Some(include_str!("../planet/venus-wind.csv")),
+        "glider.toml" => Some(include_str!("../bundled/glider.toml")),
+        _ => None,
+    }
 }
