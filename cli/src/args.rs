@@ -120,7 +120,7 @@ fn threads(word: &str) -> Result<u16, String> {
 #[derive(Args, Debug)]
 pub(crate) struct SimulateArgs {
     /// Scenario file (.toml) or bundled scenario: appendix-c, sage-unperturbed, sage-perturbed, sage-combined,
-    /// sage-undeclared, drop-test, full-scale-venus-20km
+    /// sage-undeclared, drop-test, full-scale-venus-20km, glider-throws, venus-descent, venus-dispersions
     pub(crate) scenario: PathBuf,
     #[command(flatten)]
     pub(crate) request: windfall::Fly,
@@ -178,7 +178,7 @@ pub(crate) struct ResimulateArgs {
 /// `descend`.
 #[derive(Args, Debug)]
 pub(crate) struct DescendArgs {
-    /// Planet scenario file (.toml) of a rigid body: scenarios/planet/venus-dispersions.toml is one
+    /// Planet scenario of a rigid body: file (.toml), or bundled: venus-descent, venus-dispersions
     pub(crate) scenario: PathBuf,
     /// Result of `windfall identify`, of which all runs together are taken [default: the scenario's own coefficients, as if exact]
     #[arg(long, value_name = "identification.json")]

@@ -30,6 +30,7 @@ pub(crate) fn run(args: &CheckArgs, session: &mut Session<'_>) -> Result<bool, F
         Checked::Structure(s) => (s.name.clone(), structure_lines(s)),
         Checked::Study(drawing) => (drawing.prepared().study().name.clone(), study_lines(drawing)),
         Checked::Scenario(s) => (s.file.scenario.name.clone(), scenario_lines(s)),
+        Checked::FreeFlight(file) => (file.name.clone(), crate::free::summary(file)),
         Checked::Planet(file) => (file.scenario.name.clone(), crate::planet::summary(&file.scenario)),
     };
     let understood = Understood { kind: checked.kind(), name, summary, warnings: checked.warnings() };

@@ -9,6 +9,7 @@ mod check;
 mod close;
 mod descend;
 mod first;
+mod free;
 mod identify;
 mod interrupt;
 mod many;

@@ -8,6 +8,9 @@ pub(crate) fn run(args: &SimulateArgs, session: &mut Session<'_>) -> Result<bool
     if let Some(file) = windfall::planet::find(&args.scenario)? {
         return crate::planet::simulate(&file, session);
     }
+    if let Some(file) = windfall::free::find(&args.scenario)? {
+        return crate::free::simulate(file, args, session);
+    }
     let scenario = Scenario::find(&args.scenario)?;
     let outputs = scenario.files();
     let outputs: Vec<&str> = outputs.iter().map(String::as_str).collect();

@@ -75,7 +75,7 @@ pub struct FreeFlight {
     pub v_tunnel_air: Vec3<Tunnel>,
     /// The point of the body whose position is recorded, from the geometric origin, m, body axes.
     pub p_origin_tracked: Vec3<Body>,
-    /// A steady push, m/s² along tunnel axes: force over mass.
+    /// A steady push, m/s² along tunnel axes: force over mass, at the geometric origin.
     pub push: Vec3<Tunnel>,
     /// A steady turn, rad/s² about body axes: moment over inertia.
     pub turn: Vec3<Body>,

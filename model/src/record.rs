@@ -76,6 +76,8 @@ pub enum Measured {
     Angle,
     /// Position along tunnel axes, m, and attitude of a rigid body.
     Pose,
+    /// Position along tunnel axes, m, and specific force along those of them that an accelerometer has, m/s², at the same times.
+    PositionAndForce,
 }
 
 impl Measured {
@@ -87,6 +89,7 @@ impl Measured {
             Self::SpecificForce => &["fX", "fY", "fZ"],
             Self::Angle => &["angle", "", ""],
             Self::Pose => &["X", "Y", "Z", "about x", "about y", "about z"],
+            Self::PositionAndForce => &["X", "Y", "Z", "fX", "fY", "fZ"],
         }
     }
     /// SI unit of a channel.
@@ -94,10 +97,16 @@ impl Measured {
     pub fn unit(self, channel: usize) -> &'static str {
         match self {
             Self::Pose if channel > 2 => "rad",
-            Self::Position | Self::Pose => "m",
+            Self::PositionAndForce if channel > 2 => "m/s2",
+            Self::Position | Self::Pose | Self::PositionAndForce => "m",
             Self::SpecificForce => "m/s2",
             Self::Angle => "rad",
         }
+    }
+    /// Whether a channel is a specific force.
+    #[must_use]
+    pub fn is_force(self, channel: usize) -> bool {
+        self == Self::SpecificForce || self == Self::PositionAndForce && channel > 2
     }
 }
 
@@ -108,6 +117,8 @@ pub struct PointRecord {
     pub t_s: Vec<f64>,
     /// Position series along tunnel X, Y, Z, m; an axis that was not measured is absent. Of other measurements see `measured`.
     pub position_m: [Option<Vec<f64>>; 3],
+    /// Specific force along tunnel X, Y, Z beside the position, m/s², at the same times; absent along an axis that has none.
+    pub specific_force_m_s2: [Option<Vec<f64>>; 3],
     /// Attitude of a rigid body at every time as a unit quaternion `[w, x, y, z]`, tunnel from body; empty of other bodies.
     pub attitude: Vec<[f64; 4]>,
     /// What the series are; of an angle the first alone is there.
@@ -127,6 +138,11 @@ impl PointRecord {
     #[must_use]
     pub fn series(&self) -> &[Option<Vec<f64>>; 3] {
         &self.position_m
+    }
+    /// The series of a channel of [`Measured::names`]; none of a rigid body's attitude.
+    #[must_use]
+    pub fn channel(&self, channel: usize) -> Option<&[f64]> {
+        self.position_m.iter().chain(&self.specific_force_m_s2).nth(channel)?.as_deref()
     }
     /// A plant with what this run has of its own: settings, numbers of body and air, drag.
     #[must_use]

@@ -1,4 +1,4 @@
-//! scenarios: the bundled scenario files. In: a name. Out: its text.
+//! scenarios: the bundled scenario files. In: a name. Out: its text, and that of tables that it names.
 
 /// Names of the bundled scenarios.
 pub const NAMES: [&str; 7] = [
@@ -28,4 +28,30 @@ pub fn bundled(name: &str) -> Option<&'static str> {
         include_str!("../bundled/full-scale-venus-20km.toml"),
     ];
     NAMES.iter().position(|n| *n == name).map(|i| texts[i])
+}
+
+/// Names of the bundled planet scenarios.
+pub const PLANETS: [&str; 2] = ["venus-descent", "venus-dispersions"];
+
+/// Text of the bundled planet scenario of that name.
+pub(crate) fn planet(name: &str) -> Option<&'static str> {
+    let texts = [include_str!("../planet/venus-descent.toml"), include_str!("../planet/venus-dispersions.toml")];
+    PLANETS.iter().position(|n| *n == name).map(|i| texts[i])
+}
+
+/// Names of the bundled scenarios of rigid bodies in free flight.
+pub const FREE: [&str; 1] = ["glider-throws"];
+
+/// Text of the bundled one of that name.
+pub(crate) fn free(name: &str) -> Option<&'static str> {
+    (name == FREE[0]).then_some(include_str!("../bundled/glider-throws.toml"))
+}
+
+/// A table or structure that a bundled scenario names.
+pub(crate) fn table(file: &str) -> Option<&'static str> {
+    match file {
+        "venus-wind.csv" => Some(include_str!("../planet/venus-wind.csv")),
+        "glider.toml" => Some(include_str!("../bundled/glider.toml")),
+        _ => None,
+    }
 }

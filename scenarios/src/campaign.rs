@@ -288,10 +288,11 @@ fn asked<'a>(e: &'a RunEntry, declared: &Declared, down: Option<Down>, inputs: &
         measured: declared.measured,
         down: down.unwrap_or(Down { axis: 0, negative: false }),
         std: match declared.measured {
-            Measured::Position | Measured::Pose => sensors.position_std_m,
+            Measured::Position | Measured::Pose | Measured::PositionAndForce => sensors.position_std_m,
             Measured::SpecificForce => sensors.specific_force_std_m_s2,
             Measured::Angle => sensors.angle_std_rad,
         },
+        force_std: sensors.specific_force_std_m_s2,
         window_s: e.window_s,
         inputs: inputs.iter().enumerate().filter_map(column).collect(),
     }

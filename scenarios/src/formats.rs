@@ -66,6 +66,11 @@ pub(crate) fn stem(path: &Path) -> Option<String> {
     split(path).map(|(stem, _)| stem).or_else(|| path.file_stem().map(|s| s.to_string_lossy().into_owned()))
 }
 
+/// Columns of a table's text, that of a CSV file at `path`.
+pub(crate) fn columns_of_text(path: &Path, text: &str) -> Result<Columns, ReadError> {
+    csv_text::read(path, text.as_bytes().to_vec())
+}
+
 /// Reads a run file by its ending.
 pub(crate) fn read_columns(path: &Path) -> Result<Columns, ReadError> {
     let one =

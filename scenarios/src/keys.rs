@@ -7,7 +7,10 @@ pub(crate) mod spec;
 
 use crate::limits;
 pub(crate) use columns::{COLUMN, COLUMNS, COLUMNS_ATTITUDE, COLUMNS_AXES};
-pub(crate) use free_flight::{FREE_FLIGHT, PART, SENSORS_FREE, THRUST, UNCERTAINTY_FREE_FLIGHT, UNCERTAINTY_SENSORS_FREE};
+pub(crate) use free_flight::{
+    FLIGHT_FREE, FREE_FILE, FREE_FLIGHT, PART, RELEASE_FREE, SENSORS_FREE, THRUST, UNCERTAINTY_FREE_FLIGHT,
+    UNCERTAINTY_SENSORS_FREE,
+};
 pub(crate) use planet::{
     ATMOSPHERE_PLANET, ENVIRONMENT_PLANET, FLIGHT_PLANET, INITIAL, PLANET_FILE, TURBULENCE_PLANET, UNCERTAINTY_INITIAL,
     UNCERTAINTY_PLANET, UNCERTAINTY_VEHICLE_PLANET, VEHICLE_PLANET, WIND_PLANET,
@@ -242,9 +245,10 @@ pub(crate) static SENSORS: TableSpec = TableSpec {
 };
 pub(crate) static SENSORS_POINT: TableSpec = TableSpec {
     path: "sensors",
-    meaning: "What measured a point mass, and its standard deviation: exactly one of position, specific force and angle. Position: any of \
+    meaning: "What measured a point mass, and its standard deviation: position, specific force, both, or angle. Position: any of \
               X_m, Y_m, Z_m, the vertical one among them. Specific force: any of fX_m_s2, fY_m_s2, fZ_m_s2 (an accelerometer on a body that \
-              keeps its attitude; zero in free fall in a vacuum), with an offset of its own in every run. Angle: angle_deg, with [pivot].",
+              keeps its attitude; zero in free fall in a vacuum), with an offset of its own in every run; beside positions those of axes whose \
+              position is there, in the same rows. Angle: angle_deg, with [pivot].",
     keys: &[
         optional(plant("sensors.position_std_m")),
         optional(plant("sensors.specific_force_std_m_s2")),
@@ -390,18 +394,19 @@ pub(crate) static RUN: TableSpec = TableSpec {
         optional(other("columns", Kind::Table, "[columns] of this run's file, in place of the campaign's")),
     ],
 };
+const SEED: Key = Key {
+    name: "seed",
+    kind: Kind::Integer,
+    unit: "-",
+    range: [0.0, 9_007_199_254_740_992.0],
+    needed: false,
+    meaning: "seed of all chance; 1 when absent, written out in the resolved file",
+};
 pub(crate) static SCENARIO_FILE: TableSpec = TableSpec {
     path: "",
     meaning: "A scenario file: what is flown.",
     keys: &[
-        optional(Key {
-            name: "seed",
-            kind: Kind::Integer,
-            unit: "-",
-            range: [0.0, 9_007_199_254_740_992.0],
-            needed: false,
-            meaning: "seed of all chance; 1 when absent, written out in the resolved file",
-        }),
+        SEED,
         other("scenario", Kind::Table, "name and note"),
         other("vehicle", Kind::Table, "mass side"),
         optional(other("tether", Kind::Table, "safety tether; absent: free flight")),
@@ -697,8 +702,8 @@ pub(crate) static STOP: TableSpec = TableSpec {
     ],
 };
 
-/// All tables in the order of the reference: campaign files, scenario files, planet scenarios, structure files, study files.
-pub(crate) static ALL: [(&str, &[&TableSpec]); 5] = [
+/// All tables in the order of the reference: campaign files, scenario files, scenarios in free flight, planet scenarios, structure files, study files.
+pub(crate) static ALL: [(&str, &[&TableSpec]); 6] = [
     (
         "Campaign file",
         &[
@@ -770,6 +775,7 @@ pub(crate) static ALL: [(&str, &[&TableSpec]); 5] = [
             &PROVENANCE,
         ],
     ),
+    ("Scenario in free flight", &[&FREE_FILE, &FLIGHT_FREE, &RELEASE_FREE]),
     ("Planet scenario", &planet::PLANET_TABLES),
     ("Structure file", &[&STRUCTURE_FILE, &TERM]),
     (

@@ -3,6 +3,7 @@
 use crate::columns::fault;
 use crate::error::ReadError;
 use crate::formats;
+use crate::free_scenario;
 use crate::open::text_of;
 use crate::planet;
 use std::path::Path;
@@ -14,6 +15,8 @@ pub enum FileKind {
     Campaign,
     /// A scenario.
     Scenario,
+    /// A scenario of a rigid body in free flight.
+    FreeFlight,
     /// A planet scenario.
     Planet,
     /// An aerodynamic structure.
@@ -46,6 +49,8 @@ pub fn kind_of(path: &Path) -> Result<FileKind, ReadError> {
         FileKind::Study
     } else if has("[[term]]") {
         FileKind::Structure
+    } else if free_scenario::is_free(&text) {
+        FileKind::FreeFlight
     } else if planet::is_planet(&text) {
         FileKind::Planet
     } else {

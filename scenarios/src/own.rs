@@ -52,8 +52,33 @@ pub(crate) fn quaternions(columns: &mut Columns) -> Option<[&'static str; 4]> {
 /// Where one of our columns comes from.
 #[derive(Clone, Debug, PartialEq)]
 enum Origin {
-    Column { name: String, unit: ColumnUnit },
+    /// Columns with weights, whose sum it is: one, or three along a direction.
+    Columns {
+        parts: Vec<(String, f64)>,
+        unit: ColumnUnit,
+    },
     Constant(f64),
+}
+
+impl Origin {
+    fn names(&self) -> impl Iterator<Item = &str> {
+        let parts: &[(String, f64)] = match self {
+            Self::Columns { parts, .. } => parts,
+            Self::Constant(_) => &[],
+        };
+        parts.iter().map(|(name, _)| name.as_str())
+    }
+    /// Its values row by row, in our unit.
+    fn values(&self, file: &Columns) -> Option<Vec<f64>> {
+        match self {
+            Self::Constant(value) => Some(vec![*value; file.rows()]),
+            Self::Columns { parts, unit } => {
+                let parts: Vec<(&[f64], f64)> = parts.iter().map(|(n, w)| Some((file.get(n)?, *w))).collect::<Option<_>>()?;
+                let sum = |i: usize| parts.iter().map(|(c, w)| c[i] * w).reduce(|a, b| a + b).unwrap_or(f64::NAN);
+                Some((0..file.rows()).map(|i| unit.ours(sum(i))).collect())
+            }
+        }
+    }
 }
 
 /// What `[columns]` says; empty: files as this program writes them.
@@ -84,8 +109,7 @@ impl Own {
         let (mut names, mut data) = (Vec::new(), Vec::new());
         for (ours, _) in OURS {
             let column = match self.origin(ours) {
-                Some(Origin::Constant(value)) => Some(vec![*value; file.rows()]),
-                Some(Origin::Column { name, unit }) => file.get(name).map(|c| c.iter().map(|x| unit.ours(*x)).collect()),
+                Some(origin) => origin.values(&file),
                 None => file.get(ours).map(<[f64]>::to_vec),
             };
             if let Some(column) = column {
@@ -106,17 +130,11 @@ impl Own {
     }
     /// The file's names that are read.
     fn used(&self) -> Vec<&str> {
-        let columns = self.origins.iter().filter_map(|(_, o)| match o {
-            Origin::Column { name, .. } => Some(name.as_str()),
-            Origin::Constant(_) => None,
-        });
+        let columns = self.origins.iter().flat_map(|(_, o)| o.names());
         columns.chain(self.attitude.iter().flat_map(Attitude::columns).map(String::as_str)).collect()
     }
     fn lacking(&self, path: &Path, file: &Columns) -> Vec<Fault> {
-        let named = self.origins.iter().filter_map(|(ours, o)| match o {
-            Origin::Column { name, .. } => Some((*ours, name.as_str())),
-            Origin::Constant(_) => None,
-        });
+        let named = self.origins.iter().flat_map(|(ours, o)| o.names().map(|name| (*ours, name)));
         let attitude = self.attitude.iter().flat_map(Attitude::columns).map(|name| ("attitude", name.as_str()));
         let near: Vec<&str> = file.names().iter().map(String::as_str).collect();
         named
@@ -134,17 +152,20 @@ impl Own {
     fn contradicted(&self, path: &Path, file: &Columns) -> Vec<Fault> {
         let mut all = Vec::new();
         for (ours, quantity) in OURS {
-            let (name, unit) = match self.origin(ours) {
-                Some(Origin::Column { name, unit }) => (name.as_str(), *unit),
+            let (names, unit): (Vec<&str>, _) = match self.origin(ours) {
+                Some(origin @ Origin::Columns { unit, .. }) => (origin.names().collect(), *unit),
                 Some(Origin::Constant(_)) => continue,
-                None => (ours, quantity.ours()),
+                None => (vec![ours], quantity.ours()),
             };
-            let word = file.names().iter().position(|n| n == name).and_then(|i| file.units.get(i)).map_or("", String::as_str);
-            let word = word.trim_matches(['[', ']', '(', ')']);
-            if ColumnUnit::of(quantity, word).is_some_and(|u| u.factor() != unit.factor()) {
-                let what = format!("is the unit that the file gives for {name}, which is read in {}", unit.word);
-                let remedy = format!("[columns] {ours} = {{ name = \"{name}\", unit = \"{word}\" }}, or a right row of units");
-                all.push(fault(path, None, ours, word, &what, &remedy));
+            for name in names {
+                let word = file.names().iter().position(|n| n == name).and_then(|i| file.units.get(i)).map_or("", String::as_str);
+                let word = word.trim_matches(['[', ']', '(', ')']);
+                if ColumnUnit::of(quantity, word).is_some_and(|u| u.factor() != unit.factor()) {
+                    let what = format!("is the unit that the file gives for {name}, which is read in {}", unit.word);
+                    let remedy =
+                        format!("[columns] {ours} = {{ name = \"{name}\", unit = \"{word}\" }}, or a right row of units");
+                    all.push(fault(path, None, ours, word, &what, &remedy));
+                }
             }
         }
         all

@@ -11,7 +11,7 @@ use crate::profile::{atmosphere, rows};
 use crate::structure::read_aero;
 use crate::table::{Source, Table};
 use crate::{keys, limits};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 use windfall_model::frames::Vec3;
 use windfall_model::planet::{
@@ -73,7 +73,20 @@ pub(crate) fn refuse(source: &Source<'_>, text: &str) -> Result<(), ReadError> {
 /// [`ReadError`] with every fault of the file and of the tables that it names.
 pub fn read_planet(path: &Path) -> Result<PlanetFile, ReadError> {
     let text = text_of(path)?;
-    let source = Source::new(path, &text);
+    parsed(Source::new(path, &text), &text, path.display().to_string())
+}
+
+/// The bundled planet scenario of that name; `None` where there is none, see [`crate::BUNDLED_PLANETS`].
+///
+/// # Errors
+/// [`ReadError`] with every fault of the file.
+pub fn read_bundled_planet(name: &str) -> Result<Option<PlanetFile>, ReadError> {
+    let Some(text) = crate::bundled::planet(name) else { return Ok(None) };
+    let path = PathBuf::from(format!("{name}.toml (bundled)"));
+    parsed(Source::bundled(&path, text), text, name.to_owned()).map(Some)
+}
+
+fn parsed(source: Source<'_>, text: &str, input: String) -> Result<PlanetFile, ReadError> {
     let root = source.parse()?;
     let file = Table::new(&source, "", &root, 0..0, &keys::PLANET_FILE);
     let head = file.table("scenario", &keys::SCENARIO).map(|t| (t.text("name"), t.text_if("note")));
@@ -110,7 +123,7 @@ pub fn read_planet(path: &Path) -> Result<PlanetFile, ReadError> {
         let body = PlanetBody { vehicle, reference, aero: aero.aero, point };
         let scenario = PlanetScenario { name, planet: planet?, body, flights, dispersions: dispersions? };
         let input_hash = format!("{:016x}", fnv1a(text.as_bytes()));
-        Some(PlanetFile { scenario, note, seed, own_structure, input: path.display().to_string(), input_hash })
+        Some(PlanetFile { scenario, note, seed, own_structure, input, input_hash })
     })();
     source.finish(built)
 }

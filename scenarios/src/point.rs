@@ -15,6 +15,7 @@ use windfall_model::{Measured, PointRecord};
 const FEWEST: usize = 8;
 /// Columns of the file's axes.
 const COLUMNS: [&str; 3] = ["X_m", "Y_m", "Z_m"];
+const FORCES: [&str; 3] = ["fX_m_s2", "fY_m_s2", "fZ_m_s2"];
 
 /// The file axis that points down, as in `[axes] down`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +46,8 @@ pub(crate) struct Asked<'a> {
     pub(crate) down: Down,
     /// Stated standard deviation, in the unit of what was measured.
     pub(crate) std: f64,
+    /// The same of specific forces beside positions.
+    pub(crate) force_std: f64,
     pub(crate) window_s: Option<[f64; 2]>,
     /// Inputs that the file has row by row: their place, column, and what it has at 0 and 1.
     pub(crate) inputs: Vec<(usize, &'a str, [f64; 2])>,
@@ -54,18 +57,97 @@ impl Asked<'_> {
     /// Names of its columns, and the one that it cannot be without.
     fn columns(&self) -> ([&'static str; 3], &'static str) {
         let all = match self.measured {
-            Measured::Position | Measured::Pose => COLUMNS,
-            Measured::SpecificForce => ["fX_m_s2", "fY_m_s2", "fZ_m_s2"],
+            Measured::Position | Measured::Pose | Measured::PositionAndForce => COLUMNS,
+            Measured::SpecificForce => FORCES,
             Measured::Angle => return (["angle_deg", "", ""], "angle_deg"),
         };
         (all, all[self.down.axis])
     }
-    /// Largest median of a column, and its unit.
-    fn limit(&self) -> (f64, &'static str) {
+    /// Standard deviation of a column in its unit, its largest median, and that unit.
+    fn limit(&self, column: &str) -> (f64, f64, &'static str) {
         match self.measured {
-            Measured::Position | Measured::Pose => (1e5, "metres"),
-            Measured::SpecificForce => (1e4, "m/s2"),
-            Measured::Angle => (1e5, "degrees"),
+            Measured::PositionAndForce if FORCES.contains(&column) => (self.force_std, 1e4, "m/s2"),
+            Measured::Position | Measured::Pose | Measured::PositionAndForce => (self.std, 1e5, "metres"),
+            Measured::SpecificForce => (self.std, 1e4, "m/s2"),
+            Measured::Angle => (self.std.to_degrees(), 1e5, "degrees"),
+        }
+    }
+    /// Columns of specific forces beside positions, for each of the file's axes.
+    fn beside(&self) -> Option<[&'static str; 3]> {
+        (self.measured == Measured::PositionAndForce).then_some(FORCES)
+    }
+    /// Columns of all that is measured but attitude, whether the file has them or not.
+    fn series(&self) -> Vec<&'static str> {
+        self.columns().0.into_iter().chain(self.beside().into_iter().flatten()).collect()
+    }
+    /// What one of its rows has, in words.
+    fn value(&self) -> &'static str {
+        match self.measured {
+            Measured::Position => "position",
+            Measured::Pose => "position or attitude",
+            Measured::SpecificForce | Measured::Angle | Measured::PositionAndForce => "value",
+        }
+    }
+    /// Faults of columns that the file has not.
+    fn complain_of_missing(&self, path: &Path, columns: &Columns) -> Result<(), ReadError> {
+        let (names, vertical) = self.columns();
+        let all_axes = names.into_iter().filter(|_| self.measured == Measured::Pose);
+        let beside = self.beside().map(|f| f[self.down.axis]);
+        let inputs = self.inputs.iter().map(|(_, c, _)| *c);
+        if let Some(missing) =
+            ["t_s", vertical].into_iter().chain(beside).chain(all_axes).chain(inputs).find(|c| columns.get(c).is_none())
+        {
+            let what = format!("column is missing; the file has {}", some_of(columns.names()));
+            let remedy = "t_s, the column of the vertical axis that [axes] down names (or angle_deg), and the columns of inputs";
+            return Err(ReadError::Faults(vec![fault(path, None, missing, "", &what, remedy)]));
+        }
+        for (force, place) in self.beside().iter().flatten().zip(names) {
+            if columns.get(force).is_some() && columns.get(place).is_none() {
+                let what =
+                    format!("stands without {place}: a specific force beside positions is along an axis whose position is there");
+                return Err(ReadError::Faults(vec![fault(path, None, force, "", &what, "both, or neither")]));
+            }
+        }
+        Ok(())
+    }
+    /// Takes spikes off every series: the local fit in their place, or NaN. Notes of them; a fault where a series is out of range.
+    fn remove_spikes(&self, path: &Path, t_s: &[f64], columns: &mut Columns) -> Result<Vec<String>, ReadError> {
+        let interval_s = median(&t_s.windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>());
+        let mut notes = Vec::new();
+        for name in self.series() {
+            let Some(mut x) = columns.get(name).map(<[f64]>::to_vec) else { continue };
+            let (std, limit, unit) = self.limit(name);
+            if median(&x).abs() > limit {
+                let (value, what) = (format!("{:.3} (median)", median(&x)), format!("must be within {limit:e} {unit}"));
+                return Err(ReadError::Faults(vec![fault(path, None, name, &value, &what, unit)]));
+            }
+            notes.extend(remove_spikes(t_s, &mut x, interval_s, std).iter().map(|s| spike_note(name, t_s[s.index], s)));
+            columns.put(name, x);
+        }
+        Ok(notes)
+    }
+    /// Track of columns without a gap, in tunnel axes.
+    fn record(&self, columns: &Columns, attitude: Option<[&'static str; 4]>) -> PointRecord {
+        let column = |name: &str| columns.get(name).map_or_else(Vec::new, <[f64]>::to_vec);
+        let input = |(place, name, [zero, one]): &(usize, &str, [f64; 2])| {
+            (*place, column(name).iter().map(|x| (x - zero) / (one - zero)).collect())
+        };
+        let along = |names: [&str; 3]| {
+            self.down
+                .tunnel_from_file()
+                .map(|(axis, sign)| columns.get(names[axis]).map(|x| x.iter().map(|v| sign * v).collect::<Vec<f64>>()))
+        };
+        let radians = |name: &str| columns.get(name).map(|x| x.iter().map(|v| v.to_radians()).collect());
+        let turns = attitude.map(|names| names.map(column));
+        let names = self.columns().0;
+        PointRecord {
+            t_s: column("t_s"),
+            position_m: if self.measured == Measured::Angle { names.map(radians) } else { along(names) },
+            specific_force_m_s2: self.beside().map_or_else(Default::default, along),
+            attitude: turns.map_or_else(Vec::new, |[w, x, y, z]| (0..w.len()).map(|i| [w[i], x[i], y[i], z[i]]).collect()),
+            measured: self.measured,
+            recorded_inputs: self.inputs.iter().map(input).collect(),
+            ..PointRecord::default()
         }
     }
 }
@@ -82,7 +164,7 @@ pub fn read_track(
     position_std_m: f64,
     window_s: Option<[f64; 2]>,
 ) -> Result<(PointRecord, Vec<String>), ReadError> {
-    let asked = Asked { measured: Measured::Position, down, std: position_std_m, window_s, inputs: Vec::new() };
+    let asked = Asked { measured: Measured::Position, down, std: position_std_m, force_std: 0.0, window_s, inputs: Vec::new() };
     read_own_track(path, &Own::default(), &asked)
 }
 
@@ -90,71 +172,31 @@ pub fn read_track(
 pub(crate) fn read_own_track(path: &Path, own: &Own, asked: &Asked<'_>) -> Result<(PointRecord, Vec<String>), ReadError> {
     let mut columns = own.apply(path, read_columns(path)?)?;
     let mut notes = std::mem::take(&mut columns.notes);
-    let one =
-        |key: &str, value: &str, what: &str, remedy: &str| ReadError::Faults(vec![fault(path, None, key, value, what, remedy)]);
-    let (names, vertical) = asked.columns();
     let attitude = if asked.measured == Measured::Pose { Some(attitude_columns(path, &mut columns)?) } else { None };
-    let all_axes = attitude.iter().flat_map(|_| names);
-    let needed = ["t_s", vertical].into_iter().chain(all_axes).chain(asked.inputs.iter().map(|(_, c, _)| *c));
-    for needed in needed {
-        if columns.get(needed).is_none() {
-            let what = format!("column is missing; the file has {}", some_of(columns.names()));
-            let remedy = "t_s, the column of the vertical axis that [axes] down names (or angle_deg), and the columns of inputs";
-            return Err(one(needed, "", &what, remedy));
-        }
-    }
-    let inputs = asked.inputs.iter().map(|(_, c, _)| *c);
-    let turned = attitude.into_iter().flatten();
-    let present: Vec<&str> = names.into_iter().filter(|c| columns.get(c).is_some()).chain(inputs).chain(turned).collect();
-    let complete: Vec<bool> =
-        (0..columns.rows()).map(|i| present.iter().all(|c| columns.get(c).is_some_and(|x| x[i].is_finite()))).collect();
-    let lost = complete.iter().filter(|c| !**c).count();
+    asked.complain_of_missing(path, &columns)?;
+    let read: Vec<&str> =
+        asked.series().into_iter().chain(asked.inputs.iter().map(|(_, c, _)| *c)).chain(attitude.into_iter().flatten()).collect();
+    let lost = retain_complete(&mut columns, &read);
     if lost > 0 {
-        let what = match asked.measured {
-            Measured::Position => "position",
-            Measured::Pose => "position or attitude",
-            Measured::SpecificForce | Measured::Angle => "value",
-        };
-        notes.push(format!("{lost} rows with a missing {what} dropped"));
-        columns.retain(&complete);
+        notes.push(format!("{lost} rows with a missing {} dropped", asked.value()));
     }
-    let mut t_s = times(path, &mut columns, asked.window_s, &mut notes)?;
+    let t_s = times(path, &mut columns, asked.window_s, &mut notes)?;
     if t_s.len() < FEWEST {
         let what = format!("a track needs {FEWEST} samples or more");
-        return Err(one("samples", &t_s.len().to_string(), &what, "a longer track, or a wider window_s"));
+        let remedy = "a longer track, or a wider window_s";
+        return Err(ReadError::Faults(vec![fault(path, None, "samples", &t_s.len().to_string(), &what, remedy)]));
     }
-    let interval_s = median(&t_s.windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>());
-    let mut file_axes: [Option<Vec<f64>>; 3] = names.map(|c| columns.get(c).map(<[f64]>::to_vec));
-    let (limit, unit) = asked.limit();
-    let per_unit = if asked.measured == Measured::Angle { asked.std.to_degrees() } else { asked.std };
-    for (name, axis) in names.iter().zip(&mut file_axes) {
-        let Some(x) = axis else { continue };
-        if median(x).abs() > limit {
-            return Err(one(name, &format!("{:.3} (median)", median(x)), &format!("must be within {limit:e} {unit}"), unit));
-        }
-        notes.extend(remove_spikes(&t_s, x, interval_s, per_unit).iter().map(|s| spike_note(name, t_s[s.index], s)));
-    }
-    let good: Vec<bool> = (0..t_s.len()).map(|i| file_axes.iter().flatten().all(|x| x[i].is_finite())).collect();
-    let keep = |x: &mut Vec<f64>| *x = x.iter().zip(&good).filter(|(_, g)| **g).map(|(v, _)| *v).collect();
-    keep(&mut t_s);
-    file_axes.iter_mut().flatten().for_each(keep);
-    let recorded = |(place, column, [zero, one]): &(usize, &str, [f64; 2])| {
-        let mut u: Vec<f64> = columns.get(column).unwrap_or(&[]).iter().map(|x| (x - zero) / (one - zero)).collect();
-        keep(&mut u);
-        (*place, u)
-    };
-    let recorded_inputs = asked.inputs.iter().map(recorded).collect();
-    let mut quaternion = attitude.map(|names| names.map(|n| columns.get(n).map_or_else(Vec::new, <[f64]>::to_vec)));
-    quaternion.iter_mut().flatten().for_each(keep);
-    let attitude = quaternion.map_or_else(Vec::new, |q| (0..t_s.len()).map(|i| [q[0][i], q[1][i], q[2][i], q[3][i]]).collect());
-    let position_m = if asked.measured == Measured::Angle {
-        file_axes.map(|axis| axis.map(|x| x.into_iter().map(f64::to_radians).collect()))
-    } else {
-        let turned = |(axis, sign): (usize, f64)| file_axes[axis].as_ref().map(|x| x.iter().map(|v| sign * v).collect());
-        asked.down.tunnel_from_file().map(turned)
-    };
-    let record = PointRecord { t_s, position_m, attitude, measured: asked.measured, recorded_inputs, ..PointRecord::default() };
-    Ok((record, notes))
+    notes.extend(asked.remove_spikes(path, &t_s, &mut columns)?);
+    retain_complete(&mut columns, &asked.series());
+    Ok((asked.record(&columns, attitude), notes))
+}
+
+/// Keeps the rows of which no column of these is missing a value; how many had one. A column that the file has not is none.
+fn retain_complete(columns: &mut Columns, names: &[&str]) -> usize {
+    let present: Vec<&[f64]> = names.iter().filter_map(|n| columns.get(n)).collect();
+    let complete: Vec<bool> = (0..columns.rows()).map(|i| present.iter().all(|c| c[i].is_finite())).collect();
+    columns.retain(&complete);
+    complete.iter().filter(|c| !**c).count()
 }
 
 /// Columns of the attitude of a rigid body's file.

@@ -104,17 +104,22 @@ pub(crate) fn sensors(file: &Table<'_>, into: &mut PointMass) -> Option<(Sensors
         ("angle_std_deg", Measured::Angle),
     ];
     let given: Vec<Measured> = all.iter().filter(|(k, _)| t.has(k)).map(|(_, m)| *m).collect();
-    let [measured] = given[..] else {
-        let what = "must have exactly one of position_std_m, specific_force_std_m_s2 and angle_std_deg: what the runs measured";
-        t.source.fault(Some(t.span.clone()), "[sensors]", "", what, "position_std_m = ...");
-        return None;
+    let measured = match given[..] {
+        [one] => one,
+        [Measured::Position, Measured::SpecificForce] => Measured::PositionAndForce,
+        _ => {
+            let what = "must say what the runs measured: one of position_std_m, specific_force_std_m_s2 and angle_std_deg, or the \
+                        first two";
+            t.source.fault(Some(t.span.clone()), "[sensors]", "", what, "position_std_m = ...");
+            return None;
+        }
     };
     if (measured == Measured::Angle) != file.has("pivot") {
         let what = "an angle is that of a body on a pivot, whose angle alone is measured";
         t.source.fault(Some(t.span.clone()), "[sensors]", "", what, "angle_std_deg together with [pivot]");
     }
     into.altimeter = t.has("height") && t.choice("height") == Some(1);
-    if into.altimeter && measured != Measured::Position {
+    if into.altimeter && !matches!(measured, Measured::Position | Measured::PositionAndForce) {
         t.source.fault(t.at("height"), t.full("height"), "", "is of measured positions", "remove it");
     }
     let sensors = Sensors {

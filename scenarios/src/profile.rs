@@ -2,7 +2,7 @@
 
 use crate::columns::Columns;
 use crate::error::{Fault, ReadError};
-use crate::formats::read_columns;
+use crate::formats::{columns_of_text, read_columns};
 use crate::table::Table;
 use crate::{keys, limits};
 use std::path::Path;
@@ -44,7 +44,8 @@ pub(crate) fn rows<const N: usize>(
     if t.source.has_faults() {
         return None;
     }
-    let columns = match read_columns(&path) {
+    let read = t.source.bundled_table(&word).map_or_else(|| read_columns(&path), |text| columns_of_text(&path, text));
+    let columns = match read {
         Ok(columns) => columns,
         Err(ReadError::Faults(faults)) => {
             t.source.add(&faults);

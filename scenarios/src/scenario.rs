@@ -17,7 +17,7 @@ use windfall_model::{
 };
 
 /// Seed of a scenario that gives none.
-const DEFAULT_SEED: u64 = 1;
+pub(crate) const DEFAULT_SEED: u64 = 1;
 
 /// An effect in a scenario's truth.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,8 +75,16 @@ pub fn read_bundled(name: &str) -> Result<ScenarioFile, ReadError> {
     match crate::bundled::bundled(name) {
         Some(text) => parse(&PathBuf::from(format!("{name}.toml (bundled)")), text, name),
         None => {
+            let (planets, free) = (crate::bundled::PLANETS, crate::bundled::FREE);
             let near = nearest(name, &crate::bundled::NAMES).unwrap_or("a path that ends in .toml");
-            let what = format!("is neither a file nor a bundled scenario; bundled: {}", crate::bundled::NAMES.join(", "));
+            let what = if planets.contains(&name) {
+                "is a planet scenario, which is flown, flown down and checked only".to_owned()
+            } else if free.contains(&name) {
+                "is a scenario in free flight, which is flown and checked only".to_owned()
+            } else {
+                let names = [&crate::bundled::NAMES[..], &planets, &free].concat().join(", ");
+                format!("is neither a file nor a bundled scenario; bundled: {names}")
+            };
             Err(ReadError::Faults(vec![crate::columns::fault(Path::new(name), None, "", "", &what, near)]))
         }
     }
@@ -140,7 +148,12 @@ pub(crate) fn declared_effects(file: &Table<'_>, acts: Acts, inputs: &[String]) 
 }
 
 /// `starting`: values are starting points, for which a shape may be left out, not a truth.
-fn effect_tables(file: &Table<'_>, acts: Acts, inputs: &[String], starting: bool) -> Vec<(&'static Effect, EffectValues)> {
+pub(crate) fn effect_tables(
+    file: &Table<'_>,
+    acts: Acts,
+    inputs: &[String],
+    starting: bool,
+) -> Vec<(&'static Effect, EffectValues)> {
     if !file.has("effects") {
         return Vec::new();
     }

@@ -82,7 +82,9 @@ fn structure_of(t: &Table<'_>, name: &str) -> Option<(Structure, Option<String>)
             if t.source.has_faults() {
                 return None;
             }
-            match read_structure_as(&path, name) {
+            let bundled = t.source.bundled_table(file);
+            let read = bundled.map_or_else(|| read_structure_as(&path, name), |text| structure_of_text(&path, text, name));
+            match read {
                 Ok(structure) => return Some((structure, Some(file.to_owned()))),
                 Err(ReadError::Faults(faults)) => t.source.add(&faults),
                 Err(e) => t.source.fault(Some(v.span()), t.full("structure"), file, e.to_string(), "a path beside this file"),
@@ -178,8 +180,11 @@ pub fn read_structure(path: &Path) -> Result<Structure, ReadError> {
 }
 
 fn read_structure_as(path: &Path, name: &str) -> Result<Structure, ReadError> {
-    let text = crate::open::text_of(path)?;
-    let source = Source::new(path, &text);
+    structure_of_text(path, &crate::open::text_of(path)?, name)
+}
+
+fn structure_of_text(path: &Path, text: &str, name: &str) -> Result<Structure, ReadError> {
+    let source = Source::new(path, text);
     let root = source.parse()?;
     let file = Table::new(&source, "", &root, 0..0, &keys::STRUCTURE_FILE);
     let parameters = words(&file, "parameters");

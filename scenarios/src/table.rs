@@ -16,11 +16,21 @@ pub(crate) struct Source<'t> {
     path: &'t Path,
     text: &'t str,
     faults: RefCell<Vec<Fault>>,
+    /// Whether the tables that it names are bundled as well.
+    bundled: bool,
 }
 
 impl<'t> Source<'t> {
     pub(crate) fn new(path: &'t Path, text: &'t str) -> Self {
-        Self { path, text, faults: RefCell::new(Vec::new()) }
+        Self { path, text, faults: RefCell::new(Vec::new()), bundled: false }
+    }
+    /// A bundled file, whose tables are bundled as well.
+    pub(crate) fn bundled(path: &'t Path, text: &'t str) -> Self {
+        Self { bundled: true, ..Self::new(path, text) }
+    }
+    /// The text of a table that a bundled file names.
+    pub(crate) fn bundled_table(&self, word: &str) -> Option<&'static str> {
+        if self.bundled { crate::bundled::table(word) } else { None }
     }
     pub(crate) fn path(&self) -> &Path {
         self.path

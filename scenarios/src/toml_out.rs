@@ -147,7 +147,7 @@ fn sensor_table(t: &mut Toml, s: &Sensors, exact_noise: bool) {
 }
 
 /// Standard uncertainties in the shapes of the numbers that they belong to; those of inertia under dotted keys.
-fn uncertainty_tables(t: &mut Toml, structure: &Structure, knowledge: &Knowledge) {
+pub(crate) fn uncertainty_tables(t: &mut Toml, structure: &Structure, knowledge: &Knowledge) {
     let known = |n: &PlantNumber| knowledge.constants.iter().find(|c| (c.key, c.component) == (n.key, n.component));
     let (mut table, mut last) = ("", "");
     for n in PLANT_NUMBERS.iter().filter(|n| knowledge.constants.iter().any(|c| c.key == n.key)) {

@@ -95,7 +95,7 @@ fn law_faults_say_what_is_missing() {
         ("no-column", "column = \"servo\"", "column = \"flap\"", "flap"),
         ("descends", "at = [0.0, 0.8, 1.0]", "at = [0.0, 0.8, 0.8]", "ascend"),
         ("variable", "{ over = \"mach\", at", "{ over = \"height\", at", "mach"),
-        ("two-sensors", "position_std_m = 1.0", "position_std_m = 1.0\nangle_std_deg = 1.0", "exactly one"),
+        ("two-sensors", "position_std_m = 1.0", "position_std_m = 1.0\nangle_std_deg = 1.0", "or the first two"),
         ("same-ends", "zero = 30, one = 60", "zero = 30, one = 30", "must differ"),
         ("negative-mass", "mass_kg = 12.0", "mass_kg = -12.0", "mass_kg"),
         ("pivot", "[sensors]", "[pivot]\narm_m = 0.1\ninertia_kg_m2 = 0.0\nviscous_n_m_s = 0.0\n[sensors]", "pivot"),
@@ -127,4 +127,32 @@ fn law_specific_force_and_angle_are_read_in_our_units() {
     let Data::Point(record) = &c.runs[0].data else { panic!("a track") };
     assert!((record.series()[0].as_ref().expect("measured")[0] - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
     assert_eq!((c.body(), record.recording.as_deref()), (Acts::Pivot, Some("A")));
+}
+
+/// An accelerometer beside an altimeter: its component along a direction that is not one of its axes, upward positive.
+#[test]
+fn law_height_and_specific_force_are_read_together() {
+    let sensors = "position_std_m = 1.0\nspecific_force_std_m_s2 = 0.2";
+    let columns =
+        "[columns]\nfZ_m_s2 = { names = [\"servo\", \"Z_m\", \"t_s\"], along = [0.0, 3.0, 4.0], unit = \"g\" }\n[[run]]";
+    // A column that [columns] reads is no input any more.
+    let constant = |t: &str| t.replace("{ column = \"servo\", zero = 30, one = 60 }", "0.5");
+    let both = |t: &str| constant(t).replace("position_std_m = 1.0", sensors).replacen("[[run]]", columns, 1);
+    // The same columns stand for other things here, so that the table must say so.
+    let c = rocket("both", |t| both(t).replace("[columns]", "[columns]\nt_s = \"t_s\"\nZ_m = \"Z_m\"")).expect("well-formed");
+    assert_eq!((c.body(), c.measured()), (Acts::Altimeter, Measured::PositionAndForce));
+    let Data::Point(record) = &c.runs[0].data else { panic!("a track") };
+    let (t, z) = (1.9, 200.0 * 1.9 - 5.0 * 1.9 * 1.9);
+    let force = record.specific_force_m_s2[0].as_ref().expect("measured")[19];
+    assert!((force + 9.80665 * (0.6 * z + 0.8 * t)).abs() < 1e-9, "{force}");
+    assert_eq!(record.channel(3).map(<[f64]>::len), Some(20));
+    for (name, from, to, word) in [
+        ("no-force", "fZ_m_s2 = {", "fY_m_s2 = {", "fZ_m_s2"),
+        ("no-direction", "along = [0.0, 3.0, 4.0]", "along = [0.0, 0.0, 0.0]", "not zero"),
+        ("no-names", "names = [\"servo\", \"Z_m\", \"t_s\"], ", "", "names"),
+        ("no-place", "[columns]", "[columns]\nfX_m_s2 = \"servo\"", "stands without X_m"),
+    ] {
+        let e = rocket(name, |t| both(t).replace("[columns]", "[columns]\nt_s = \"t_s\"\nZ_m = \"Z_m\"").replace(from, to));
+        assert!(e.as_ref().is_err_and(|e| e.contains(word)), "{name}: {e:?}");
+    }
 }

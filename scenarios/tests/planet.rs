@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 use windfall_model::planet::{Atmosphere, Gravity, Winds};
-use windfall_scenarios::{FileKind, kind_of, read_planet, read_scenario, write_resolved_planet};
+use windfall_scenarios::{
+    BUNDLED_PLANETS, FileKind, kind_of, read_bundled, read_bundled_planet, read_planet, read_scenario, write_resolved_planet,
+};
 
 const GOOD: &str = r#"[scenario]
 name = "test"
@@ -160,4 +162,18 @@ fn law_faults_are_named_by_file_line_and_key() {
     let rigid = GOOD.replace("[aero.point_mass]\nCD = 0.1", "[aero.axisymmetric]");
     let message = Case::new(&rigid.replace("attitude_ned_deg = [10.0, 20.0, 30.0]\n", ""), AIR, WIND).fault();
     assert!(message.contains("[flight 1.initial] attitude_ned_deg: is missing; a rigid body needs it"), "{message}");
+}
+
+/// By name a bundled planet scenario is the file of the folder, its wind's table included; where tunnel scenarios are read the name is refused.
+#[test]
+fn law_bundled_planets_are_those_of_the_folder() {
+    for name in BUNDLED_PLANETS {
+        let bundled = read_bundled_planet(name).expect("well-formed").expect("bundled");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("planet/{name}.toml"));
+        let file = read_planet(&path).expect("well-formed");
+        assert_eq!((bundled.scenario, bundled.input_hash), (file.scenario, file.input_hash), "{name}");
+        assert!(read_bundled(name).is_err_and(|e| e.to_string().contains("planet scenario")), "{name}");
+    }
+    assert!(read_bundled_planet("venus").is_ok_and(|none| none.is_none()));
+    assert!(read_bundled("venus").is_err_and(|e| e.to_string().contains("venus-descent")));
 }

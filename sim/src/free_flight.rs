@@ -1,9 +1,10 @@
-//! sim: motion of a rigid body in free flight through air at rest. In: a plant, a start, times. Out: states at those times.
+//! sim: motion of a rigid body in free flight through air at rest. In: a plant, a start, times. Out: states at those times, poses as recorded.
 
 use crate::error::SimError;
-use nalgebra::SVector;
-use windfall_model::frames::{Body, Rotation, Tunnel, Vec3};
-use windfall_model::{FreeBody, FreeState, Plant};
+use crate::seed::{Channel, Seed};
+use nalgebra::{Rotation3, SVector, Vector3};
+use windfall_model::frames::{Body, EulerXyz, Rotation, Tunnel, Vec3};
+use windfall_model::{FreeBody, FreeState, Measured, Plant, PointRecord};
 
 /// Position, attitude, velocity and body rates.
 type State = SVector<f64, 13>;
@@ -86,4 +87,60 @@ pub fn fly_free(plant: &Plant, times_s: &[f64], longest_step_s: f64, start: &Fre
         out.push(unpacked(&y));
     }
     Ok(out)
+}
+
+/// A flight of a rigid body in free flight, as it was and as it was recorded.
+#[derive(Clone, Debug)]
+pub struct FreeFlown {
+    /// States at the recorded times.
+    pub states: Vec<FreeState>,
+    /// Pose as it was recorded.
+    pub record: PointRecord,
+    /// Steps of the integrator.
+    pub steps: u64,
+}
+
+/// Steps of the integrator in a sample interval.
+const STEPS_PER_SAMPLE: u64 = 2;
+
+/// Flies for `duration_s` from `start` and records the pose at `rate_hz` as the plant's instruments do: of the tracked point, with scale, clock and
+/// alignment; with their noise where a seed is given.
+///
+/// # Errors
+/// As [`fly_free`].
+pub fn record_free(
+    plant: &Plant,
+    duration_s: f64,
+    rate_hz: f64,
+    start: &FreeState,
+    noise: Option<Seed>,
+) -> Result<FreeFlown, SimError> {
+    let none = SimError::Setup { what: "rigid body in free flight", value: 0.0, allowed: "[free_flight]" };
+    let free = plant.free_flight.as_ref().ok_or(none)?;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a checked number of samples")]
+    let samples = (duration_s * rate_hz + ROUNDING).floor() as usize + 1;
+    let t_s: Vec<f64> = (0..samples).map(|i| i as f64 / rate_hz).collect();
+    let s = &plant.sensors;
+    let ticks = 1.0 + s.time_base;
+    let true_s: Vec<f64> = t_s.iter().map(|t| t / ticks).collect();
+    let states = fly_free(plant, &true_s, 1.0 / (STEPS_PER_SAMPLE as f64 * rate_hz * ticks), start)?;
+    let [rx_rad, ry_rad, rz_rad] = s.misalignment_rad;
+    let reported = Rotation::<Body, Body>::from_matrix(EulerXyz { rx_rad, ry_rad, rz_rad }.r_tunnel_body().matrix);
+    let stds = [s.position_std_m, s.position_std_m, s.position_std_m, s.roll_std_rad, s.pitch_yaw_std_rad, s.pitch_yaw_std_rad];
+    let mut normals: Vec<_> = (0..6_u8).map(|c| noise.map(|seed| seed.normals(Channel::Sensor(c)))).collect();
+    let mut position: [Vec<f64>; 3] = Default::default();
+    let mut attitude = Vec::with_capacity(samples);
+    for state in &states {
+        let error: Vec<f64> =
+            normals.iter_mut().zip(stds).map(|(n, std)| std * n.as_mut().and_then(Iterator::next).unwrap_or(0.0)).collect();
+        let r = Rotation::<Tunnel, Body>::from_quaternion(state.attitude);
+        let p = (state.p_tunnel_origin + r * free.p_origin_tracked) * (1.0 + s.length_scale);
+        position.iter_mut().zip(p.to_array()).zip(&error).for_each(|((series, x), e)| series.push(x + e));
+        let turned = Rotation3::from_scaled_axis(Vector3::new(error[3], error[4], error[5])).into_inner();
+        attitude.push((r * reported * Rotation::<Body, Body>::from_matrix(turned)).to_quaternion());
+    }
+    let record =
+        PointRecord { t_s, position_m: position.map(Some), attitude, measured: Measured::Pose, ..PointRecord::default() };
+    let steps = (samples as u64 - 1) * STEPS_PER_SAMPLE;
+    Ok(FreeFlown { states, record, steps })
 }

@@ -26,7 +26,7 @@ pub use batch::{Order, States, Stepping, fly_batch, fly_truth_batch, for_each_st
 pub use descent::{Descent, DescentFlown, DescentState, LAST_M, TouchDown};
 pub use error::SimError;
 pub use fly::{fly, fly_truth};
-pub use free_flight::fly_free;
+pub use free_flight::{FreeFlown, fly_free, record_free};
 pub use noise::realise;
 pub use planet::{PlanetEnd, PlanetFlown, PlanetTruth, fly_planet};
 pub use point::{PointState, fly_point, fly_point_states};

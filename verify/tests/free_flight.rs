@@ -5,9 +5,10 @@ use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use std::path::PathBuf;
-use windfall_model::frames::{Body, Rotation, Tunnel};
-use windfall_model::{Campaign, Data, Measured, PointRecord};
+use windfall_model::frames::{Body, Rotation, Tunnel, Vec3};
+use windfall_model::{Campaign, Data, FreeState, Measured, PointRecord};
 use windfall_scenarios::read_campaign;
+use windfall_sim::{Seed, record_free};
 use windfall_verify::close::{Closing, HeldOut, Options, Verdict, close};
 use windfall_verify::tracks::TrackEvidence;
 
@@ -269,4 +270,65 @@ fn recover_what_is_left_beside_uncertain_coefficients() {
     assert!(closing.effects.iter().all(|e| e.parameters.iter().any(|p| p.std_error.is_some())));
     let [before, after] = held(&closing);
     assert!(after < 1.02 * before, "{before} {after} m");
+}
+
+fn cubes() -> Campaign {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../benchmarks/measured/cube-tosses/campaign.toml");
+    read_campaign(&path).expect("a bundled campaign is well-formed")
+}
+
+/// As many tosses as were measured, each as long, with the noise that is stated, of a cube whose centre of mass is so far along its z.
+fn tossed(ahead_m: f64, seed: u64) -> Campaign {
+    let mut c = cubes();
+    let mut truth = c.plant.clone();
+    truth.vehicle.p_origin_cm += Vec3::new(0.0, 0.0, ahead_m);
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+    let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
+    for (i, run) in c.runs.iter_mut().enumerate() {
+        let Data::Point(measured) = &run.data else { panic!("a track") };
+        let start = FreeState {
+            p_tunnel_origin: Vec3::new(-0.15, 0.2 * draw(), 0.2 * draw()),
+            attitude: measured.attitude[0],
+            v_tunnel_origin: Vec3::new(0.5 * draw(), 0.5 * draw(), 0.5 * draw()),
+            w_tunnel_body: Vec3::new(2.0 * draw(), 2.0 * draw(), 2.0 * draw()),
+        };
+        let seconds = (measured.t_s.len() - 1) as f64 / 148.0;
+        let noise = Seed { campaign: seed, run: i as u64 };
+        run.data = Data::Point(record_free(&truth, seconds, 148.0, &start, Some(noise)).expect("flies").record);
+    }
+    c
+}
+
+/// A body that the air does not damp: nothing is named where nothing is missing, and a shifted centre of mass is found, of which flights alone cannot say
+/// that it is not the tracked point.
+#[test]
+fn recover_a_shifted_centre_of_mass_of_tosses_and_nothing_from_others() {
+    let nothing = closed(&tossed(0.0, 5));
+    assert_eq!((families(&nothing), nothing.verdict), (Vec::new(), Verdict::Consistent));
+    // Three positions of 0.03 mm each.
+    let [before, _] = held(&nothing);
+    assert!((4e-5..6e-5).contains(&before), "{before} m");
+    let closing = closed(&tossed(0.004, 6));
+    let [only] = &closing.effects[..] else { panic!("{:?}", families(&closing)) };
+    let (other, sign) = if only.family == "center-of-mass" { ("tracked-point", 1.0) } else { ("center-of-mass", -1.0) };
+    assert!(only.rivals.iter().any(|r| r == other), "{only:?}");
+    let z = &only.parameters[2];
+    let std = z.std_error.expect("free");
+    assert!((sign * z.estimate - 0.004).abs() < 3.0 * std && std < 4e-4, "{z:?}");
+}
+
+/// The measured tosses. Clock and unit of length are the same of free fall, centre of mass and tracked point of a body that nothing holds; buoyancy and
+/// drag would need more than a cube can have.
+#[test]
+fn recover_what_the_cube_tosses_lack() {
+    let closing = closed(&cubes());
+    let pairs = [["time-base", "length-scale"], ["center-of-mass", "tracked-point"]];
+    assert_eq!(closing.effects.len(), 2, "{:?}", families(&closing));
+    for pair in pairs {
+        let e = closing.effects.iter().find(|e| pair.contains(&e.family.as_str())).expect("one of the two");
+        assert!(pair.iter().all(|f| *f == e.family || e.rivals.iter().any(|r| r == f)), "{e:?}");
+    }
+    let [before, after] = held(&closing);
+    // White noise alone leaves 0.05 mm.
+    assert!(after < 0.75 * before && (5e-5..1.5e-4).contains(&after), "{before} {after} m");
 }

@@ -1,12 +1,15 @@
 //! windfall: files and the program itself, checked. In: any file of the program. Out: what it is; every check of the program's truth.
 
+use crate::free::FreeFile;
 use crate::planet::{PlanetFile, read_planet};
 use crate::scenario::is_bundled;
 use crate::{Campaign, Drawing, Result, Scenario};
 use serde::Serialize;
 use std::path::Path;
 use windfall_pid::plausible::plausible;
-use windfall_scenarios::{FileKind, Piece, kind_of, read_bundled, read_record_pieces, read_structure, sensors_of_table_a3};
+use windfall_scenarios::{
+    FileKind, Piece, kind_of, read_bundled, read_free, read_record_pieces, read_structure, sensors_of_table_a3,
+};
 use windfall_verify::{Check, Setups, all_pass, checks};
 
 /// What a file is, checked.
@@ -22,6 +25,8 @@ pub enum Checked {
     Study(Box<Drawing>),
     /// A scenario.
     Scenario(Box<Scenario>),
+    /// A scenario of a rigid body in free flight.
+    FreeFlight(Box<FreeFile>),
     /// A scenario over a planet.
     Planet(Box<PlanetFile>),
 }
@@ -36,6 +41,7 @@ impl Checked {
             Self::Structure(_) => "structure",
             Self::Study(_) => "study",
             Self::Scenario(_) => "scenario",
+            Self::FreeFlight(_) => "scenario in free flight",
             Self::Planet(_) => "planet scenario",
         }
     }
@@ -46,7 +52,7 @@ impl Checked {
             Self::Run(pieces) => pieces.iter().flat_map(|p| p.notes.clone()).collect(),
             Self::Campaign(campaign) => campaign.warnings.clone(),
             Self::Study(drawing) => drawing.warnings().to_vec(),
-            Self::Structure(_) | Self::Scenario(_) | Self::Planet(_) => Vec::new(),
+            Self::Structure(_) | Self::Scenario(_) | Self::FreeFlight(_) | Self::Planet(_) => Vec::new(),
         }
     }
 }
@@ -57,6 +63,12 @@ impl Checked {
 /// Every fault of the file; a record that is not what its campaign says it is.
 pub fn check(word: &Path) -> Result<Checked> {
     if is_bundled(word) {
+        if let Some(file) = crate::planet::find(word)? {
+            return Ok(Checked::Planet(Box::new(file)));
+        }
+        if let Some(file) = crate::free::find(word)? {
+            return Ok(Checked::FreeFlight(Box::new(file)));
+        }
         return Ok(Checked::Scenario(Box::new(Scenario::find(word)?)));
     }
     Ok(match kind_of(word)? {
@@ -69,6 +81,7 @@ pub fn check(word: &Path) -> Result<Checked> {
         FileKind::Structure => Checked::Structure(read_structure(word)?),
         FileKind::Study => Checked::Study(Box::new(Drawing::read(word)?)),
         FileKind::Scenario => Checked::Scenario(Box::new(Scenario::read(word)?)),
+        FileKind::FreeFlight => Checked::FreeFlight(Box::new(read_free(word)?)),
         FileKind::Planet => Checked::Planet(Box::new(read_planet(word)?)),
     })
 }

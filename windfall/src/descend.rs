@@ -6,7 +6,9 @@ use crate::{Descend, Error, Result};
 use std::path::Path;
 use windfall_model::planet::PlanetFlight;
 use windfall_pid::Identification;
-use windfall_scenarios::{FileSet, PlanetFile, bytes_atomically, part_bytes, text_atomically, write_json_atomically};
+use windfall_scenarios::{
+    BUNDLED_PLANETS, FileSet, PlanetFile, bytes_atomically, part_bytes, text_atomically, write_json_atomically,
+};
 use windfall_verify::descent::{Descended, descend};
 
 /// Seed where neither the request nor the scenario has one.
@@ -20,16 +22,16 @@ pub struct DescentScenario {
 }
 
 impl DescentScenario {
-    /// Reads a planet scenario.
+    /// Reads a planet scenario by path, or a bundled one by name.
     ///
     /// # Errors
     /// Every fault of the file; a file that is none.
     pub fn read(path: &Path) -> Result<Self> {
-        if !path.is_file() {
-            let what = "there is no such file; try: scenarios/planet/venus-dispersions.toml of the program's folder";
-            return Err(Error::Request(format!("{}: {what}", path.display())));
-        }
         let file = find(path)?.ok_or_else(|| {
+            if !path.is_file() {
+                let what = format!("is neither a file nor a bundled planet scenario; bundled: {}", BUNDLED_PLANETS.join(", "));
+                return Error::Request(format!("{}: {what}", path.display()));
+            }
             let what = "is no planet scenario: descents need [environment] gravity and a flight with [flight.initial]";
             Error::Request(format!("{}: {what}; try: windfall check on it", path.display()))
         })?;

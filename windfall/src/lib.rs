@@ -26,6 +26,7 @@ mod descend;
 mod error;
 mod explain;
 mod folder;
+pub mod free;
 mod many;
 pub mod planet;
 mod published;
@@ -75,8 +76,8 @@ pub mod results {
 /// Files of the program: results as JSON, structures, studies' folders.
 pub mod files {
     pub use windfall_scenarios::{
-        BUNDLED, CampaignStore, FileSet, Piece, Store, json_text, key_reference, read_json, read_runs, series_text, settle,
-        text_atomically, write_json_atomically, write_structure,
+        BUNDLED, BUNDLED_FREE, BUNDLED_PLANETS, CampaignStore, FileSet, Piece, Store, json_text, key_reference, read_json,
+        read_runs, series_text, settle, text_atomically, write_json_atomically, write_structure,
     };
 }
 

@@ -1,11 +1,12 @@
 //! windfall: flights over a planet. In: a planet scenario. Out: truths, their files, each flight in short.
 
+use crate::scenario::is_bundled;
 use crate::{Error, Result};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;
 use windfall_model::planet::PlanetFlight;
-use windfall_scenarios::{FileKind, FileSet, kind_of, write_columns_csv, write_resolved_planet};
+use windfall_scenarios::{FileKind, FileSet, kind_of, read_bundled_planet, write_columns_csv, write_resolved_planet};
 use windfall_sim::{PlanetEnd, PlanetTruth};
 
 pub use windfall_model::planet::{Atmosphere, Dispersions, Gravity, PlanetScenario, Winds};
@@ -40,11 +41,14 @@ pub struct PlanetSummary {
     pub end_velocity_ned_m_s: [f64; 3],
 }
 
-/// A planet scenario by path; none when the word is something else.
+/// A planet scenario by path or bundled name; none when the word is something else.
 ///
 /// # Errors
 /// Every fault of the file.
 pub fn find(word: &Path) -> Result<Option<PlanetFile>> {
+    if let Some(name) = word.to_str().filter(|_| is_bundled(word)) {
+        return Ok(read_bundled_planet(name)?);
+    }
     let is_planet = word.is_file() && matches!(kind_of(word), Ok(FileKind::Planet));
     Ok(if is_planet { Some(read_planet(word)?) } else { None })
 }

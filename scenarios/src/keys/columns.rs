@@ -25,7 +25,7 @@ pub(crate) static COLUMNS: TableSpec = TableSpec {
         column("ps_Pa", "Pa", "static pressure; a number where the file has none"),
         column("VW_m_s", "m/s", "tunnel speed; a number where the file has none"),
         column("Ts_K", "K", "static temperature; a number where the file has none"),
-        column("fX_m_s2", "m/s2", "specific force along the file's X (point mass)"),
+        column("fX_m_s2", "m/s2", "specific force along the file's X (point mass): what an accelerometer at rest reads upward"),
         column("fY_m_s2", "m/s2", "specific force along Y"),
         column("fZ_m_s2", "m/s2", "specific force along Z"),
         column("angle_deg", "deg", "angle of a body on a pivot from hanging down"),
@@ -40,6 +40,19 @@ pub(crate) static COLUMN: TableSpec = TableSpec {
               degC, degF, degR. Acceleration: m/s2, g, ft/s2.",
     keys: &[
         optional(other("name", Kind::Text, "the file's column; absent: our name")),
+        optional(other(
+            "names",
+            Kind::Words,
+            "in place of `name`: three columns of a vector, whose component along `along` it is",
+        )),
+        optional(Key {
+            name: "along",
+            kind: Kind::Numbers(3),
+            unit: "-",
+            range: [-1e3, 1e3],
+            needed: false,
+            meaning: "direction in the axes of `names`; its length does not count",
+        }),
         optional(other("unit", Kind::Text, "its unit; absent: ours")),
     ],
 };

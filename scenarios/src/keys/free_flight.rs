@@ -1,6 +1,6 @@
 //! scenarios: keys of campaigns of rigid bodies in free flight. In: nothing. Out: the tables of keys.
 
-use super::{Key, Kind, NOISE, TableSpec, alike, num, optional, other, plant, uncertain, vec3};
+use super::{Key, Kind, NOISE, TableSpec, USES, alike, num, optional, other, plant, uncertain, vec3};
 
 pub(crate) static FREE_FLIGHT: TableSpec = TableSpec {
     path: "free_flight",
@@ -69,4 +69,53 @@ pub(crate) static UNCERTAINTY_SENSORS_FREE: TableSpec = TableSpec {
     path: "uncertainty.sensors",
     meaning: "Standard uncertainties of systematic errors of the recorded pose of a body in free flight, which are declared to be zero.",
     keys: &[alike("sensors.pose_misalignment_deg"), uncertain("sensors.length_scale"), uncertain("sensors.time_base")],
+};
+pub(crate) static FREE_FILE: TableSpec = TableSpec {
+    path: "",
+    meaning: "A scenario of a rigid body in free flight: the tables of its campaign, and flights in the place of runs.",
+    keys: &[
+        super::SEED,
+        other("scenario", Kind::Table, "name and note"),
+        other("vehicle", Kind::Table, "mass side"),
+        optional(other("tether", Kind::Table, "refused: nothing holds a body in free flight")),
+        optional(other("pivot", Kind::Table, "refused, as a tether")),
+        other("free_flight", Kind::Table, "what a rigid body in free flight through air at rest has beyond its mass"),
+        optional(other("part", Kind::Tables, "point masses that inputs of flights move, [[part]]")),
+        optional(other("thrust", Kind::Tables, "thrusts, [[thrust]]")),
+        other("environment", Kind::Table, "gravity and the air's density"),
+        other("sensors", Kind::Table, "noise of the instruments"),
+        optional(other("uncertainty", Kind::Table, "uncertainties that the campaign that is made declares")),
+        other("aero", Kind::Table, "the true aerodynamics, [aero.<name>]"),
+        optional(other("effects", Kind::Table, "effects beyond the declared model, [effects.<family>]")),
+        other("flight", Kind::Tables, "flights, [[flight]]"),
+        optional(other("provenance", Kind::Table, "written by the program")),
+    ],
+};
+pub(crate) static FLIGHT_FREE: TableSpec = TableSpec {
+    path: "flight",
+    meaning: "One flight of a rigid body in free flight.",
+    keys: &[
+        other("name", Kind::Text, "name of the run it makes"),
+        other("kind", Kind::Text, "your word"),
+        other("use", Kind::Choice(&USES), "use in the campaign that is made"),
+        num("duration_s", "s", 0.01, 1e4, "duration; with rate_hz at most a million samples"),
+        num("rate_hz", "Hz", 0.1, 1e5, "sample rate; the integrator takes two steps in a sample"),
+        other("sensor_noise", Kind::Bool, "whether the record carries sensor noise"),
+        optional(other(
+            "inputs",
+            Kind::Table,
+            "settings that parts and thrusts name, { name = number }; the same names in all flights",
+        )),
+        other("release", Kind::Table, "state at the first sample"),
+    ],
+};
+pub(crate) static RELEASE_FREE: TableSpec = TableSpec {
+    path: "flight.release",
+    meaning: "State of the geometric origin at the first sample, in free flight.",
+    keys: &[
+        vec3("position_m", "m", 1e6, "position, tunnel axes (X down)"),
+        vec3("velocity_body_m_s", "m/s", 1e5, "velocity, body axes"),
+        vec3("attitude_level_deg", "deg", 360.0, "roll, pitch and heading from level; heading zero along tunnel Y"),
+        vec3("rates_deg_s", "deg/s", 1e5, "p, q, r"),
+    ],
 };

@@ -52,7 +52,7 @@ fn origin(t: &Table<'_>, ours: &'static str, quantity: UnitQuantity, at: Value<'
         None
     };
     if let Some(name) = at.get_ref().as_str() {
-        return Some(Origin::Column { name: name.to_owned(), unit: quantity.ours() });
+        return Some(Origin::Columns { parts: vec![(name.to_owned(), 1.0)], unit: quantity.ours() });
     }
     if let Some(value) = number(at) {
         if !MAY_BE_CONSTANT.contains(&ours) {
@@ -69,8 +69,30 @@ fn origin(t: &Table<'_>, ours: &'static str, quantity: UnitQuantity, at: Value<'
         return say(what, format!("{ours} = {{ name = \"name\", unit = \"{}\" }}", quantity.ours().word));
     }
     let t = t.table(ours, &keys::COLUMN)?;
-    let name = t.text_if("name").unwrap_or_else(|| ours.to_owned());
-    Some(Origin::Column { name, unit: unit(&t, quantity)? })
+    let parts = if t.has("names") || t.has("along") {
+        along(&t)?
+    } else {
+        vec![(t.text_if("name").unwrap_or_else(|| ours.to_owned()), 1.0)]
+    };
+    Some(Origin::Columns { parts, unit: unit(&t, quantity)? })
+}
+
+/// Three columns of a vector and the direction along which its component is taken, made of unit length.
+fn along(t: &Table<'_>) -> Option<Vec<(String, f64)>> {
+    foreign(t, &["name"], "names");
+    let remedy = "names = [\"x\", \"y\", \"z\"], along = [0.0, 0.0, 1.0]";
+    let there = needs(t, "names", "along", remedy);
+    if !(needs(t, "along", "names", remedy) && there) {
+        return None;
+    }
+    let names = names::<3>(t, "names")?;
+    let direction = t.numbers::<3>("along");
+    let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if length < 1e-9 {
+        t.source.fault(t.at("along"), t.full("along"), "", "must be a direction, not zero", remedy);
+        return None;
+    }
+    Some(names.into_iter().zip(direction.map(|x| x / length)).collect())
 }
 
 fn unit(t: &Table<'_>, quantity: UnitQuantity) -> Option<ColumnUnit> {
@@ -88,14 +110,15 @@ fn unit(t: &Table<'_>, quantity: UnitQuantity) -> Option<ColumnUnit> {
 /// A column with one of our names that is read for another: what that other one is must be said.
 fn taken_twice(t: &Table<'_>, own: &Own) {
     for (ours, origin) in &own.origins {
-        let Origin::Column { name, .. } = origin else { continue };
-        let free = OURS.iter().any(|(n, _)| n == name) && own.origin(name).is_none() && name != ours;
-        if free {
-            let what = format!("is the name of another column of the run file, and {name} itself is not said");
-            t.source.fault(t.at(ours), t.full(ours), name.clone(), what, format!("{name} = \"its column\""));
-        }
-        if own.origins.iter().any(|(n, o)| n != ours && o == origin) && POSITION.contains(ours) {
-            t.source.fault(t.at(ours), t.full(ours), name.clone(), "is read for two axes", "a column for each axis");
+        for name in origin.names() {
+            let free = OURS.iter().any(|(n, _)| *n == name) && own.origin(name).is_none() && name != *ours;
+            if free {
+                let what = format!("is the name of another column of the run file, and {name} itself is not said");
+                t.source.fault(t.at(ours), t.full(ours), name, what, format!("{name} = \"its column\""));
+            }
+            if own.origins.iter().any(|(n, o)| n != ours && o == origin) && POSITION.contains(ours) {
+                t.source.fault(t.at(ours), t.full(ours), name, "is read for two axes", "a column for each axis");
+            }
         }
     }
 }

@@ -5,9 +5,9 @@ use nalgebra::{Matrix3, Vector3};
 use windfall_model::frames::{Body, Rotation, Tunnel, Vec3};
 use windfall_model::{
     Aero, Coefficient, Contribution, Environment, Factor, FreeBody, FreeFlight, FreeState, Inertia, MeanFlow, MovedPart, Plant,
-    PointMass, Sensors, Setting, Structure, Term, Thrust, Turbulence, Variable, Vehicle, WakeShedding,
+    PointMass, PointRecord, Sensors, Setting, Structure, Term, Thrust, Turbulence, Variable, Vehicle, WakeShedding,
 };
-use windfall_sim::fly_free;
+use windfall_sim::{FreeFlown, Seed, fly_free, record_free};
 
 use Coefficient as C;
 use Variable::{Alpha, Beta};
@@ -306,4 +306,49 @@ fn order_four_and_right_at_the_step_of_a_record() {
     assert!((end(1.0 / 30.0) - exact).norm() < 1e-5, "{errors:?}");
     assert!(fly_free(&without_air(), &[0.0, -0.1], 0.1, &start).is_err());
     assert!(fly_free(&without_air(), &[0.0, 0.1], 0.0, &start).is_err());
+}
+
+/// What is recorded: the tracked point in a longer unit by a faster clock, another attitude; and noise of the stated sizes about it, the same for
+/// the same seed.
+#[test]
+fn law_records_carry_the_instruments_errors() {
+    let mut plant = airship();
+    plant.point.inputs = vec![0.0747, 0.0006, 0.238, 0.01666, 0.05292];
+    let start = FreeState {
+        p_tunnel_origin: Vec3::new(1.0, 2.0, 3.0),
+        attitude: [1.0, 0.0, 0.0, 0.0],
+        v_tunnel_origin: Vec3::new(0.4, 0.0, 0.1),
+        w_tunnel_body: Vec3::zero(),
+    };
+    let record = |p: &Plant, seed| record_free(p, 4.0, 50.0, &start, seed).expect("flies");
+    let exact = record(&plant, None);
+    assert_eq!((exact.record.t_s.len(), exact.states.len(), exact.steps), (201, 201, 400));
+    let mut off = plant.clone();
+    (off.sensors.length_scale, off.sensors.time_base) = (0.02, 0.25);
+    off.free_flight.as_mut().expect("free").p_origin_tracked = Vec3::new(0.1, 0.0, 0.0);
+    off.sensors.misalignment_rad = [0.0, 0.0, 0.1];
+    let seen = record(&off, None);
+    // At 1.25 s of the fast clock one second has passed; body x is tunnel X at the start.
+    let along = |r: &PointRecord, axis: usize, i: usize| r.position_m[axis].as_ref().expect("measured")[i];
+    assert!((along(&seen.record, 0, 0) - 1.02 * 1.1).abs() < 1e-12);
+    let state = |f: &FreeFlown, i: usize| f.states[i].p_tunnel_origin.to_array();
+    assert!(state(&seen, 50).iter().zip(state(&exact, 40)).all(|(a, b)| (a - b).abs() < 1e-7));
+    let [w, x, y, z] = seen.record.attitude[0];
+    assert!((w - 0.05_f64.cos()).abs() < 1e-12 && x.abs() + y.abs() < 1e-12 && (z - 0.05_f64.sin()).abs() < 1e-12);
+    (plant.sensors.position_std_m, plant.sensors.roll_std_rad, plant.sensors.pitch_yaw_std_rad) = (0.002, 0.01, 0.02);
+    let seed = Some(Seed { campaign: 9, run: 1 });
+    let noisy = record(&plant, seed);
+    assert_eq!(noisy.record, record(&plant, seed).record);
+    let mut squares = [0.0; 4];
+    for i in 0..201 {
+        squares[0] += (along(&noisy.record, 0, i) - along(&exact.record, 0, i)).powi(2);
+        let turned = Rotation::<Tunnel, Body>::from_quaternion(exact.record.attitude[i]).inverse()
+            * Rotation::<Tunnel, Body>::from_quaternion(noisy.record.attitude[i]);
+        let q = turned.to_quaternion();
+        (0..3).for_each(|k| squares[k + 1] += (2.0 * q[k + 1]).powi(2));
+    }
+    for (square, std) in squares.iter().zip([0.002, 0.01, 0.02, 0.02]) {
+        // A standard deviation from 201 draws is known to 5 %: three times that.
+        assert!(((square / 201.0).sqrt() / std - 1.0).abs() < 0.15, "{squares:?}");
+    }
 }

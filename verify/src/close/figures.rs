@@ -202,10 +202,10 @@ fn label(kind: Measured, channel: usize) -> (&'static str, f64, &'static str) {
     let name =
         if kind != Measured::Angle && channel < 3 { down[channel] } else { kind.names().get(channel).copied().unwrap_or("") };
     let (per_unit, y_label) = match kind {
-        Measured::SpecificForce => (1.0, "specific force error (m/s²)"),
+        _ if kind.is_force(channel) => (1.0, "specific force error (m/s²)"),
         Measured::Angle => (1.0_f64.to_degrees(), "angle error (deg)"),
         Measured::Pose if channel > 2 => (1.0_f64.to_degrees(), "attitude error (deg)"),
-        Measured::Position | Measured::Pose => (1e3, "position error (mm)"),
+        _ => (1e3, "position error (mm)"),
     };
     (name, per_unit, y_label)
 }

@@ -213,8 +213,8 @@ fn noise(found: &TrackContest<'_>, campaign: &Campaign, left: &[ChannelResidual]
     left.iter()
         .map(|c| NoiseLine {
             channel: c.channel.clone(),
-            declared_std: place(c).map_or(f64::NAN, |a| found.evidence.stated_std(a)),
-            learnt_std: place(c).map_or(f64::NAN, |a| found.evidence.white_variance(a).sqrt()),
+            declared_std: place(c).map_or(f64::NAN, |a| found.evidence.stds(a)[0]),
+            learnt_std: place(c).map_or(f64::NAN, |a| found.evidence.stds(a)[1]),
             colour: 0.0,
             coloured_share: 0.0,
             lines_hz: Vec::new(),
@@ -251,7 +251,12 @@ fn side(campaign: &Campaign, fit: &TrackFit, held: Option<&TrackEvidence>) -> Af
         if campaign.measured() == Measured::Pose {
             return HeldOut::of_poses(h.pose_rms(&plant), Some(problem.predict(&fit.hypothesis)));
         }
-        HeldOut::of_points(campaign.measured(), h.rms_m(&plant), plant.point.pivot, Some(problem.predict(&fit.hypothesis)))
+        let of_points =
+            HeldOut::of_points(campaign.measured(), h.rms_m(&plant), plant.point.pivot, Some(problem.predict(&fit.hypothesis)));
+        match campaign.measured() {
+            Measured::PositionAndForce => of_points.with_specific_force(h.rms_m_s2(&plant)),
+            _ => of_points,
+        }
     };
     After { parameters: parameter_lines(campaign, fit), hold_out: held.map(of) }
 }

@@ -285,7 +285,7 @@ impl HeldOut {
     pub(crate) fn of_points(measured: Measured, rms: f64, pivot: Option<Pivot>, log_likelihood: Option<f64>) -> Self {
         let rms = Some(rms).filter(|x| x.is_finite());
         let position_m = match measured {
-            Measured::Position | Measured::Pose => rms,
+            Measured::Position | Measured::Pose | Measured::PositionAndForce => rms,
             Measured::Angle => rms.map(|x| x * pivot.map_or(f64::NAN, |p| p.arm_m)),
             Measured::SpecificForce => None,
         };
@@ -298,6 +298,11 @@ impl HeldOut {
             statistics: Vec::new(),
             log_likelihood,
         }
+    }
+    /// The same with the rms of specific forces beside positions, m/s².
+    pub(crate) fn with_specific_force(mut self, rms_m_s2: f64) -> Self {
+        self.specific_force_rms = Some([rms_m_s2, 0.0, 0.0]).filter(|_| rms_m_s2.is_finite());
+        self
     }
 }
 

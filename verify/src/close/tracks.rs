@@ -198,20 +198,21 @@ fn points(campaign: &Campaign, sides: &Sides, thin: usize) -> Result<Vec<RunTrac
     let indices: Vec<usize> = (0..campaign.runs.len()).collect();
     let evidence = TrackEvidence::new(campaign, &indices, &sides.before)?;
     let kind = campaign.measured();
-    let (names, unit, per_unit): (&[&str], _, _) = match kind {
-        Measured::Position | Measured::Pose => (&["X (down)", "Y", "Z"], "m", 1.0),
-        Measured::SpecificForce => (kind.names(), "m/s2", 1.0),
-        Measured::Angle => (kind.names(), "deg", 1.0_f64.to_degrees()),
+    let down = |channel: usize| channel == 0 && kind.unit(0) == "m";
+    let name = |channel: usize| if down(channel) { "X (down)" } else { kind.names().get(channel).copied().unwrap_or("") };
+    let (unit, per_unit) = match kind {
+        Measured::Angle => (Some("deg"), 1.0_f64.to_degrees()),
+        _ => (None, 1.0),
     };
-    let noise = Some(per_unit * stated_std(&campaign.plant, kind, 0)).filter(|s| *s > 0.0);
+    let noise = |channel: usize| Some(per_unit * stated_std(&campaign.plant, kind, channel)).filter(|s| *s > 0.0);
     let mut all: Vec<RunTracks> = Vec::new();
     for run in &campaign.runs {
         let Data::Point(track) = &run.data else { continue };
         let channel = |axis: usize| -> Option<TrackSignal> {
-            let measured = track.position_m[axis].as_ref()?.iter().step_by(thin).map(|v| short(per_unit * v)).collect();
-            Some(TrackSignal { measured, ..TrackSignal::new(names[axis], unit, noise) })
+            let measured = track.channel(axis)?.iter().step_by(thin).map(|v| short(per_unit * v)).collect();
+            Some(TrackSignal { measured, ..TrackSignal::new(name(axis), unit.unwrap_or(kind.unit(axis)), noise(axis)) })
         };
-        let mut channels: Vec<TrackSignal> = (0..3).filter_map(channel).collect();
+        let mut channels: Vec<TrackSignal> = (0..6).filter_map(channel).collect();
         let whole: Vec<&[f64]> = track.position_m.iter().flatten().map(Vec::as_slice).collect();
         if let Some((name, unit, rate)) = rate(kind, &track.t_s, &whole) {
             let measured = rate.into_iter().step_by(thin).map(|v| short(per_unit * v)).collect();
@@ -222,7 +223,7 @@ fn points(campaign: &Campaign, sides: &Sides, thin: usize) -> Result<Vec<RunTrac
     for (role, flown) in runs_flown(&evidence, sides) {
         for r in flown {
             let Data::Point(track) = &campaign.runs[r.run].data else { continue };
-            let measured = track.position_m.iter().flatten();
+            let measured = (0..6).filter_map(|c| track.channel(c));
             let left = r.residual_m.iter().flatten();
             // A track may begin before the times that its residual has.
             let both = measured.zip(left).filter(|(m, e)| m.len() == e.len());

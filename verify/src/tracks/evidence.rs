@@ -9,7 +9,8 @@
 //! value that covers drift as well would hide the drift. The unmodelled residual has parts per axis whose sizes are fitted: more white noise; a random walk (what
 //! a drifting tracker leaves: variance falls with the square of the order); and, where there are runs enough to tell, what a
 //! steady push and a random slow force leave, different in every run. Without the second, tracks with correlated errors give intervals that are
-//! several times too short; without the third, scatter between launches counts as an effect. What the tracker is
+//! several times too short; without the third, scatter between launches counts as an effect. An accelerometer beside positions has neither: it is
+//! off by a constant in each run, and drifts in a flight by less than its noise; a walk of it could stand for any force. What the tracker is
 //! stated to err may be the same in every run: no repetition tells that from an effect, so an effect must take more than the
 //! stated variance out of the tracks along some axis.
 
@@ -25,7 +26,7 @@ use rayon::prelude::*;
 use windfall_model::{Campaign, Data, Measured, Plant};
 
 /// Smallest sensor noise assumed, in the unit of what was measured: simulated tracks may be free of it.
-const FLOOR: f64 = 1e-6;
+pub(super) const FLOOR: f64 = 1e-6;
 /// Runs from which the scatter of slow forces between runs is part of the unmodelled residual; fewer cannot tell it from an
 /// effect.
 const RUNS_FOR_SCATTER: usize = 5;
@@ -40,7 +41,7 @@ pub struct TrackResidual {
     /// Times from the first sample, s.
     pub t_s: Vec<f64>,
     /// Measured less simulated, in the channels' units, in the order of [`Measured::names`]: along tunnel X, Y, Z, of poses rotations about
-    /// the body's axes (rad) after them; absent for a channel that was not measured.
+    /// the body's axes (rad) after them, of positions beside specific forces those; absent for a channel that was not measured.
     pub residual_m: [Option<Vec<f64>>; 6],
     /// Estimated position at the first sample, m, tunnel axes (zero along an axis that was not measured).
     pub position_m: [f64; 3],
@@ -52,11 +53,17 @@ pub struct TrackResidual {
 pub struct TrackEvidence {
     tracks: Vec<Track>,
     kind: Measured,
-    /// Of one sample of each channel, as stated, in its unit.
+    /// Of one sample of each channel, as stated, in the unit of residuals.
     variances: [f64; 6],
+    /// That unit over the channel's: one where all channels have the same unit.
+    scales: [f64; 6],
     inputs: Vec<String>,
     noise: Vec<Cov>,
     generic: Vec<Vec<Cov>>,
+    /// Place in `generic` of the first component along each measured axis, which is more white noise.
+    firsts: Vec<usize>,
+    /// Unit covariances of a random walk along each measured axis: components of `generic` but for specific forces beside positions.
+    walks: Vec<Vec<Cov>>,
 }
 
 impl TrackEvidence {
@@ -75,9 +82,12 @@ impl TrackEvidence {
                 Data::Tunnel(_) => Err(VerifyError::NotPoint { run: campaign.runs[i].name.clone() }),
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let variances = std::array::from_fn(|c| super::track::stated_std(&campaign.plant, kind, c).max(FLOOR).powi(2));
+        let stated = std::array::from_fn(|c| super::track::stated_std(&campaign.plant, kind, c).max(FLOOR));
+        let mixed = kind == Measured::PositionAndForce;
+        let (scales, variances) = if mixed { (stated, [1.0; 6]) } else { ([1.0; 6], stated.map(|s: f64| s.powi(2))) };
         let inputs = campaign.inputs.clone();
-        let mut evidence = Self { tracks, kind, variances, inputs, noise: Vec::new(), generic: Vec::new() };
+        let (noise, generic, firsts, walks) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut evidence = Self { tracks, kind, variances, scales, inputs, noise, generic, firsts, walks };
         evidence.measure();
         Ok(evidence)
     }
@@ -91,27 +101,32 @@ impl TrackEvidence {
         let scatter = self.recordings() >= RUNS_FOR_SCATTER;
         // Of poses the scatter between runs is all of it.
         let axes = if self.kind == Measured::Pose { Vec::new() } else { self.axes() };
-        let generic = axes
+        let walk = |axis: usize| parts(tracks, white[axis], |a, s, r| if a == axis { s.min(r) } else { 0.0 });
+        let walks: Vec<Vec<Cov>> = axes.iter().map(|a| walk(*a)).collect();
+        let each: Vec<Vec<Vec<Cov>>> = axes
             .into_iter()
-            .flat_map(|axis| {
+            .zip(&walks)
+            .map(|(axis, walk)| {
                 let variance = white[axis];
-                let extra = parts(tracks, variance, |a, s, r| if a == axis && same(s, r) { 1.0 } else { 0.0 });
-                let walk = parts(tracks, variance, |a, s, r| if a == axis { s.min(r) } else { 0.0 });
-                let force = parts(tracks, variance, |a, s, r| if a == axis { smooth(s, r) } else { 0.0 });
-                let mut all = vec![extra, walk];
-                if scatter {
-                    all.push(force);
+                let mut all = vec![parts(tracks, variance, |a, s, r| if a == axis && same(s, r) { 1.0 } else { 0.0 })];
+                if self.kind == Measured::PositionAndForce && self.kind.is_force(axis) {
+                    return all;
                 }
-                if scatter && self.kind == Measured::Position {
+                all.push(walk.clone());
+                if scatter {
+                    all.push(parts(tracks, variance, |a, s, r| if a == axis { smooth(s, r) } else { 0.0 }));
+                }
+                if scatter && matches!(self.kind, Measured::Position | Measured::PositionAndForce) {
                     all.push(pushes(tracks, variance, axis));
                 }
                 all
             })
             .collect();
-        (self.noise, self.generic) = (noise, generic);
+        self.firsts = each.iter().scan(0, |next, parts| Some(std::mem::replace(next, *next + parts.len()))).collect();
+        (self.noise, self.walks, self.generic) = (noise, walks, each.into_iter().flatten().collect());
     }
 
-    /// Variance of one sample's white noise along an axis: as stated, or the median square of the fast half of the orders over that of
+    /// Variance of one sample's white noise along an axis, in the unit of residuals: as stated, or the median square of the fast half of the orders over that of
     /// a unit normal (0.4549), if that is less.
     pub(crate) fn white_variance(&self, axis: usize) -> f64 {
         if self.kind == Measured::Pose {
@@ -128,9 +143,10 @@ impl TrackEvidence {
         self.variances[axis].min(median).max(FLOOR * FLOOR)
     }
 
-    /// Standard deviation of one sample of a channel as the campaign states it.
-    pub(crate) fn stated_std(&self, channel: usize) -> f64 {
-        self.variances[channel].sqrt()
+    /// Standard deviation of one sample of a channel as the campaign states it, and that of its white noise as it was found, in the
+    /// channel's unit.
+    pub(crate) fn stds(&self, channel: usize) -> [f64; 2] {
+        [self.variances[channel], self.white_variance(channel)].map(|v| self.scales[channel] * v.sqrt())
     }
 
     /// Recordings that its runs are of.
@@ -175,10 +191,20 @@ impl TrackEvidence {
     }
 
     /// Root mean square of the residual over all samples and measured axes, in the unit of what was measured (m of positions), with every
-    /// run's initial state estimated from that run; NaN when a flight is not finite.
+    /// run's initial state estimated from that run; NaN when a flight is not finite. Specific forces beside positions are not in it.
     #[must_use]
     pub fn rms_m(&self, plant: &Plant) -> f64 {
-        let square = |t: &Track| self.least(t, plant).map(|(_, e)| (e.norm_squared(), t.measured.len() as f64));
+        self.rms(plant, false)
+    }
+
+    /// The same of specific forces beside positions, m/s².
+    #[must_use]
+    pub fn rms_m_s2(&self, plant: &Plant) -> f64 {
+        self.rms(plant, true)
+    }
+
+    fn rms(&self, plant: &Plant, beside: bool) -> f64 {
+        let square = |t: &Track| self.least(t, plant).map(|(_, e)| t.squares(&e, beside));
         let all: Vec<_> = self.tracks.par_iter().map(square).collect();
         let (sum, n) = all.iter().fold((0.0, 0.0), |(s, n), x| x.map_or((f64::NAN, n), |(q, m)| (s + q, n + m)));
         (sum / n).sqrt()
@@ -192,10 +218,9 @@ impl TrackEvidence {
 
     fn series_of(&self, t: &Track, plant: &Plant) -> Option<TrackResidual> {
         let (theta, e) = self.least(t, plant)?;
-        let n = t.t_s.len();
         let mut residual_m = [const { None }; 6];
         for (k, &axis) in t.axes.iter().enumerate() {
-            residual_m[axis] = Some(e.as_slice()[k * n..(k + 1) * n].to_vec());
+            residual_m[axis] = Some(t.channel_of(&e, k));
         }
         let (position_m, velocity_m_s) = t.state(&theta);
         Some(TrackResidual { run: t.index, measured: t.kind(), t_s: t.t_s.clone(), residual_m, position_m, velocity_m_s })
@@ -257,14 +282,15 @@ impl TrackEvidence {
     pub fn components(&self) -> usize {
         self.generic.len()
     }
-    /// Measures noise again at a better plant.
+    /// Measures noise again at a better plant. Bases of poses of a flight that keeps its start stay: that flight is as good as linear, and about a plant whose
+    /// centre of mass was moved a push at the origin turns the body, each run's another way.
     pub fn settle(&mut self, plant: &Plant) {
-        let laid: Vec<bool> = self.tracks.par_iter_mut().map(|t| t.lay(plant).is_some()).collect();
+        let laid: Vec<bool> = self.tracks.par_iter_mut().map(|t| !t.stays() && t.lay(plant).is_some()).collect();
         if laid.iter().any(|ok| *ok) {
             self.measure();
         }
     }
-    /// Residual per measured axis against what noise leaves, with `fitted` parameters.
+    /// Residual per measured channel against what noise leaves, with `fitted` parameters.
     #[must_use]
     pub fn channel_residuals(&self, z: &[f64], fitted: usize) -> Vec<ChannelResidual> {
         let axes = self.axes();
@@ -275,10 +301,11 @@ impl TrackEvidence {
         axes.iter()
             .enumerate()
             .map(|(c, &axis)| {
-                let per_axis = self.generic.len() / axes.len();
-                let own =
-                    AxisNoise { noise: &self.noise, parts: [&self.generic[per_axis * c], &self.generic[per_axis * c + 1]], z };
-                own.judge(self.kind.names()[axis], &self.places(axis), share)
+                let own = AxisNoise { noise: &self.noise, parts: [&self.generic[self.firsts[c]], &self.walks[c]], z };
+                let mut judged = own.judge(self.kind.names()[axis], &self.places(axis), share);
+                judged.rms *= self.scales[axis];
+                judged.expected_rms *= self.scales[axis];
+                judged
             })
             .collect()
     }
@@ -306,7 +333,7 @@ impl TrackEvidence {
             let n = t.t_s.len();
             for (c, axis) in axes.iter().enumerate() {
                 let place = t.axes.iter().position(|a| a == axis);
-                residuals[c].extend(place.map_or_else(|| vec![0.0; n], |k| e.as_slice()[k * n..(k + 1) * n].to_vec()));
+                residuals[c].extend(place.map_or_else(|| vec![0.0; n], |k| t.channel_of(&e, k)));
             }
             for (i, values) in varied.iter().enumerate() {
                 let mut inputs = t.inputs.clone();

@@ -5,7 +5,8 @@
 //! with a normal prior of what gravity makes in the time of the run and not beyond that: with hardly any drag, a slope would ask for
 //! any velocity.
 
-use super::track::{STEPS, Track};
+use super::start::STEPS;
+use super::track::Track;
 use nalgebra::{DMatrix, DVector};
 use windfall_model::Plant;
 

@@ -11,6 +11,7 @@ mod normal;
 mod pose;
 mod pose_flown;
 mod scatter;
+mod start;
 mod track;
 mod witnesses;
 

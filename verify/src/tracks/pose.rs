@@ -5,9 +5,10 @@
 //! measured is then zero, and residuals are small rotations about x, y and z. An initial state is position, the rotation vector from the
 //! first measured attitude, and velocity (tunnel axes) and body rates times the duration: twelve numbers, as the record has them.
 //!
-//! The state is that of cubics through the record's first samples, the same under every plant. The best state of a whole flight would be another: air
-//! damps a light body within seconds, so that a wrong model may ask for any velocity at the start to be elsewhere later. What the
-//! cubics are off by changes nothing, to first order: bases are orthogonal to a change of the initial state, as those of other tracks.
+//! Where air damps a light body within seconds, the state is that of cubics through the record's first samples, the same under every plant. The best state of
+//! a whole flight would be another: a wrong model may ask for any velocity at the start to be elsewhere later. What the
+//! cubics are off by changes nothing, to first order: bases are orthogonal to a change of the initial state, as those of other tracks. A flight that keeps
+//! its start ([`KEPT`]) is flown from its best state, as other tracks are.
 //!
 //! Records are thinned and not averaged: those that their makers have smoothed gain nothing by a mean, and white noise costs what a
 //! sample in so many has.
@@ -21,6 +22,9 @@ const MOST: usize = 48;
 /// Kept samples in the arc that the start is taken from, and fewest samples of the record in it.
 const FIRST: usize = 2;
 const FEWEST: usize = 8;
+/// Share of a change of the initial velocity, and of the initial rates, that is left at a flight's end, from which it keeps its start: the volume that
+/// three independent changes span, its cube root. One in a vacuum, whatever the inertia (Liouville); 1/e after one time constant of damping.
+pub(super) const KEPT: f64 = 0.5;
 /// Samples of the record in a step of its flights: a record follows its motion, so that the classical method at twice its interval is
 /// right to far below its noise (`order_four_and_right_at_the_step_of_a_record` of the simulator's tests).
 const STEP: f64 = 2.0;

@@ -1,8 +1,8 @@
 //! verify: a track of poses, flown. In: a plant and an initial state. Out: what would be recorded.
 
-use super::pose::{Poses, rotation_of, rotation_vector};
-use super::track::Track;
-use nalgebra::DVector;
+use super::pose::{KEPT, Poses, rotation_of, rotation_vector};
+use super::track::{STATE_STEP, Track};
+use nalgebra::{DVector, Matrix3};
 use windfall_model::frames::{Body, EulerXyz, Rotation, Tunnel, Vec3};
 use windfall_model::{FreeState, Plant};
 use windfall_sim::fly_free;
@@ -32,6 +32,25 @@ impl Track {
         };
         let t_s: Vec<f64> = self.t_s.iter().map(|t| t / ticks).collect();
         fly_free(own, &t_s, poses.step_s, &start).ok()
+    }
+
+    /// Whether a change of the initial velocity or rates is still there at the end: central differences about the record's own state.
+    pub(super) fn keeps_its_start(&self, poses: &Poses, own: &Plant) -> Option<bool> {
+        let theta = poses.start(self.duration_s());
+        let end = |k: usize, by: f64| {
+            let mut moved = theta.clone();
+            moved[k] += by;
+            self.pose_states(poses, own, &moved)?.last().copied()
+        };
+        let mut blocks = [Matrix3::zeros(); 2];
+        for k in 0..6 {
+            let (up, down) = (end(6 + k, STATE_STEP)?, end(6 + k, -STATE_STEP)?);
+            let velocity = |s: &FreeState| Rotation::<Tunnel, Body>::from_quaternion(s.attitude) * s.v_tunnel_origin;
+            let changes = [(velocity(&up) - velocity(&down)).xyz, (up.w_tunnel_body - down.w_tunnel_body).xyz];
+            let per_unit = 0.5 * self.duration_s() / STATE_STEP;
+            blocks[k / 3].set_column(k % 3, &(changes[k / 3] * per_unit));
+        }
+        Some(blocks.iter().all(|b| b.determinant().abs().cbrt() >= KEPT))
     }
 
     /// What would be recorded: positions along X, Y, Z, then rotations from the measured attitudes about x, y, z.

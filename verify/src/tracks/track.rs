@@ -5,6 +5,7 @@
 //! groups of 20 ms.
 
 use super::bins::{BIN, Cov, Residual};
+use super::evidence::FLOOR;
 use super::pose::{self, Poses};
 use crate::VerifyError;
 use nalgebra::{DMatrix, DVector};
@@ -12,20 +13,13 @@ use windfall_model::frames::Vec3;
 use windfall_model::{Measured, Plant, PointRecord};
 use windfall_sim::{PointState, fly_point_states};
 
-/// Largest last step of an initial state over its unit (velocities times the duration), of tracks up to a hundred units long; in
-/// proportion beyond.
-const TOLERANCE: f64 = 1e-11;
 /// Most samples of a track; longer records are averaged.
 const MOST: usize = 256;
 /// Steps for differences by the initial state and by pushes: of velocities a tenth of a millimetre at the end, of pushes a tenth of a m/s²;
 /// of a slow rigid body a hundredth of that.
-const STATE_STEP: f64 = 1e-4;
+pub(super) const STATE_STEP: f64 = 1e-4;
 const PUSH_STEP: f64 = 0.1;
 const POSE_PUSH_STEP: f64 = 1e-3;
-/// Share of a swing's samples that its start is guessed from.
-const FIRST_SHARE: usize = 25;
-/// Steps of the search for an initial state.
-pub(super) const STEPS: usize = 40;
 
 /// One run ready for any plant.
 pub(super) struct Track {
@@ -38,27 +32,32 @@ pub(super) struct Track {
     /// Variance of the times of a group, s², for each group.
     scatter_s2: Vec<f64>,
     /// Length of the track over a hundred units, one at least: what steps and tolerances grow with.
-    size: f64,
-    /// Standard deviation of one sample as stated; of poses of a position.
+    pub(super) size: f64,
+    /// Standard deviation of one sample as stated, of the first channel.
     pub(super) std: f64,
+    /// What residuals of each channel are in units of: one where channels have one unit, else the channel's stated standard deviation.
+    pub(super) scales: Vec<f64>,
     /// Attitudes of a rigid body.
     poses: Option<Poses>,
+    /// Whether the initial state is the record's own (`pose`), under every plant; else it is estimated under each.
+    pub(super) given: bool,
     /// Whether `basis` starts with what a steady push leaves.
     pushed: bool,
     /// Times from the first sample, s.
     pub(super) t_s: Vec<f64>,
-    /// Measured channels: tunnel axes, the first alone for an angle; of poses the body's axes after them.
+    /// Measured channels: tunnel axes, the first alone for an angle; of poses the body's axes after them, of positions beside specific
+    /// forces those.
     pub(super) axes: Vec<usize>,
-    /// What was measured, in its unit: one axis after the other.
+    /// What was measured over `scales`: one channel after the other.
     pub(super) measured: DVector<f64>,
-    /// Initial state under the plant that the evidence was made with: positions, then velocities times the duration; for specific forces
-    /// velocities times the duration, then offsets.
+    /// Initial state under the plant that the evidence was made with: positions, then velocities times the duration, then offsets of
+    /// specific forces beside them; for specific forces alone velocities times the duration, then offsets.
     pub(super) start: DVector<f64>,
     /// Orthonormal columns that a change of the initial state spans there.
     pub(super) state_basis: DMatrix<f64>,
     /// Orthonormal columns of what is left, slow to fast.
     pub(super) basis: DMatrix<f64>,
-    /// What a steady push of 1 m/s² along each measured axis leaves in as many first columns of `basis`, m, if it starts so.
+    /// What a steady push of 1 m/s² along each axis of motion leaves in the first columns of `basis`, a column per channel, if it starts so.
     pub(super) push: DMatrix<f64>,
     /// Residual in `basis` there.
     pub(super) laid: DVector<f64>,
@@ -75,7 +74,7 @@ impl Track {
         pushed: bool,
     ) -> Result<Self, VerifyError> {
         let rigid = record.measured == Measured::Pose;
-        let present = |a: &usize| if *a < 3 { record.series()[*a].is_some() } else { rigid };
+        let present = |a: &usize| if rigid && *a > 2 { true } else { record.channel(*a).is_some() };
         let axes: Vec<usize> = (0..6).filter(present).collect();
         let samples = record.t_s.len();
         if axes.is_empty() || samples < 4 {
@@ -87,9 +86,14 @@ impl Track {
         let poses = if rigid { Some(Poses::of(whole, &record).ok_or(VerifyError::NotFlown { run: index })?) } else { None };
         let n = record.t_s.len();
         let t0 = record.t_s[0];
-        let positions = record.series().iter().flatten().flatten().copied();
-        let measured = DVector::from_iterator(axes.len() * n, positions.chain(std::iter::repeat(0.0)).take(axes.len() * n));
-        let reach = measured.iter().map(|x| (x - measured[0]).abs()).fold(0.0, f64::max);
+        let mixed = record.measured == Measured::PositionAndForce;
+        let scale = |a: &usize| if mixed { stated_std(around, record.measured, *a).max(FLOOR) } else { 1.0 };
+        let scales: Vec<f64> = axes.iter().map(scale).collect();
+        let series = axes.iter().zip(&scales).filter_map(|(a, s)| Some(record.channel(*a)?.iter().map(move |x| x / s)));
+        let measured =
+            DVector::from_iterator(axes.len() * n, series.flatten().chain(std::iter::repeat(0.0)).take(axes.len() * n));
+        let places = n * axes.iter().filter(|a| !(mixed && **a > 2)).count();
+        let reach = scales[0] * measured.iter().take(places).map(|x| (x - measured[0]).abs()).fold(0.0, f64::max);
         let empty = DMatrix::zeros(0, 0);
         let mut track = Self {
             index,
@@ -97,11 +101,13 @@ impl Track {
             scatter_s2,
             size: (reach / 100.0).max(1.0),
             std: stated_std(around, record.measured, 0),
+            given: poses.is_some(),
             poses,
-            pushed: pushed && matches!(record.measured, Measured::Position | Measured::Pose),
+            pushed: pushed && matches!(record.measured, Measured::Position | Measured::Pose | Measured::PositionAndForce),
+            scales,
             inputs: inputs.to_vec(),
             t_s: record.t_s.iter().map(|t| t - t0).collect(),
-            start: DVector::zeros(2 * axes.len()),
+            start: DVector::zeros(0),
             record,
             axes,
             measured,
@@ -111,6 +117,10 @@ impl Track {
             push: empty.clone(),
             state_inverse: empty,
         };
+        if let Some(poses) = &track.poses {
+            let own = track.own(around);
+            track.given = !track.keeps_its_start(poses, &own).ok_or(VerifyError::NotFlown { run: index })?;
+        }
         track.lay(around).ok_or(VerifyError::NotFlown { run: index })?;
         Ok(track)
     }
@@ -118,6 +128,36 @@ impl Track {
     /// What it is a series of.
     pub(super) fn kind(&self) -> Measured {
         self.record.measured
+    }
+
+    /// Whether its bases stay as they were first laid.
+    pub(super) fn stays(&self) -> bool {
+        self.poses.is_some() && !self.given
+    }
+
+    /// Channels that are a motion, with a place and a velocity in the initial state; the others have an offset in it.
+    pub(super) fn motions(&self) -> usize {
+        self.axes.iter().filter(|a| !self.is_beside(**a)).count()
+    }
+
+    /// Whether a channel is a specific force beside positions.
+    fn is_beside(&self, axis: usize) -> bool {
+        self.kind() == Measured::PositionAndForce && axis > 2
+    }
+
+    /// Residual of its `k`-th channel in the channel's unit.
+    pub(super) fn channel_of(&self, e: &DVector<f64>, k: usize) -> Vec<f64> {
+        let n = self.t_s.len();
+        e.as_slice()[k * n..(k + 1) * n].iter().map(|x| x * self.scales[k]).collect()
+    }
+
+    /// Sum of squares of a residual over all positions and angles, or over the specific forces beside them, in the channels' units, and how
+    /// many there are.
+    pub(super) fn squares(&self, e: &DVector<f64>, beside: bool) -> (f64, f64) {
+        let places = self.motions() * self.t_s.len();
+        let (from, count) = if beside { (places, e.len() - places) } else { (0, places) };
+        let scale = if beside { self.scales.last() } else { self.scales.first() }.copied().unwrap_or(1.0);
+        (scale * scale * e.rows(from, count).norm_squared(), count as f64)
     }
 
     /// Run inputs that were recorded row by row, averaged.
@@ -134,7 +174,7 @@ impl Track {
     pub(super) fn own(&self, plant: &Plant) -> Plant {
         let mut own = self.record.plant(plant, self.index, &self.inputs);
         let a = own.point.acceleration.to_array();
-        if self.axes.len() < 3 {
+        if self.motions() < 3 {
             own.point.side_per_input.clear();
             own.point.side_constant = 0.0;
         }
@@ -167,22 +207,25 @@ impl Track {
         Some(())
     }
 
-    /// Orthonormal bases: of the initial state, and of what is left, first what a push leaves and then cosines from slow to fast.
+    /// Orthonormal bases: of the initial state, and of what is left, first what a push leaves and then cosines from slow to fast. Of a
+    /// specific force beside positions a constant alone is the initial state's, so that its cosines begin an order earlier.
     pub(super) fn lay_bases(&mut self, of_state: &DMatrix<f64>, of_push: Option<&DMatrix<f64>>) {
         let states = of_state.ncols();
         let (n, end) = (self.t_s.len(), self.duration_s());
         let first = usize::from(of_push.is_some());
         // Of poses a few slow numbers are all that counts (`scatter`).
-        let last = if self.poses.is_some() { 2 + BIN / self.axes.len() } else { n } - first;
-        let count = states + (last + first - 2) * self.axes.len();
-        let mut columns = DMatrix::zeros(self.measured.len(), count);
+        let orders = if self.poses.is_some() { BIN / self.axes.len() } else { n - 2 };
+        let mut columns = DMatrix::zeros(self.measured.len(), states + orders * self.axes.len());
         columns.columns_mut(0, states).copy_from(of_state);
-        if let Some(pushed) = of_push {
-            columns.columns_mut(states, self.axes.len()).copy_from(pushed);
-        }
-        for k in 2..last {
-            for a in 0..self.axes.len() {
-                let mut column = columns.column_mut(states + (k - 2 + first) * self.axes.len() + a);
+        for order in 0..orders {
+            for (a, &axis) in self.axes.iter().enumerate() {
+                let mut column = columns.column_mut(states + order * self.axes.len() + a);
+                let beside = self.is_beside(axis);
+                if let Some(pushed) = of_push.filter(|_| order == 0 && !beside) {
+                    column.copy_from(&pushed.column(a));
+                    continue;
+                }
+                let k = order + if beside { 1 } else { 2 - first };
                 for (i, t) in self.t_s.iter().enumerate() {
                     column[a * n + i] = (std::f64::consts::PI * k as f64 * t / end).cos();
                 }
@@ -193,50 +236,12 @@ impl Track {
         self.basis = q.columns(states, q.ncols() - states).into_owned();
     }
 
-    /// Initial state of least squares by Gauss-Newton from a start, and its residual.
-    pub(super) fn least_squares(&self, own: &Plant, start: DVector<f64>) -> Option<(DVector<f64>, DVector<f64>)> {
-        if self.kind() == Measured::SpecificForce {
-            return self.launched(own);
-        }
-        if self.poses.is_some() {
-            let e = &self.measured - self.flown(own, &start)?;
-            return Some((start, e));
-        }
-        let mut theta = start;
-        for _ in 0..STEPS {
-            let (flown, jacobian) = self.linearised(own, &theta)?;
-            let step = jacobian.svd(true, true).solve(&(&self.measured - flown), 1e-12).ok()?;
-            theta += &step;
-            if step.amax() < 1e-9 {
-                break;
-            }
-        }
-        let e = &self.measured - self.flown(own, &theta)?;
-        Some((theta, e))
-    }
-
-    /// Initial state of the best parabola per axis; of an angle, which swings, of the best cubic over its first samples.
-    fn guess(&self) -> Option<DVector<f64>> {
-        let (all, end) = (self.t_s.len(), self.duration_s());
-        let swings = self.kind() == Measured::Angle;
-        let (n, terms) = if swings { ((all / FIRST_SHARE).max(8).min(all), 4) } else { (all, 3) };
-        let powers = DMatrix::from_fn(n, terms, |i, k| (self.t_s[i] / end).powi(k as i32));
-        let svd = powers.svd(true, true);
-        let mut theta = DVector::zeros(2 * self.axes.len());
-        for a in 0..self.axes.len() {
-            let c = svd.solve(&self.measured.rows(a * all, n), 1e-12).ok()?;
-            theta[a] = c[0];
-            theta[self.axes.len() + a] = c[1];
-        }
-        Some(theta)
-    }
-
     /// Position and velocity (tunnel axes, or angle and rate) of an initial state.
     pub(super) fn state(&self, theta: &DVector<f64>) -> ([f64; 3], [f64; 3]) {
         let (mut p, mut v) = ([0.0; 3], [0.0; 3]);
-        let m = self.axes.len();
+        let m = self.motions();
         let of_force = self.kind() == Measured::SpecificForce;
-        for (k, &axis) in self.axes.iter().enumerate().take(3) {
+        for (k, &axis) in self.axes.iter().enumerate().take(m.min(3)) {
             p[axis] = if of_force { 0.0 } else { theta[k] };
             v[axis] = theta[if of_force { k } else { m + k }] / self.duration_s();
         }
@@ -258,59 +263,36 @@ impl Track {
         }
         let states = self.states(own, theta)?;
         let longer = 1.0 + own.sensors.length_scale;
-        let m = self.axes.len();
+        let m = self.motions();
         let mut out = DVector::zeros(self.measured.len());
         let mut own = own.clone();
-        for (k, &axis) in self.axes.iter().enumerate() {
+        for (k, &channel) in self.axes.iter().enumerate() {
+            let axis = channel % 3;
+            let force = self.kind().is_force(channel);
             for (i, s) in states.iter().enumerate() {
                 let mean = s.position[axis] + 0.5 * s.acceleration[axis] * self.scatter_s2[i];
-                out[k * states.len() + i] = match self.kind() {
-                    Measured::Position if axis == 0 && own.point.altimeter => {
+                let value = match self.kind() {
+                    _ if force => {
+                        let gravity = if axis == 0 { own.environment.gravity_m_s2 } else { 0.0 };
+                        s.acceleration[axis] - gravity + theta[m + k]
+                    }
+                    Measured::Angle => mean,
+                    _ if axis == 0 && own.point.altimeter => {
                         for (place, series) in self.recorded_inputs() {
                             own.point.inputs[*place] = series[i];
                         }
                         longer * mean - own.altimeter_error_m(Vec3::from_array(s.velocity))
                     }
-                    Measured::Position | Measured::Pose => longer * mean,
-                    Measured::Angle => mean,
-                    Measured::SpecificForce => {
-                        let gravity = if axis == 0 { own.environment.gravity_m_s2 } else { 0.0 };
-                        s.acceleration[axis] - gravity + theta[m + k]
-                    }
+                    _ => longer * mean,
                 };
+                out[k * states.len() + i] = value / self.scales[k];
             }
         }
         Some(out)
     }
 
-    /// What would be recorded and its change with the initial state. With the place exact where nothing depends on it; central differences
-    /// otherwise, and for velocities, of a tenth of a millimetre at the end.
-    pub(super) fn linearised(&self, own: &Plant, theta: &DVector<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
-        let (n, m) = (self.t_s.len(), self.axes.len());
-        let placeless = match self.kind() {
-            Measured::Position if own.point.atmosphere.is_none() => m,
-            Measured::Pose => 3,
-            _ => 0,
-        };
-        let mut jacobian = DMatrix::zeros(self.measured.len(), 2 * m);
-        for a in 0..2 * m {
-            if a < placeless {
-                jacobian.column_mut(a).rows_mut(a * n, n).fill(1.0 + own.sensors.length_scale);
-                continue;
-            }
-            let h = STATE_STEP * self.size;
-            let mut moved = theta.clone();
-            moved[a] += h;
-            let up = self.flown(own, &moved)?;
-            moved[a] -= 2.0 * h;
-            let down = self.flown(own, &moved)?;
-            jacobian.set_column(a, &((up - down) / (2.0 * h)));
-        }
-        Some((self.flown(own, theta)?, jacobian))
-    }
-
-    /// Change of what is recorded with a steady push along each measured tunnel axis, per m/s², and of poses with a steady turn about each
-    /// body axis, per rad/s²: central differences.
+    /// Change of what is recorded with a steady push along each tunnel axis whose position was measured, per m/s², and of poses with a steady
+    /// turn about each body axis, per rad/s²: central differences.
     fn push_columns(&self, own: &Plant, theta: &DVector<f64>) -> Option<DMatrix<f64>> {
         let step = if self.poses.is_some() { POSE_PUSH_STEP } else { PUSH_STEP };
         let at = |axis: usize, by: f64| {
@@ -326,7 +308,7 @@ impl Track {
             self.flown(&moved, theta)
         };
         let slope = |axis: &usize| Some((at(*axis, step)? - at(*axis, -step)?) / (2.0 * step));
-        Some(DMatrix::from_columns(&self.axes.iter().map(slope).collect::<Option<Vec<_>>>()?))
+        Some(DMatrix::from_columns(&self.axes.iter().take(self.motions()).map(slope).collect::<Option<Vec<_>>>()?))
     }
 
     /// Time, speed and what else residuals may vary with, at every sample; `evidence` names them.
@@ -344,57 +326,6 @@ impl Track {
             }
         };
         Some(states.iter().enumerate().map(of).collect())
-    }
-
-    /// Initial state under a plant, and the residual that it leaves, orthogonal to the state basis; Broyden's (1965) method
-    /// from the state under the plant of the bases, so that the answer depends on the plant alone. Of poses the state is the record's own.
-    pub(super) fn estimated(&self, plant: &Plant) -> Option<(DVector<f64>, DVector<f64>)> {
-        let own = self.own(plant);
-        if self.kind() == Measured::SpecificForce {
-            return self.launched(&own);
-        }
-        let mut theta = self.start.clone();
-        let mut inverse = self.state_inverse.clone();
-        if self.poses.is_some() {
-            return self.least_squares(&own, theta);
-        }
-        let mut e = &self.measured - self.flown(&own, &theta)?;
-        let mut g = self.state_basis.tr_mul(&e);
-        for _ in 0..STEPS {
-            let step = &inverse * &g;
-            theta += &step;
-            e = &self.measured - self.flown(&own, &theta)?;
-            if step.amax() < TOLERANCE * self.size {
-                return Some((theta, e));
-            }
-            let next = self.state_basis.tr_mul(&e);
-            // inverse += (step − inverse·y) stepᵀ·inverse / (stepᵀ·inverse·y), y the change of position along the basis.
-            let by = &inverse * (&g - &next);
-            let scale = step.dot(&by);
-            if scale.abs() > 0.0 {
-                let row = inverse.tr_mul(&step);
-                inverse += (&step - by) * row.transpose() / scale;
-            }
-            g = next;
-        }
-        let nonlinear = self.kind() == Measured::Angle || own.point.atmosphere.is_some();
-        if nonlinear { self.estimated_by_newton(&own) } else { None }
-    }
-
-    /// The same by Newton's method with a Jacobian at every step, for swings and long climbs that Broyden's does not follow.
-    fn estimated_by_newton(&self, own: &Plant) -> Option<(DVector<f64>, DVector<f64>)> {
-        let mut theta = self.start.clone();
-        for _ in 0..STEPS {
-            let (flown, jacobian) = self.linearised(own, &theta)?;
-            let e = &self.measured - flown;
-            let step = (self.state_basis.transpose() * jacobian).try_inverse()? * self.state_basis.tr_mul(&e);
-            theta += &step;
-            if step.amax() < 1e-9 * self.size {
-                let e = &self.measured - self.flown(own, &theta)?;
-                return Some((theta, e));
-            }
-        }
-        None
     }
 
     pub(super) fn bins(&self) -> usize {
@@ -454,7 +385,8 @@ pub(crate) fn stated_std(plant: &Plant, kind: Measured, channel: usize) -> f64 {
     match kind {
         Measured::Pose if channel == 3 => plant.sensors.roll_std_rad,
         Measured::Pose if channel > 3 => plant.sensors.pitch_yaw_std_rad,
-        Measured::Position | Measured::Pose => plant.sensors.position_std_m,
+        Measured::PositionAndForce if channel > 2 => plant.sensors.specific_force_std_m_s2,
+        Measured::Position | Measured::Pose | Measured::PositionAndForce => plant.sensors.position_std_m,
         Measured::SpecificForce => plant.sensors.specific_force_std_m_s2,
         Measured::Angle => plant.sensors.angle_std_rad,
     }
@@ -471,6 +403,7 @@ fn averaged(record: &PointRecord, group: usize) -> (PointRecord, Vec<f64>) {
     let scatter = |(c, m): (&[f64], &f64)| c.iter().map(|t| (t - m).powi(2)).sum::<f64>() / group as f64;
     let scatter_s2 = record.t_s.chunks_exact(group).zip(&t_s).map(scatter).collect();
     let position_m = record.series().each_ref().map(|s| s.as_deref().map(mean));
+    let specific_force_m_s2 = record.specific_force_m_s2.each_ref().map(|s| s.as_deref().map(mean));
     let recorded_inputs = record.recorded_inputs.iter().map(|(i, u)| (*i, mean(u))).collect();
-    (PointRecord { t_s, position_m, recorded_inputs, ..record.clone() }, scatter_s2)
+    (PointRecord { t_s, position_m, specific_force_m_s2, recorded_inputs, ..record.clone() }, scatter_s2)
 }
