@@ -22,7 +22,7 @@ use windfall_sim::Seed;
 pub use bands::Band;
 pub(crate) use bands::root as covariance_root;
 pub use initial::{Initial, estimate_initial};
-pub use replay::{Replay, fly_like};
+pub use replay::Replay;
 
 pub use statistics::{Statistic, Swing, TrajectoryError};
 pub(crate) use statistics::{instant_errors, mean_median_std};
