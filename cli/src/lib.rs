@@ -20,6 +20,8 @@ mod resimulate;
 mod session;
 mod simulate;
 mod structure;
+#[cfg(test)]
+mod stubs;
 mod study;
 mod verify;
 

@@ -199,13 +199,7 @@ impl Plant {
     }
 
     /// Acceleration of a point mass, m/s², tunnel axes (X down): gravity, quadratic drag along −v, lift across v in the
-    /// vertical plane of flight, buoyancy, apparent mass. `v` is the velocity in still air (m/s), density in kg/m³.
-    #[must_use]
-    pub fn point_acceleration(&self, v: Vec3<Tunnel>, density_kg_m3: f64) -> Vec3<Tunnel> {
-        self.point_acceleration_in(v, PointAir { density_kg_m3, sound_m_s: f64::INFINITY })
-    }
-
-    /// The same in air whose speed of sound matters.
+    /// vertical plane of flight, buoyancy, apparent mass. `v` is the velocity in still air, m/s.
     #[must_use]
     pub fn point_acceleration_in(&self, v: Vec3<Tunnel>, air: PointAir) -> Vec3<Tunnel> {
         let density_kg_m3 = air.density_kg_m3;

@@ -266,9 +266,9 @@ impl StudyOrder {
     }
 }
 
-/// A setup under change: the plant without effects, effects' values and flights of one draw.
+/// What one draw flies: the plant without effects, effects' values and flights.
 #[derive(Clone, Debug)]
-pub struct Setting {
+pub struct DrawnSetup {
     /// Plant without effects.
     pub plant: Plant,
     /// Values of effects, as [`StudyOrder::effect_values`].
@@ -277,7 +277,7 @@ pub struct Setting {
     pub flights: Vec<Flight>,
 }
 
-impl Setting {
+impl DrawnSetup {
     /// Puts a value in its place; false when the setup has no such number (no tether, another kind of tunnel speed).
     pub fn set(&mut self, quantity: Quantity, flights: &[usize], value: f64) -> bool {
         let place = |at: Option<&mut f64>, value: f64| at.map(|x| *x = value).is_some();

@@ -1,31 +1,19 @@
 //! model: the vector of unknowns. In: which numbers a search may change, what is known of each. Out: the plant that they make.
 //!
-//! One type for every search that knows its numbers by name: parameters of the aerodynamic structure, numbers of the plant, parameters of
-//! effects, and errors of instruments that no plant has. Free ones have a column; tied ones share that of another.
+//! One type for every search that knows its numbers by name: parameters of the aerodynamic structure, parameters of effects, and errors of instruments that no plant has. Free ones have a column; tied ones share that of another.
 
 use crate::effects::Effect;
 use crate::plant::Plant;
-use crate::quantity::PLANT_NUMBERS;
 
 /// Which number is unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UnknownId {
     /// Parameter of the aerodynamic structure, by index.
     Parameter(usize),
-    /// Number of the plant, by its row in [`PLANT_NUMBERS`].
-    Number(usize),
     /// Parameter (second) of an effect of this vector (first).
     Effect(usize, usize),
     /// Number that no plant has, by name.
     Nuisance(&'static str),
-}
-
-impl UnknownId {
-    /// The number of the plant of that name, e.g. `turbulence.axial_rms_m_s`.
-    #[must_use]
-    pub fn of_plant(name: &str) -> Option<Self> {
-        PLANT_NUMBERS.iter().position(|n| n.name() == name).map(Self::Number)
-    }
 }
 
 /// From the coordinate in which a number is searched to its value.
@@ -33,8 +21,6 @@ impl UnknownId {
 pub enum Transform {
     /// The value itself.
     Linear,
-    /// Its natural logarithm.
-    Log,
     /// Share of the way from one value to another, kept in [0, 1].
     Share {
         /// Value at 0.
@@ -65,7 +51,6 @@ impl Transform {
         let share = at.clamp(0.0, 1.0);
         match self {
             Self::Linear => at,
-            Self::Log => at.exp(),
             Self::Share { low, high } => low + share * (high - low),
             Self::LogShare { low, high } => low * (high / low).powf(share),
             Self::Decades { end, decades } => end * 10.0_f64.powf(-decades * (1.0 - share)),
@@ -76,7 +61,6 @@ impl Transform {
     pub fn at(self, value: f64) -> f64 {
         let share = match self {
             Self::Linear => return value,
-            Self::Log => return value.ln(),
             Self::Share { low, high } => (value - low) / (high - low),
             Self::LogShare { low, high } => (value / low).ln() / (high / low).ln(),
             Self::Decades { end, decades } => 1.0 + (value / end).abs().max(1e-300).log10() / decades,
@@ -270,14 +254,8 @@ impl Unknowns {
     pub fn plant(&self, base: &Plant) -> Plant {
         let mut plant = base.clone();
         for u in &self.all {
-            match u.id {
-                UnknownId::Parameter(i) => plant.aero.values[i] = u.value(),
-                UnknownId::Number(row) => {
-                    if let Some(x) = (PLANT_NUMBERS[row].lens)(&mut plant) {
-                        *x = u.value();
-                    }
-                }
-                UnknownId::Effect(..) | UnknownId::Nuisance(_) => {}
+            if let UnknownId::Parameter(i) = u.id {
+                plant.aero.values[i] = u.value();
             }
         }
         for (k, effect) in self.effects.iter().enumerate() {
@@ -300,7 +278,7 @@ mod tests {
         let log = Transform::LogShare { low: 0.1, high: 10.0 };
         let down = Transform::Decades { end: -3.0, decades: 4.0 };
         for at in [0.0, 0.3, 1.0] {
-            for t in [share, log, down, Transform::Linear, Transform::Log] {
+            for t in [share, log, down, Transform::Linear] {
                 assert!((t.at(t.value(at)) - at).abs() < 1e-14, "{t:?} {at}");
             }
         }

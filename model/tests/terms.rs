@@ -6,7 +6,7 @@
 use windfall_model::frames::{Body, EulerXyz, Rotation, Tunnel, Vec3};
 use windfall_model::{
     Aero, AirState, ApparentMass, Coefficient as C, Contact, Environment, Factor, FlowState, Inertia, LooseMass, MeanFlow,
-    Motion, Plant, PointMass, Sensors, Structure, Tether, Turbulence, Variable as V, Vehicle, WakeShedding, Wrench,
+    Motion, Plant, PointAir, PointMass, Sensors, Structure, Tether, Turbulence, Variable as V, Vehicle, WakeShedding, Wrench,
     dynamic_pressure_pa, wrench_at_cm,
 };
 
@@ -416,7 +416,8 @@ fn exact_point_mass_forces() {
     let weight = [(0.8 - 0.9 * displaced) * 9.8, 0.0, 0.0];
     let force = combine(combine(combine(weight, -qs * cd, along), qs * cl, up), qs * cs, across);
     let expected = combine([0.01, 0.02, -0.03], 1.0 / (0.8 + 0.5 * displaced), force);
-    same(plant.point_acceleration(vec::<Tunnel>(v), 1.2).to_array(), expected, 1e-12);
-    let falls = plant.point_acceleration(Vec3::new(3.0, 0.0, 0.0), 1.2);
+    let air = PointAir { density_kg_m3: 1.2, sound_m_s: f64::INFINITY };
+    same(plant.point_acceleration_in(vec::<Tunnel>(v), air).to_array(), expected, 1e-12);
+    let falls = plant.point_acceleration_in(Vec3::new(3.0, 0.0, 0.0), air);
     assert!((falls.y() - 0.02).abs() < 1e-15 && (falls.z() + 0.03).abs() < 1e-15, "no lift without a launch direction");
 }

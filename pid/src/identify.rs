@@ -14,6 +14,12 @@ use serde::{Deserialize, Serialize};
 use windfall_model::{Campaign, Coefficient, Data, Plant, Record, Use};
 
 /// How to identify.
+///
+/// ```
+/// use windfall_pid::Method;
+/// assert_eq!(Method::of_name("output-error"), Some(Method::OutputError));
+/// assert_eq!(Method::ALL.map(Method::name)[3], "filter-error");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -395,5 +401,19 @@ fn total(parts: &[RegressionSeries]) -> RegressionSeries {
         regressors: (0..parameters).map(|p| root(parts.iter().map(|s| s.regressors[p].as_slice()).collect())).collect(),
         response: root(parts.iter().map(|s| s.response.as_slice()).collect()),
         ..RegressionSeries::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Method;
+
+    /// What the reader of a request takes, by its own words, is what the list has.
+    #[test]
+    fn law_every_method_is_in_the_list() {
+        let refused = serde_json::from_str::<Method>("\"none\"").expect_err("no method").to_string();
+        let known = refused.split_once("expected one of ").map_or("", |(_, rest)| rest);
+        let known: Vec<&str> = known.split('`').skip(1).step_by(2).collect();
+        assert_eq!(known, Method::ALL.map(Method::name));
     }
 }

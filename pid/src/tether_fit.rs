@@ -7,11 +7,6 @@ pub const TABLE_2_3_LBF_FT_S: [(f64, f64); 5] = [(0.0040, 22.0), (0.0068, 26.0),
 /// reproduce the thesis' Table B.1; ½ρV² with this density does.
 pub const DENSITY_SLUG_FT3: f64 = 0.00229;
 
-/// Newtons in a pound-force (0.45359237 kg × 9.80665 m/s², exact).
-pub const NEWTON_PER_LBF: f64 = 4.448_221_615_260_5;
-/// Square metres in a square foot (exact).
-pub const M2_PER_FT2: f64 = 0.092_903_04;
-
 /// Line `F = q (C_D S)_tr − W_tr` through measurements (eq. B.32), in the units of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TetherFit {

@@ -246,8 +246,8 @@ fn pub_tether_fit_of_table_2_3() {
     // Errata: 0.01401 ft², 0.00369 lb (thesis Table B.1: 0.0140, 0.0037).
     assert!((fit.drag_area_ft2 - 0.01401).abs() < 5e-6, "{}", fit.drag_area_ft2);
     assert!((fit.weight_lbf - 0.00369).abs() < 5e-6, "{}", fit.weight_lbf);
-    let si =
-        (fit.drag_area_ft2 * windfall_pid::tether_fit::M2_PER_FT2, fit.weight_lbf * windfall_pid::tether_fit::NEWTON_PER_LBF);
+    // Square metres in a square foot; newtons in a pound-force, 0.45359237 kg × 9.80665 m/s²: both exact.
+    let si = (fit.drag_area_ft2 * 0.092_903_04, fit.weight_lbf * 4.448_221_615_260_5);
     assert!((si.0 - 0.0013).abs() < 5e-6 && (si.1 - 0.01646).abs() < 1e-4, "{si:?}");
     assert!(windfall_pid::tether_fit::fit(&[(1.0, 2.0); 5], 0.002).is_none());
 }

@@ -97,6 +97,14 @@ def test_law_identify_gives_the_programs_bytes(tmp_path):
         flown.identify('{"holds": []}')
 
 
+def test_law_keywords_are_those_of_the_requests():
+    assert "bootstrap: Check the stated errors" in (windfall.identify.__doc__ or "")
+    with pytest.raises(TypeError, match="'metod'; allowed: bootstrap, combined"):
+        windfall.identify("appendix-c", metod="thesis")
+    with pytest.raises(TypeError, match="'seed'; allowed: none"):
+        windfall.close("appendix-c", seed=3)
+
+
 def test_law_the_front_page_runs_as_it_is_printed():
     assert doctest.testmod(windfall) == (0, 6)
 

@@ -69,7 +69,7 @@ pub use record::{
     write_record_csv,
 };
 pub use reference::{KeyMeaning, key_reference, meanings};
-pub use scenario::{EffectValues, ScenarioFile, read_bundled, read_scenario, read_scenario_file};
+pub use scenario::{EffectValues, ScenarioFile, read_bundled, read_scenario_file};
 pub use statistics::{PublishedFigure, StatisticsFile, TABLE_5_6, bundled_statistics, read_statistics};
 pub use store::{Identity, Merged, Opening, Part, Runs, Shard, Store, part_bytes, read_runs};
 pub use store_error::StoreError;

@@ -16,21 +16,21 @@ use windfall_model::study::{Cell, CellKind, Column, Row};
 
 /// A kind of table: its name, and that of its first column, the number of a row.
 #[derive(Clone, Copy)]
-pub(crate) struct Kind {
+pub(crate) struct TableKind {
     name: &'static str,
     number: &'static str,
 }
 
 /// Draws of a study.
-const STUDY: Kind = Kind { name: "windfall_study", number: "draw" };
+const STUDY: TableKind = TableKind { name: "windfall_study", number: "draw" };
 /// Results of many campaigns.
-pub(crate) const CAMPAIGNS: Kind = Kind { name: "windfall_campaigns", number: "campaign" };
+pub(crate) const CAMPAIGNS: TableKind = TableKind { name: "windfall_campaigns", number: "campaign" };
 
 fn field(name: &str, physical: Physical, repetition: Repetition) -> PrimitiveTypeBuilder<'_> {
     Type::primitive_type_builder(name, physical).with_repetition(repetition)
 }
 
-fn schema(kind: Kind, columns: &[Column]) -> Result<Type> {
+fn schema(kind: TableKind, columns: &[Column]) -> Result<Type> {
     let mut fields = vec![Arc::new(field(kind.number, Physical::INT64, Repetition::REQUIRED).build()?)];
     for c in columns {
         let built = match c.kind {
@@ -54,7 +54,7 @@ impl<W: Write + Send> RowWriter<W> {
     pub(crate) fn new(sink: W, columns: &[Column]) -> Result<Self> {
         Self::of(STUDY, sink, columns)
     }
-    fn of(kind: Kind, sink: W, columns: &[Column]) -> Result<Self> {
+    fn of(kind: TableKind, sink: W, columns: &[Column]) -> Result<Self> {
         let mut properties = WriterProperties::builder()
             .set_created_by("windfall".to_owned())
             .set_compression(Compression::SNAPPY)
@@ -120,7 +120,7 @@ pub(crate) fn encode(columns: &[Column], rows: &[Row]) -> Result<Vec<u8>> {
 }
 
 /// The same for a table of any kind.
-pub(crate) fn encode_as(kind: Kind, columns: &[Column], rows: &[Row]) -> Result<Vec<u8>> {
+pub(crate) fn encode_as(kind: TableKind, columns: &[Column], rows: &[Row]) -> Result<Vec<u8>> {
     let mut writer = RowWriter::of(kind, Vec::new(), columns)?;
     writer.group(rows)?;
     writer.finish()

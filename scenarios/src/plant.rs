@@ -32,21 +32,9 @@ pub(crate) struct Declared {
 pub(crate) fn read_declared(file: &Table<'_>, scenario: bool) -> Option<Declared> {
     let aero = read_aero(file, !scenario);
     let point_mass = aero.as_ref().is_some_and(|a| a.aero.structure.name == Structure::point_mass().name);
-    if point_mass && scenario {
-        let what = "a scenario flies a body with attitude; point masses are read from campaigns only";
-        file.source.fault(None, "[aero.point_mass]", "", what, "[aero.axisymmetric]");
-        return None;
-    }
     let free = (!scenario && file.has("free_flight")).then(|| free_flight::free_flight(file));
-    if free.is_some() && point_mass {
-        let what = "is a body without attitude, and [free_flight] is of a rigid one";
-        file.source.fault(
-            None,
-            "[aero.point_mass]",
-            "",
-            what,
-            "[aero.<name>] with structure = \"file.toml\", or no [free_flight]",
-        );
+    if let Some([what, instead]) = no_point_mass(scenario, free.is_some()).filter(|_| point_mass) {
+        file.source.fault(None, "[aero.point_mass]", "", what, instead);
         return None;
     }
     let vehicle = if point_mass { vehicle_point(file) } else { vehicle(file, scenario, free.is_some()) };
@@ -90,6 +78,20 @@ pub(crate) fn read_declared(file: &Table<'_>, scenario: bool) -> Option<Declared
         point_body::prior_of_drag(&mut declared, &plant, &mut knowledge);
     }
     Some(Declared { plant, declared, knowledge, structure_file, point_mass, held, measured, air })
+}
+
+/// Why the body must be one with attitude, and what to declare instead.
+fn no_point_mass(scenario: bool, free: bool) -> Option<[&'static str; 2]> {
+    match (scenario, free) {
+        (true, _) => {
+            Some(["a scenario flies a body with attitude; point masses are read from campaigns only", "[aero.axisymmetric]"])
+        }
+        (false, true) => Some([
+            "is a body without attitude, and [free_flight] is of a rigid one",
+            "[aero.<name>] with structure = \"file.toml\", or no [free_flight]",
+        ]),
+        (false, false) => None,
+    }
 }
 
 fn vehicle(file: &Table<'_>, scenario: bool, free: bool) -> Option<Vehicle> {

@@ -51,14 +51,6 @@ pub struct ScenarioFile {
     pub input_hash: String,
 }
 
-/// Reads a scenario file.
-///
-/// # Errors
-/// [`ReadError`] with every fault of the file.
-pub fn read_scenario(path: &Path) -> Result<Scenario, ReadError> {
-    read_scenario_file(path).map(|f| f.scenario)
-}
-
 /// Reads a scenario file with what its resolved form and the campaign made of it need.
 ///
 /// # Errors

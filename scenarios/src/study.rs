@@ -10,7 +10,7 @@ use crate::scenario::{EffectValues, ScenarioFile, read_effects, runs_exist};
 use crate::table::{Source, Table, allowed_range, nearest};
 use std::path::{Path, PathBuf};
 use windfall_model::study::{
-    Distribution, FLIGHT_QUANTITIES, Histories, Keep, Quantity, Root, Setting, Steps, StopRule, StudyEffect, StudyOrder, Vary,
+    Distribution, DrawnSetup, FLIGHT_QUANTITIES, Histories, Keep, Quantity, Root, Steps, StopRule, StudyEffect, StudyOrder, Vary,
 };
 use windfall_model::{Acts, Campaign, Data, Flight, Given, Numerics, PLANT_NUMBERS, Release, Role, TunnelSpeed, effects};
 
@@ -309,7 +309,7 @@ fn varied(t: &Table<'_>, study: &StudyOrder, all_effects: &[EffectValues]) -> Op
         t.source.fault(t.at("known"), t.full("known"), "true", what, "remove it");
     }
     let mut trial =
-        Setting { plant: study.plant.clone(), effect_values: study.effect_values.clone(), flights: study.flights.clone() };
+        DrawnSetup { plant: study.plant.clone(), effect_values: study.effect_values.clone(), flights: study.flights.clone() };
     if !trial.set(quantity, &flights, 1.0) {
         let what = "does not exist in what is drawn from";
         t.source.fault(t.at("quantity"), t.full("quantity"), &name, what, "a number that the scenario has");

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use windfall_model::{Campaign, Data, Record};
 use windfall_scenarios::{
-    ReadError, bundled, read_campaign, read_campaign_with_warnings, read_record_csv, read_scenario, read_structure,
+    ReadError, bundled, read_campaign, read_campaign_with_warnings, read_record_csv, read_scenario_file, read_structure,
     write_record_csv,
 };
 
@@ -393,7 +393,7 @@ fn scenario_fault(from: &str, to: &str, words: &[&str]) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("scenario.toml");
     std::fs::write(&path, text.replacen(from, to, 1)).expect("writable");
-    let message = read_scenario(&path).expect_err(to).to_string();
+    let message = read_scenario_file(&path).expect_err(to).to_string();
     for word in words {
         assert!(message.contains(word), "{word} not in: {message}");
     }

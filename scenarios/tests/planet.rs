@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use windfall_model::planet::{Atmosphere, Gravity, Winds};
 use windfall_scenarios::{
-    BUNDLED_PLANETS, FileKind, kind_of, read_bundled, read_bundled_planet, read_planet, read_scenario, write_resolved_planet,
+    BUNDLED_PLANETS, FileKind, kind_of, read_bundled, read_bundled_planet, read_planet, read_scenario_file, write_resolved_planet,
 };
 
 const GOOD: &str = r#"[scenario]
@@ -104,7 +104,7 @@ fn law_tables_and_kinds_are_read() {
     // One flight may be a table, and only what planets have makes a planet scenario.
     let single = Case::new(&GOOD.replace("[[flight]]", "[flight]"), AIR, WIND);
     assert_eq!(read_planet(&single.path()).unwrap_or_else(|e| panic!("{e}")).scenario.flights.len(), 1);
-    let message = read_scenario(&case.path()).expect_err("no tunnel").to_string();
+    let message = read_scenario_file(&case.path()).expect_err("no tunnel").to_string();
     assert!(message.contains("planet scenario"), "{message}");
 }
 

@@ -6,6 +6,7 @@ mod capsule;
 mod circles;
 mod commands;
 mod descend;
+mod examples;
 mod gusts;
 mod knowledge;
 mod loop_closes;

@@ -42,16 +42,6 @@ pub enum VerifyError {
         /// Index of the run.
         run: usize,
     },
-    /// A run with too few samples.
-    #[error("run {run} has {samples} samples, fewer than the {needed} that its smoothing windows need; use a longer window_s")]
-    TooShort {
-        /// Index of the run.
-        run: usize,
-        /// Samples.
-        samples: usize,
-        /// Needed.
-        needed: usize,
-    },
     /// No run to work on.
     #[error("the campaign has no run with use = \"{what}\"; mark at least one")]
     NoRuns {

@@ -43,6 +43,20 @@ pub struct Tie {
 }
 
 /// The content of `identification.json`: an identification, and its check where one was asked for.
+///
+/// ```
+/// use windfall_pid::Method;
+/// use windfall_sim::{Seed, fly};
+/// use windfall_verify::{IdentifyOrder, campaign_of, identify};
+/// let file = windfall_scenarios::read_bundled("appendix-c").expect("bundled");
+/// let flight = &file.scenario.flights[0];
+/// let record = fly(&file.scenario.plant, flight, Seed::default())?.record;
+/// let campaign = campaign_of(&file.declared_plant, &[(flight, record)]);
+/// let order = IdentifyOrder { method: Some(Method::EquationError), combined_only: true, ..IdentifyOrder::default() };
+/// let identified = identify(&campaign, &[], &order)?;
+/// assert_eq!((identified.found.method.as_str(), identified.bootstrap), ("equation-error", None));
+/// # Ok::<(), windfall_verify::VerifyError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Identified {
     /// Parameters, curves, what the runs can tell and whether the instruments agree.

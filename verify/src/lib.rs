@@ -23,6 +23,6 @@ pub use identify::{Identified, IdentifyOrder, Tie, identify};
 pub use recovery::{Reconstructed, Recovered, Recovery, TABLE_C_1, campaign_of, recover};
 pub use resimulate::{
     Band, FlownParameter, HoldOut, Initial, Replay, Resimulation, RunComparison, Statistic, Swing, TrajectoryError,
-    estimate_initial, fly_like, hold_out, resimulate, resimulate_with_draws,
+    estimate_initial, hold_out, resimulate, resimulate_with_draws,
 };
 pub use windfall_pid::{DataSet, Estimate, Identification};

@@ -71,14 +71,6 @@ pub struct Recovery {
     pub coefficients: Vec<Reconstructed>,
 }
 
-impl Recovery {
-    /// Largest error of a parameter, percent.
-    #[must_use]
-    pub fn worst_percent(&self) -> f64 {
-        self.parameters.iter().map(|p| p.percent_error.abs()).fold(0.0, f64::max)
-    }
-}
-
 /// Flies a plant, gives the identifier the record alone (its declared parameters at zero), and compares with the truth.
 ///
 /// # Errors

@@ -22,7 +22,7 @@ use windfall_sim::Seed;
 pub use bands::Band;
 pub(crate) use bands::root as covariance_root;
 pub use initial::{Initial, estimate_initial};
-pub use replay::{Replay, fly_like};
+pub use replay::Replay;
 
 pub use statistics::{Statistic, Swing, TrajectoryError};
 pub(crate) use statistics::{instant_errors, mean_median_std};
@@ -95,6 +95,20 @@ pub struct HoldOut {
 }
 
 /// Result of a re-simulation.
+///
+/// ```
+/// use windfall_pid::Method;
+/// use windfall_sim::{Seed, fly};
+/// use windfall_verify::{IdentifyOrder, campaign_of, identify, resimulate};
+/// let file = windfall_scenarios::read_bundled("appendix-c").expect("bundled");
+/// let flight = &file.scenario.flights[0];
+/// let record = fly(&file.scenario.plant, flight, Seed::default())?.record;
+/// let campaign = campaign_of(&file.declared_plant, &[(flight, record)]);
+/// let order = IdentifyOrder { method: Some(Method::EquationError), combined_only: true, ..IdentifyOrder::default() };
+/// let again = resimulate(&campaign, &identify(&campaign, &[], &order)?.found, 1)?;
+/// assert!(again.trajectory.attitude_rms_deg < 1e-3);
+/// # Ok::<(), windfall_verify::VerifyError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Resimulation {
     /// Method of the identification.

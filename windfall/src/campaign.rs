@@ -18,6 +18,16 @@ use windfall_verify::separate::{Separation, separate};
 use windfall_verify::{Identified, Resimulation, identify, resimulate_with_draws};
 
 /// One vehicle, its declared model, its runs.
+///
+/// ```
+/// use windfall::prelude::*;
+/// let campaign = Campaign::find("appendix-c".as_ref(), &Fly::default())?;
+/// let request = Identify { method: Some(Method::EquationError), combined: true, ..Identify::default() };
+/// let found = campaign.identify(&request)?.found;
+/// let drag = found.combined().and_then(|set| set.parameters.iter().find(|p| p.name == "CA_T0")).expect("declared");
+/// assert!((drag.estimate - 6.662).abs() < 1e-4);
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Campaign {
     /// Declared model and runs.
@@ -27,6 +37,12 @@ pub struct Campaign {
 }
 
 /// What a path or name stands for where a campaign is asked for.
+///
+/// ```
+/// use windfall::CampaignSource;
+/// assert!(matches!(CampaignSource::find("sage-perturbed".as_ref())?, CampaignSource::Scenario(_)));
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub enum CampaignSource {
     /// A campaign file.
@@ -166,6 +182,14 @@ impl Campaign {
 }
 
 /// What to fly next.
+///
+/// ```no_run
+/// use windfall::prelude::*;
+/// let campaign = Campaign::read("flights/campaign.toml".as_ref())?;
+/// let plan = campaign.plan(&Plan { target: vec![windfall::target("Cm_2=5%")?], ..Plan::default() })?;
+/// println!("within reach: {}", plan.is_within_reach());
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Planned {

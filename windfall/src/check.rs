@@ -13,6 +13,11 @@ use windfall_scenarios::{
 use windfall_verify::{Check, Setups, all_pass, checks};
 
 /// What a file is, checked.
+///
+/// ```
+/// assert_eq!(windfall::check("appendix-c".as_ref())?.kind(), "scenario");
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Debug)]
 pub enum Checked {
     /// A run file, in pieces where it has gaps.
@@ -87,6 +92,12 @@ pub fn check(word: &Path) -> Result<Checked> {
 }
 
 /// The content of `verify.json`.
+///
+/// ```no_run
+/// let all = windfall::verify()?;
+/// assert!(all.passed());
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug, Serialize)]
 pub struct Verification {
     /// `pass` or `fail`.

@@ -15,6 +15,13 @@ use windfall_verify::descent::{Descended, descend};
 const SEED: u64 = 1;
 
 /// A planet scenario whose flight is flown down many times.
+///
+/// ```no_run
+/// use windfall::{Descend, DescentScenario};
+/// let scenario = DescentScenario::read("scenarios/planet/venus-dispersions.toml".as_ref())?;
+/// let flown = scenario.descend(None, &Descend { draws: 100, ..Descend::default() }, || {})?;
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct DescentScenario {
     /// The scenario.

@@ -10,6 +10,11 @@ use windfall_verify::statistics::StatisticsError;
 pub type Result<T> = std::result::Result<T, Error>;
 
 /// Whose fault an error is.
+///
+/// ```
+/// use windfall::ErrorKind;
+/// assert_eq!(windfall::hold("Cl_0").expect_err("no value").kind(), ErrorKind::Input);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorKind {
     /// Bad input: a file, a request, a number that cannot be flown.
@@ -21,6 +26,12 @@ pub enum ErrorKind {
 }
 
 /// Why a verb gave no result. Messages say where, what, the value, what is allowed and what to try.
+///
+/// ```
+/// use windfall::prelude::*;
+/// let no = Scenario::bundled("sage-pertubed").expect_err("misspelt").to_string();
+/// assert!(no.contains("sage-perturbed"), "{no}");
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -8,6 +8,13 @@ use windfall_model::CATALOGUE;
 use windfall_scenarios::{campaign_of_run, meanings};
 
 /// What is explained.
+///
+/// ```
+/// use windfall::{Explain, explain};
+/// let said = explain(&Explain { words: vec!["center-of-mass".to_owned()] })?;
+/// assert!(said.starts_with("center-of-mass: a family of effects"));
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default, deny_unknown_fields)]

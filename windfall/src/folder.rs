@@ -27,6 +27,13 @@ const STATISTICS: &[&str] = &["verdict", "name", "source", "options", "seed"];
 pub const DESCENT_FILES: [&str; 3] = ["descent.json", "descents.parquet", "report.html"];
 
 /// What a folder holds.
+///
+/// ```no_run
+/// use windfall::ResultsFolder;
+/// let page = ResultsFolder::read("closed".as_ref())?.page();
+/// std::fs::write("closed/report.html", page).expect("written");
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct ResultsFolder {
     title: String,

@@ -18,6 +18,12 @@ use windfall_verify::study::each;
 const TABLE: &str = "campaigns.parquet";
 
 /// How to do many campaigns into a folder.
+///
+/// ```
+/// use windfall::Many;
+/// let rest: Many = serde_json::from_str(r#"{"resume": true}"#).expect("a request");
+/// assert_eq!(rest, Many { resume: true, ..Many::default() });
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default, deny_unknown_fields)]
@@ -40,6 +46,12 @@ impl Many {
 }
 
 /// What is done to each campaign.
+///
+/// ```
+/// use windfall::Each;
+/// let each: Each = serde_json::from_str(r#"{"identify": {"method": "equation-error"}}"#).expect("a verb and its request");
+/// assert_eq!(each.file(), "identification.json");
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Each {
@@ -61,6 +73,14 @@ impl Each {
 }
 
 /// What one campaign gave, as it is kept.
+///
+/// ```no_run
+/// use windfall::{Campaigns, Close, Each};
+/// let campaigns = Campaigns::find(&["measured".into()], Each::Close(Close::default()))?;
+/// let done = campaigns.one(0)?;
+/// println!("{}: {}", done.outcome.path, done.outcome.exit_code);
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct CampaignDone {
     /// Hash of what the campaign says; empty where it could not be read.
@@ -72,6 +92,13 @@ pub struct CampaignDone {
 }
 
 /// Campaigns that were found, and what is to be done to each.
+///
+/// ```no_run
+/// use windfall::{Campaigns, Close, Each};
+/// let campaigns = Campaigns::find(&["measured".into()], Each::Close(Close::default()))?;
+/// campaigns.names().for_each(|name| println!("{name}"));
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Campaigns {
     found: FoundCampaigns,

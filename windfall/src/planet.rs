@@ -14,6 +14,14 @@ pub use windfall_scenarios::{PlanetFile, read_planet};
 pub use windfall_sim::{PlanetFlown, fly_planet};
 
 /// What `windfall simulate --json` prints of a planet scenario.
+///
+/// ```
+/// use windfall::planet;
+/// let file = planet::read_planet("../scenarios/planet/venus-dispersions.toml".as_ref())?;
+/// let said = planet::summary(&file, &[], false);
+/// assert!(said.flights.is_empty());
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PlanetSimulation {
     /// Name of the scenario.
@@ -23,6 +31,14 @@ pub struct PlanetSimulation {
 }
 
 /// One flight in short.
+///
+/// ```no_run
+/// use windfall::planet;
+/// let file = planet::read_planet("scenarios/planet/venus-dispersions.toml".as_ref())?;
+/// let said = planet::summary(&file, &planet::fly(&file)?, false);
+/// println!("{} after {} s", said.flights[0].end, said.flights[0].end_t_s);
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PlanetSummary {
     /// Its name.

@@ -12,6 +12,13 @@ use windfall_verify::statistics::{
 const TABLE_5_6: &str = "table-5.6";
 
 /// Statistics of a run that somebody published, with the declared model of its vehicle.
+///
+/// ```
+/// use windfall::prelude::*;
+/// let table = Published::find("table-5.6".as_ref())?;
+/// assert!(!table.name.is_empty());
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Published {
     /// Name.

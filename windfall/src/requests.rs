@@ -15,6 +15,13 @@ use windfall_verify::Tie;
 pub const MOST_COPIES: u16 = 10_000;
 
 /// How to fly a scenario.
+///
+/// ```
+/// use windfall::prelude::*;
+/// let flights = Scenario::bundled("appendix-c")?.fly(&Fly { seed: Some(3) })?;
+/// assert_eq!(flights.scenario.file.scenario.seed, 3);
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default, deny_unknown_fields)]
@@ -25,6 +32,14 @@ pub struct Fly {
 }
 
 /// How to identify a campaign.
+///
+/// ```
+/// use windfall::Identify;
+/// let request = Identify { hold: vec![windfall::hold("Cl_0=0.0125")?], ..Identify::default() };
+/// let json = r#"{"hold": [{"name": "Cl_0", "value": 0.0125}]}"#;
+/// assert_eq!(serde_json::from_str::<Identify>(json).expect("a request"), request);
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default, deny_unknown_fields)]
@@ -95,6 +110,13 @@ fn method() -> impl clap::builder::TypedValueParser<Value = Method> {
 }
 
 /// Which aerodynamic terms to look for.
+///
+/// ```
+/// use windfall::Structure;
+/// let request = Structure { criterion: windfall::criterion("bic")? };
+/// assert_ne!(request, Structure::default());
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default, deny_unknown_fields)]
@@ -112,6 +134,13 @@ impl Default for Structure {
 }
 
 /// Which errors are wanted, or which rivals are to part.
+///
+/// ```
+/// use windfall::Plan;
+/// let request = Plan { target: vec![windfall::target("Cm_2 = 5%")?], ..Plan::default() };
+/// assert_eq!((request.target[0].parameter.as_str(), request.between), ("Cm_2", 60.0));
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default, deny_unknown_fields)]
@@ -134,6 +163,12 @@ impl Default for Plan {
 }
 
 /// How often to fly an identified model.
+///
+/// ```
+/// use windfall::Resimulate;
+/// let bands = Resimulate { draws: 100, ..Resimulate::default() };
+/// assert_eq!((bands.seeds, bands.draws), (1, 100));
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default, deny_unknown_fields)]
@@ -169,6 +204,12 @@ impl Resimulate {
 pub const MOST_DESCENTS: u32 = 1_000_000;
 
 /// How to fly an identified model down.
+///
+/// ```
+/// use windfall::Descend;
+/// let few = Descend { draws: 100, seed: Some(7), ..Descend::default() };
+/// assert_eq!(serde_json::from_str::<Descend>(r#"{"draws": 100, "seed": 7}"#).expect("a request"), few);
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default, deny_unknown_fields)]
@@ -202,12 +243,23 @@ impl Descend {
 }
 
 /// How to close the loop: nothing is to be said yet.
+///
+/// ```
+/// use windfall::Close;
+/// assert_eq!(serde_json::to_string(&Close::default()).expect("JSON"), "{}");
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default, deny_unknown_fields)]
 pub struct Close {}
 
 /// How to draw a study into a folder.
+///
+/// ```
+/// use windfall::Study;
+/// let share: Study = serde_json::from_str(r#"{"resume": true, "shard": "2/8"}"#).expect("a request");
+/// assert!(share.resume && !share.force && share.shard == "2/8".parse().ok());
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default, deny_unknown_fields)]

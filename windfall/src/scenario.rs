@@ -22,6 +22,13 @@ pub(crate) fn is_bundled(word: &Path) -> bool {
 }
 
 /// A true plant, what a campaign declares of it, and flights.
+///
+/// ```
+/// use windfall::prelude::*;
+/// let scenario = Scenario::bundled("sage-perturbed")?.with_effect("center-of-mass", &[("z_m", 0.002)])?;
+/// assert_eq!(scenario.file.scenario.effects, ["center-of-mass"]);
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
     /// All that was read; what is changed here is flown so.
@@ -117,6 +124,13 @@ impl Scenario {
 }
 
 /// A scenario's flights.
+///
+/// ```
+/// use windfall::prelude::*;
+/// let flights = Scenario::bundled("appendix-c")?.fly(&Fly::default())?;
+/// assert_eq!(flights.flown[0].record.len(), 2251);
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Flights {
     /// What was flown, with its seed.
@@ -126,6 +140,13 @@ pub struct Flights {
 }
 
 /// What `windfall simulate --json` prints.
+///
+/// ```
+/// use windfall::prelude::*;
+/// let said = Scenario::bundled("appendix-c")?.fly(&Fly::default())?.summary(false);
+/// assert_eq!((said.scenario.as_str(), said.campaign), ("appendix-c", None));
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Simulation {
     /// Name of the scenario.
@@ -139,6 +160,13 @@ pub struct Simulation {
 }
 
 /// One flight in short.
+///
+/// ```
+/// use windfall::prelude::*;
+/// let said = Scenario::bundled("appendix-c")?.fly(&Fly::default())?.summary(false);
+/// assert_eq!((said.flights[0].end, said.flights[0].samples), ("completed", 2251));
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FlightSummary {
     /// Its name.

@@ -15,6 +15,13 @@ use windfall_verify::study::{Moments, PreparedStudy, Progress, Summary, run as d
 pub const SUMMARY: &str = "summary.json";
 
 /// A study ready to be drawn, in whole or in parts.
+///
+/// ```no_run
+/// use windfall::{Drawing, Study};
+/// let study = Drawing::read("study.toml".as_ref())?;
+/// let summary = study.run("drawn".as_ref(), &Study::default())?;
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Drawing {
     prepared: PreparedStudy,
@@ -196,6 +203,14 @@ impl Drawing {
 }
 
 /// The stopping rule fed with parts in any order; it looks at them in the order of their index.
+///
+/// ```no_run
+/// use windfall::{Drawing, Study};
+/// let study = Drawing::read("study.toml".as_ref())?;
+/// let store = study.open("drawn".as_ref(), &Study::default())?;
+/// println!("over: {}", study.rule(&store)?.enough());
+/// # Ok::<(), windfall::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct PartRule {
     progress: Option<Progress>,

@@ -2,19 +2,13 @@
 //!
 //! An effect is a family name, its parameters, a paragraph of physics with a source, and what it changes in the plant. From
 //! that one file follow simulating it, its signature, tracing, estimating, its bound, and its line in the report; nothing else
-//! in the program knows a family by name. Adding an effect is adding a file and its name to the list that makes [`CATALOGUE`].
+//! in the program knows a family by name. Adding an effect is adding a file: [`CATALOGUE`] is made of those that are there.
 
 pub use crate::acts::Acts;
 use crate::plant::Plant;
 
-/// Makes the list from the names of the files.
-macro_rules! catalogue {
-    [$($file:ident),* $(,)?] => {
-        $(mod $file;)*
-        /// All effects, alphabetical by file.
-        pub static CATALOGUE: [&Effect; [$(stringify!($file)),*].len()] = [$(&$file::EFFECT),*];
-    };
-}
+// Files and list: `build.rs`.
+include!(concat!(env!("OUT_DIR"), "/catalogue.rs"));
 
 /// How a parameter is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,58 +119,6 @@ impl std::fmt::Debug for Effect {
         write!(f, "Effect({})", self.family)
     }
 }
-
-catalogue![
-    apparent_mass,
-    apparent_mass_point,
-    asymmetry,
-    axial_shape,
-    axial_speed,
-    buoyancy,
-    center_of_mass,
-    constant_acceleration,
-    contact,
-    cross_flow,
-    damping_shape,
-    drag,
-    draught,
-    flow_profile,
-    free_apparent_mass,
-    free_asymmetry,
-    free_buoyancy,
-    free_center_of_mass,
-    free_drag,
-    free_lift,
-    inertia,
-    length_scale,
-    loose_mass,
-    magnus,
-    mass,
-    part_place,
-    pivot_friction,
-    pose_delay,
-    pose_misalignment,
-    rate_damping,
-    rate_force,
-    roll_damping_shape,
-    roll_periodic,
-    spin_lift,
-    static_pressure,
-    swirl,
-    swivel_friction,
-    tether_geometry,
-    tether_length,
-    tether_line_rate,
-    thrust,
-    time_base,
-    tracked_point,
-    trim_moment,
-    turbulence,
-    viscous_friction,
-    wake_shedding,
-    wind_delay,
-    wind_scale,
-];
 
 /// The effect of that family for that kind of body.
 #[must_use]

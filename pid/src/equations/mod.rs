@@ -187,6 +187,8 @@ impl<'a> Craft<'a> {
     }
 
     /// [`Craft::rate`] with a loose mass at displacement and rate `[y, z, ẏ, ż]`, and the loose mass' acceleration.
+    ///
+    /// Long, for it is the equations of motion in the order of the thesis' appendix B, to be read beside it.
     #[inline(always)]
     pub(crate) fn motion<S: Scalar>(
         &self,

@@ -17,13 +17,13 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
-from typing import Any, TypedDict
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypedDict, TypeVar, Unpack
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _windfall
+from . import _requests, _windfall
 from ._windfall import (
     Campaign,
     IdentifyError,
@@ -82,36 +82,59 @@ class Flight(TypedDict):
     truth: Columns
 
 
-def _request(**fields: Any) -> str:
-    """A request as JSON; what is not given is left to the default."""
-    return json.dumps({name: value for name, value in fields.items() if value is not None})
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
-def simulate(scenario: Path, *, seed: int | None = None, threads: int = 0) -> list[Flight]:
+def _takes(*requests: type) -> Callable[[_Function], _Function]:
+    """Puts what requests take by keyword into a function's help."""
+
+    def described(function: _Function) -> _Function:
+        keywords = [line for r in requests if r.__annotations__ for line in (r.__doc__ or "").strip("\n").split("\n")]
+        if keywords:
+            function.__doc__ = "\n".join([(function.__doc__ or "").rstrip(), "", "    By keyword:", "", *keywords])
+        return function
+
+    return described
+
+
+def _fields(request: type, given: Mapping[str, Any]) -> dict[str, Any]:
+    """A request as the program reads it; what is not given, or None, is left to the default."""
+    known = request.__annotations__
+    for name in given:
+        if name not in known:
+            raise TypeError(f"unexpected keyword argument {name!r}; allowed: {', '.join(known) or 'none'}")
+    return {name: _value(name, value) for name, value in given.items() if value is not None}
+
+
+def _value(name: str, value: Any) -> Any:
+    if name in _requests.ENTRIES and isinstance(value, Mapping):
+        rest = ((first, *(x if isinstance(x, (tuple, list)) else (x,))) for first, x in value.items())
+        return [dict(zip(_requests.ENTRIES[name], entry, strict=True)) for entry in rest]
+    return f"{value[0]}/{value[1]}" if name == "shard" else value
+
+
+def _request(request: type, given: Mapping[str, Any]) -> str:
+    return json.dumps(_fields(request, given))
+
+
+@_takes(_requests.Fly)
+def simulate(scenario: Path, *, threads: int = 0, **request: Unpack[_requests.Fly]) -> list[Flight]:
     """Fly a scenario (file, or bundled name); record and truth of each flight apart."""
-    return _windfall.simulate(os.fspath(scenario), _request(seed=seed), threads)
+    return _windfall.simulate(os.fspath(scenario), _request(_requests.Fly, request), threads)
 
 
-def campaign(source: Path, *, seed: int | None = None) -> Campaign:
+@_takes(_requests.Fly)
+def campaign(source: Path, **request: Unpack[_requests.Fly]) -> Campaign:
     """Read a campaign file; or fly a scenario, whose effects its campaign does not declare."""
-    return Campaign(os.fspath(source), _request(seed=seed))
+    return Campaign(os.fspath(source), _request(_requests.Fly, request))
 
 
 def _campaign(source: Campaign | Path) -> Campaign:
     return source if isinstance(source, Campaign) else campaign(source)
 
 
-def identify(
-    campaign: Campaign | Path,
-    *,
-    method: str | None = None,
-    combined: bool = False,
-    hold: Mapping[str, float] | None = None,
-    tie: Mapping[str, str] | None = None,
-    prior: Mapping[str, tuple[float, float]] | None = None,
-    bootstrap: int | None = None,
-    threads: int = 0,
-) -> dict[str, Any]:
+@_takes(_requests.Identify)
+def identify(campaign: Campaign | Path, *, threads: int = 0, **request: Unpack[_requests.Identify]) -> dict[str, Any]:
     """Parameters with intervals: the content of identification.json, as `windfall identify` writes it.
 
     Methods: thesis, equation-error, output-error, filter-error; without one, the one that is right for these data, with the reason.
@@ -119,53 +142,36 @@ def identify(
     to another, `prior={"Cl_p": (-5.7, 0.3)}` is a mean and a standard deviation from elsewhere. `bootstrap=40` checks the stated errors
     by so many copies.
     """
-    request = json.dumps(_identify_fields(method, combined, hold, tie, prior, bootstrap))
-    found: dict[str, Any] = json.loads(_campaign(campaign).identify(request, threads))
+    found: dict[str, Any] = json.loads(_campaign(campaign).identify(_request(_requests.Identify, request), threads))
     return found
 
 
-def _identify_fields(
-    method: str | None = None,
-    combined: bool = False,
-    hold: Mapping[str, float] | None = None,
-    tie: Mapping[str, str] | None = None,
-    prior: Mapping[str, tuple[float, float]] | None = None,
-    bootstrap: int | None = None,
-) -> dict[str, Any]:
-    """The request of `identify` as a dictionary."""
-    fields = {
-        "method": method,
-        "combined": combined,
-        "bootstrap": bootstrap,
-        "hold": [{"name": name, "value": value} for name, value in (hold or {}).items()],
-        "tie": [{"name": name, "to": to} for name, to in (tie or {}).items()],
-        "prior": [{"name": name, "mean": mean, "std": std} for name, (mean, std) in (prior or {}).items()],
-    }
-    return {name: value for name, value in fields.items() if value is not None}
-
-
+@_takes(_requests.Resimulate)
 def resimulate(
-    campaign: Campaign | Path, identification: Mapping[str, Any], *, seeds: int = 1, draws: int = 0, threads: int = 0
+    campaign: Campaign | Path,
+    identification: Mapping[str, Any],
+    *,
+    threads: int = 0,
+    **request: Unpack[_requests.Resimulate],
 ) -> dict[str, Any]:
     """Fly an identified model against each run: the content of resimulation.json.
 
     With `draws=100` also so many models with parameters drawn from their covariance: bands, and intervals of the statistics.
     """
-    model = json.dumps(identification)
-    found: dict[str, Any] = json.loads(_campaign(campaign).resimulate(model, _request(seeds=seeds, draws=draws), threads))
+    model, asked = json.dumps(identification), _request(_requests.Resimulate, request)
+    found: dict[str, Any] = json.loads(_campaign(campaign).resimulate(model, asked, threads))
     return found
 
 
+@_takes(_requests.Descend)
 def descend(
     scenario: Path,
     identification: Mapping[str, Any] | None = None,
     *,
-    draws: int | None = None,
-    seed: int | None = None,
-    flight: str | None = None,
     out: Path | None = None,
     force: bool = False,
     threads: int = 0,
+    **request: Unpack[_requests.Descend],
 ) -> dict[str, Any]:
     """Fly an identified model down to the ground of a planet many times: the content of descent.json.
 
@@ -174,20 +180,23 @@ def descend(
     """
     model = None if identification is None else json.dumps(identification)
     folder = None if out is None else os.fspath(out)
-    request = _request(draws=draws, seed=seed, flight=flight)
-    found: dict[str, Any] = json.loads(_windfall.descend(os.fspath(scenario), model, request, folder, force, threads))
+    asked = _request(_requests.Descend, request)
+    found: dict[str, Any] = json.loads(_windfall.descend(os.fspath(scenario), model, asked, folder, force, threads))
     return found
 
 
-def close(campaign: Campaign | Path, *, threads: int = 0) -> dict[str, Any]:
+@_takes(_requests.Close)
+def close(campaign: Campaign | Path, *, threads: int = 0, **request: Unpack[_requests.Close]) -> dict[str, Any]:
     """What the declared model lacks: the content of close.json."""
-    found: dict[str, Any] = json.loads(_campaign(campaign).close(_request(), threads))
+    found: dict[str, Any] = json.loads(_campaign(campaign).close(_request(_requests.Close, request), threads))
     return found
 
 
-def close_statistics(statistics: Path, *, threads: int = 0) -> dict[str, Any]:
+@_takes(_requests.Close)
+def close_statistics(statistics: Path, *, threads: int = 0, **request: Unpack[_requests.Close]) -> dict[str, Any]:
     """What the declared model lacks beside published statistics (a file, or `table-5.6`): the content of close.json."""
-    found: dict[str, Any] = json.loads(_windfall.close_statistics(os.fspath(statistics), _request(), threads))
+    asked = _request(_requests.Close, request)
+    found: dict[str, Any] = json.loads(_windfall.close_statistics(os.fspath(statistics), asked, threads))
     return found
 
 
@@ -207,20 +216,21 @@ def report(folder: Path) -> str:
     return _windfall.page(os.fspath(folder))
 
 
-def structure(campaign: Campaign | Path, *, criterion: str | None = None, threads: int = 0) -> dict[str, Any]:
+@_takes(_requests.Structure)
+def structure(campaign: Campaign | Path, *, threads: int = 0, **request: Unpack[_requests.Structure]) -> dict[str, Any]:
     """Which aerodynamic terms the runs carry, whatever is declared: the content of structure.json."""
-    found: dict[str, Any] = json.loads(_campaign(campaign).structure(_request(criterion=criterion), threads))
+    found: dict[str, Any] = json.loads(_campaign(campaign).structure(_request(_requests.Structure, request), threads))
     return found
 
 
+@_takes(_requests.Plan)
 def plan(
     campaign: Campaign | Path,
     *,
     percent: Mapping[str, float] | None = None,
     absolute: Mapping[str, float] | None = None,
-    separate: bool | None = None,
-    between: float | None = None,
     threads: int = 0,
+    **request: Unpack[_requests.Plan],
 ) -> dict[str, Any]:
     """Tunnel time that brings wanted standard errors, or runs that part rivals: the content of plan.json.
 
@@ -229,62 +239,55 @@ def plan(
     """
     wanted = [("percent", percent or {}), ("absolute", absolute or {})]
     target = [{"parameter": name, "error": {kind: error}} for kind, errors in wanted for name, error in errors.items()]
-    found: dict[str, Any] = json.loads(_campaign(campaign).plan(_request(target=target, separate=separate, between=between), threads))
+    asked = json.dumps({"target": target, **_fields(_requests.Plan, request)})
+    found: dict[str, Any] = json.loads(_campaign(campaign).plan(asked, threads))
     return found
 
 
-def study(
-    study: Path,
-    out: Path,
-    *,
-    resume: bool = False,
-    force: bool = False,
-    shard: Sequence[int] | None = None,
-    threads: int = 0,
-) -> dict[str, Any] | None:
+@_takes(_requests.Study)
+def study(study: Path, out: Path, *, threads: int = 0, **request: Unpack[_requests.Study]) -> dict[str, Any] | None:
     """Draw a study into a folder: `runs.parquet` and `summary.json`, whose content is returned.
 
     With `shard=(i, n)`, i from 1 to n, only that share is drawn and nothing returned; `resume=True` without it joins all.
     """
     order = _windfall.Study(os.fspath(study))
-    share = None if shard is None else f"{shard[0]}/{shard[1]}"
-    order.open(os.fspath(out), _request(resume=resume, force=force, shard=share))
+    order.open(os.fspath(out), _request(_requests.Study, request))
     order.draw(threads)
-    return None if shard is not None else json.loads(order.finish())
+    return None if request.get("shard") is not None else json.loads(order.finish())
+
+
+_EACH = {"close": _requests.Close, "identify": _requests.Identify}
+
+
+class _ManyOf(_requests.Many, _requests.Close, _requests.Identify, total=False):
+    """Of many campaigns, and of the verb that is done to each."""
 
 
 def _each(verb: str, request: Mapping[str, Any]) -> str:
-    """Verb and request of many campaigns as JSON."""
-    return json.dumps({verb: _identify_fields(**request) if verb == "identify" else dict(request)})
+    """Verb and request of many campaigns as JSON; verbs that are none are refused where it is read."""
+    return json.dumps({verb: _fields(_EACH[verb], request) if verb in _EACH else {}})
 
 
 def _paths(campaigns: Path | Sequence[Path]) -> list[str]:
     return [os.fspath(p) for p in ([campaigns] if isinstance(campaigns, (str, os.PathLike)) else campaigns)]
 
 
+@_takes(_requests.Many)
 def many(
-    verb: str,
-    campaigns: Path | Sequence[Path],
-    out: Path,
-    *,
-    resume: bool = False,
-    force: bool = False,
-    shard: Sequence[int] | None = None,
-    threads: int = 0,
-    **request: Any,
+    verb: str, campaigns: Path | Sequence[Path], out: Path, *, threads: int = 0, **request: Unpack[_ManyOf]
 ) -> dict[str, Any] | None:
     """Do `close` or `identify` for every campaign of a folder, or of a list of folders and campaign files, into the folder `out`.
 
     Writes what `windfall many` writes: a result of each campaign, `campaigns.parquet`, `many.json`, whose content is returned, and
-    `report.html`. A campaign that fails is a row with its reason. `request` is what the verb takes, as in `many("identify", ...,
+    `report.html`. A campaign that fails is a row with its reason. The verb takes what it takes alone, as in `many("identify", ...,
     method="equation-error")`. With `shard=(i, n)`, i from 1 to n, only that share is done and nothing returned; `resume=True` without it
     does what is missing and joins all.
     """
-    order = _windfall.Many(_paths(campaigns), _each(verb, request))
-    share = None if shard is None else f"{shard[0]}/{shard[1]}"
-    order.open(os.fspath(out), _request(resume=resume, force=force, shard=share))
+    own = {name: value for name, value in request.items() if name in _requests.Many.__annotations__}
+    order = _windfall.Many(_paths(campaigns), _each(verb, {n: v for n, v in request.items() if n not in own}))
+    order.open(os.fspath(out), _request(_requests.Many, own))
     order.work(threads)
-    if shard is not None:
+    if own.get("shard") is not None:
         return None
     found: dict[str, Any] = json.loads(order.finish())
     return found

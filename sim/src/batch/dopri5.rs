@@ -67,7 +67,28 @@ struct Clock {
     budget: [u32; LANES_MAX],
 }
 
+/// Samples that some lanes have reached: when, at which share of the step, and whose.
+struct Due {
+    t_s: [f64; LANES_MAX],
+    at: [f64; LANES_MAX],
+    whose: [bool; LANES_MAX],
+}
+
 impl Clock {
+    fn new(samples: usize, rate_hz: f64) -> Self {
+        Self {
+            rate_hz,
+            samples,
+            t_s: [0.0; LANES_MAX],
+            h_s: [0.0; LANES_MAX],
+            step_max_s: [0.0; LANES_MAX],
+            error_before: [1e-4; LANES_MAX],
+            rejected: [false; LANES_MAX],
+            next: [1; LANES_MAX],
+            tried: [0; LANES_MAX],
+            budget: [0; LANES_MAX],
+        }
+    }
     fn sample_s(&self, lane: usize) -> f64 {
         self.next[lane] as f64 / self.rate_hz
     }
@@ -94,6 +115,62 @@ impl Clock {
             false
         }
     }
+    /// Judges each lane's step: 1 where it is accepted. A lane whose step vanishes, or whose steps are used up, ends.
+    fn accept<S: Simd>(&mut self, errors: &[f64; LANES_MAX], tracks: &mut Tracks<'_, '_, S>) -> [f64; LANES_MAX] {
+        let mut accepted = [0.0; LANES_MAX];
+        for (lane, track) in tracks.lanes.iter_mut().enumerate().filter(|(_, t)| t.end.is_none()) {
+            let h_s = self.h_s[lane];
+            self.tried[lane] += 1;
+            if self.judge(lane, errors[lane]) {
+                accepted[lane] = 1.0;
+                track.steps += 1;
+            } else if self.h_s[lane] <= UNDERFLOW * self.t_s[lane].max(1e-3) {
+                track.end = Some(Err(SimError::StepTooSmall { t_s: self.t_s[lane] }));
+            }
+            if self.tried[lane] >= self.budget[lane] && track.end.is_none() {
+                let (steps, t_s) = (self.tried[lane], self.t_s[lane]);
+                // What changes is not looked at here; how fast follows from the step that it allows.
+                track.end = Some(Err(SimError::TooManySteps { steps, t_s, what: "state", rate_per_s: 1.0 / h_s }));
+            }
+        }
+        accepted
+    }
+    /// The next sample of each lane within its accepted step; none when no lane has one.
+    fn due<S: Simd>(&mut self, taken: &Taken, tracks: &Tracks<'_, '_, S>) -> Option<Due> {
+        let mut due = Due { t_s: self.t_s, at: [0.0; LANES_MAX], whose: [false; LANES_MAX] };
+        for (lane, track) in tracks.lanes.iter().enumerate() {
+            let (t, h) = (self.t_s[lane], taken.h_s[lane]);
+            let sample = self.sample_s(lane);
+            // The step that was cut to end on the last sample ends there, whatever the rounding.
+            let last = self.next[lane] + 1 == self.samples && sample - (t + h) < 1e-9 * h;
+            if taken.accepted[lane] > 0.0 && track.end.is_none() && (sample <= t + h || last) {
+                due.whose[lane] = true;
+                due.t_s[lane] = sample;
+                due.at[lane] = ((sample - t) / h).min(1.0);
+                self.next[lane] += 1;
+            }
+        }
+        due.whose.contains(&true).then_some(due)
+    }
+}
+
+/// Lanes between two steps, and the room that a step needs.
+struct Steps<S: Simd, const N: usize> {
+    clock: Clock,
+    rtol: Lanes<S>,
+    atol: Lanes<S>,
+    y: [Lanes<S>; N],
+    /// Rates of the stages, and the state of the latest.
+    k: [[Lanes<S>; N]; 7],
+    argument: [Lanes<S>; N],
+    row: Vec<f64>,
+    slots: [Lanes<S>; ROOM],
+}
+
+/// The step of each lane, s, and 1 where it was accepted.
+struct Taken {
+    h_s: [f64; LANES_MAX],
+    accepted: [f64; LANES_MAX],
 }
 
 /// Flies the lanes; there are inputs and wishes for each.
@@ -104,145 +181,136 @@ pub(super) fn fly<S: Simd, const N: usize>(
     inputs: &mut [Inputs<'_>],
     wishes: &[Wish],
     (samples, rate_hz): (usize, f64),
-    mut y: [Lanes<S>; N],
+    y: [Lanes<S>; N],
     tracks: &mut Tracks<'_, '_, S>,
 ) {
     let channels = kernel.parts.channels;
-    let lanes = S::F64_LANES;
-    let used = tracks.lanes.len();
-    let mut row = vec![0.0; channels.count() * lanes];
-    let mut slots = [Lanes::zero(simd); ROOM];
     let gather = |of: &dyn Fn(&Wish) -> f64| Lanes::load(simd, &wishes.iter().map(of).collect::<Vec<_>>());
-    let (rtol, atol) = (gather(&|w| w.relative_tolerance), gather(&|w| w.absolute_tolerance));
-    let mut clock = Clock {
-        rate_hz,
-        samples,
-        t_s: [0.0; LANES_MAX],
-        h_s: [0.0; LANES_MAX],
-        step_max_s: [0.0; LANES_MAX],
-        error_before: [1e-4; LANES_MAX],
-        rejected: [false; LANES_MAX],
-        next: [1; LANES_MAX],
-        tried: [0; LANES_MAX],
-        budget: [0; LANES_MAX],
+    let mut steps = Steps {
+        clock: Clock::new(samples, rate_hz),
+        rtol: gather(&|w| w.relative_tolerance),
+        atol: gather(&|w| w.absolute_tolerance),
+        y,
+        k: [[Lanes::zero(simd); N]; 7],
+        argument: y,
+        row: vec![0.0; channels.count() * S::F64_LANES],
+        slots: [Lanes::zero(simd); ROOM],
     };
-    let mut k = [[Lanes::zero(simd); N]; 7];
-    let mut argument = y;
-    let mut first_stage = 0;
-    fill(channels, inputs, &clock.t_s, lanes, &mut row);
-    tracks.observe(simd, kernel, &y, &row, |_| true);
+    fill(channels, inputs, &steps.clock.t_s, S::F64_LANES, &mut steps.row);
+    tracks.observe(simd, kernel, &y, &steps.row, |_| true);
+    steps.stage(simd, kernel, inputs, 0);
+    steps.begin(simd, wishes, tracks);
     while !tracks.done() {
-        let h = Lanes::load(simd, &clock.h_s[..lanes]);
-        for stage in first_stage..7 {
-            let mut times = [0.0; LANES_MAX];
-            for (lane, t) in times.iter_mut().enumerate().take(lanes) {
-                *t = clock.t_s[lane] + C[stage] * clock.h_s[lane];
-            }
-            // The last two stages are at the same time.
-            if stage < 6 {
-                fill(channels, inputs, &times, lanes, &mut row);
-            }
-            for i in 0..N {
-                let mut sum = Lanes::zero(simd);
-                for j in 0..stage {
-                    sum = k[j][i].mul_add(Lanes::splat(simd, A[stage][j]), sum);
-                }
-                argument[i] = h.mul_add(sum, y[i]);
-            }
-            k[stage] = kernel.rate(simd, &argument, &row, &mut slots);
-            if first_stage == 0 {
-                break;
-            }
+        for stage in 1..7 {
+            steps.stage(simd, kernel, inputs, stage);
         }
-        if first_stage == 0 {
-            // The first step: a hundredth of the time in which the state would change by itself.
-            let (size, speed) = (scaled(simd, &y, &y, &y, rtol, atol), scaled(simd, &k[0], &y, &y, rtol, atol));
-            for lane in 0..used {
-                clock.h_s[lane] = if tracks.lanes[lane].end.is_some() { 0.0 } else { 0.01 * size[lane] / speed[lane].max(1e-10) };
-                clock.step_max_s[lane] = wishes[lane].step_max_s;
-                let end_s = (samples - 1) as f64 / rate_hz;
-                clock.budget[lane] = budget(end_s, wishes[lane].step_max_s.min(end_s));
-                clock.cap(lane);
-            }
-            first_stage = 1;
-            continue;
+        let errors = steps.errors(simd);
+        let h_s = steps.clock.h_s;
+        let taken = Taken { h_s, accepted: steps.clock.accept(&errors, tracks) };
+        steps.show(simd, kernel, inputs, &taken, tracks);
+        steps.advance(simd, &taken, tracks);
+    }
+}
+
+impl<S: Simd, const N: usize> Steps<S, N> {
+    /// Rate at a stage; the stages before it are done.
+    #[inline(always)]
+    fn stage(&mut self, simd: S, kernel: &Kernel<'_, S>, inputs: &mut [Inputs<'_>], stage: usize) {
+        let lanes = S::F64_LANES;
+        let h = Lanes::load(simd, &self.clock.h_s[..lanes]);
+        let mut times = [0.0; LANES_MAX];
+        for (lane, t) in times.iter_mut().enumerate().take(lanes) {
+            *t = self.clock.t_s[lane] + C[stage] * self.clock.h_s[lane];
         }
-        let mut error = k[0];
+        // The last two stages are at the same time.
+        if stage < 6 {
+            fill(kernel.parts.channels, inputs, &times, lanes, &mut self.row);
+        }
+        for i in 0..N {
+            let mut sum = Lanes::zero(simd);
+            for (k, a) in self.k[..stage].iter().zip(&A[stage]) {
+                sum = k[i].mul_add(Lanes::splat(simd, *a), sum);
+            }
+            self.argument[i] = h.mul_add(sum, self.y[i]);
+        }
+        self.k[stage] = kernel.rate(simd, &self.argument, &self.row, &mut self.slots);
+    }
+
+    /// The first step: a hundredth of the time in which the state would change by itself.
+    #[inline(always)]
+    fn begin(&mut self, simd: S, wishes: &[Wish], tracks: &Tracks<'_, '_, S>) {
+        let of = |x| scaled(simd, x, &self.y, &self.y, self.rtol, self.atol);
+        let (size, speed) = (of(&self.y), of(&self.k[0]));
+        let clock = &mut self.clock;
+        for (lane, track) in tracks.lanes.iter().enumerate() {
+            clock.h_s[lane] = if track.end.is_some() { 0.0 } else { 0.01 * size[lane] / speed[lane].max(1e-10) };
+            clock.step_max_s[lane] = wishes[lane].step_max_s;
+            let end_s = (clock.samples - 1) as f64 / clock.rate_hz;
+            clock.budget[lane] = budget(end_s, wishes[lane].step_max_s.min(end_s));
+            clock.cap(lane);
+        }
+    }
+
+    /// Error of each lane's step over what it may be.
+    #[inline(always)]
+    fn errors(&self, simd: S) -> [f64; LANES_MAX] {
+        let h = Lanes::load(simd, &self.clock.h_s[..S::F64_LANES]);
+        let mut error = self.k[0];
         for (i, e) in error.iter_mut().enumerate() {
             let mut sum = Lanes::zero(simd);
-            for stage in 0..7 {
-                sum = k[stage][i].mul_add(Lanes::splat(simd, E[stage]), sum);
+            for (k, weight) in self.k.iter().zip(&E) {
+                sum = k[i].mul_add(Lanes::splat(simd, *weight), sum);
             }
             *e = h * sum;
         }
-        let errors = scaled(simd, &error, &y, &argument, rtol, atol);
-        let taken = clock.h_s;
-        let mut accepted = [0.0; LANES_MAX];
-        for lane in 0..used {
-            let track = &mut tracks.lanes[lane];
-            if track.end.is_none() {
-                let h_s = clock.h_s[lane];
-                clock.tried[lane] += 1;
-                if clock.judge(lane, errors[lane]) {
-                    accepted[lane] = 1.0;
-                    track.steps += 1;
-                } else if clock.h_s[lane] <= UNDERFLOW * clock.t_s[lane].max(1e-3) {
-                    track.end = Some(Err(SimError::StepTooSmall { t_s: clock.t_s[lane] }));
-                }
-                if clock.tried[lane] >= clock.budget[lane] && track.end.is_none() {
-                    let (steps, t_s) = (clock.tried[lane], clock.t_s[lane]);
-                    // What changes is not looked at here; how fast follows from the step that it allows.
-                    track.end = Some(Err(SimError::TooManySteps { steps, t_s, what: "state", rate_per_s: 1.0 / h_s }));
-                }
-            }
-        }
-        // Samples that the accepted steps have passed.
+        scaled(simd, &error, &self.y, &self.argument, self.rtol, self.atol)
+    }
+
+    /// Shows the samples that the accepted steps have passed.
+    #[inline(always)]
+    fn show(
+        &mut self,
+        simd: S,
+        kernel: &Kernel<'_, S>,
+        inputs: &mut [Inputs<'_>],
+        taken: &Taken,
+        tracks: &mut Tracks<'_, '_, S>,
+    ) {
+        let lanes = S::F64_LANES;
         let mut dense = None;
-        loop {
-            let mut at = [0.0; LANES_MAX];
-            let mut times = clock.t_s;
-            let mut whose = [false; LANES_MAX];
-            for lane in 0..used {
-                let (t, h) = (clock.t_s[lane], taken[lane]);
-                let sample = clock.sample_s(lane);
-                // The step that was cut to end on the last sample ends there, whatever the rounding.
-                let last = clock.next[lane] + 1 == samples && sample - (t + h) < 1e-9 * h;
-                if accepted[lane] > 0.0 && tracks.lanes[lane].end.is_none() && (sample <= t + h || last) {
-                    whose[lane] = true;
-                    times[lane] = sample;
-                    at[lane] = ((sample - t) / h).min(1.0);
-                    clock.next[lane] += 1;
-                }
-            }
-            if !whose.contains(&true) {
-                break;
-            }
+        while let Some(due) = self.clock.due(taken, tracks) {
+            let h = Lanes::load(simd, &taken.h_s[..lanes]);
             let dense: &[[Lanes<S>; N]; 4] = dense.get_or_insert_with(
                 #[inline(always)]
-                || extension(simd, h, &k, &y, &argument),
+                || extension(simd, h, &self.k, &self.y, &self.argument),
             );
-            let theta = Lanes::load(simd, &at[..lanes]);
+            let theta = Lanes::load(simd, &due.at[..lanes]);
             let rest = Lanes::splat(simd, 1.0) - theta;
-            let mut seen = y;
+            let mut seen = self.y;
             for i in 0..N {
                 let inner = rest.mul_add(dense[3][i], dense[2][i]);
                 let middle = theta.mul_add(inner, dense[1][i]);
-                seen[i] = theta.mul_add(rest.mul_add(middle, dense[0][i]), y[i]);
+                seen[i] = theta.mul_add(rest.mul_add(middle, dense[0][i]), self.y[i]);
             }
-            fill(channels, inputs, &times, lanes, &mut row);
-            tracks.observe(simd, kernel, &seen, &row, |lane| whose[lane]);
+            fill(kernel.parts.channels, inputs, &due.t_s, lanes, &mut self.row);
+            tracks.observe(simd, kernel, &seen, &self.row, |lane| due.whose[lane]);
         }
-        let mask = Lanes::load(simd, &accepted[..lanes]);
+    }
+
+    /// Moves the lanes whose step was accepted to its end.
+    #[inline(always)]
+    fn advance(&mut self, simd: S, taken: &Taken, tracks: &Tracks<'_, '_, S>) {
+        let mask = Lanes::load(simd, &taken.accepted[..S::F64_LANES]);
         for i in 0..N {
-            y[i] = mask.where_above(0.0, argument[i], y[i]);
-            k[0][i] = mask.where_above(0.0, k[6][i], k[0][i]);
+            self.y[i] = mask.where_above(0.0, self.argument[i], self.y[i]);
+            self.k[0][i] = mask.where_above(0.0, self.k[6][i], self.k[0][i]);
         }
-        for lane in 0..used {
-            clock.t_s[lane] += accepted[lane] * taken[lane];
-            if tracks.lanes[lane].end.is_some() {
-                clock.h_s[lane] = 0.0;
+        for (lane, track) in tracks.lanes.iter().enumerate() {
+            self.clock.t_s[lane] += taken.accepted[lane] * taken.h_s[lane];
+            if track.end.is_some() {
+                self.clock.h_s[lane] = 0.0;
             } else {
-                clock.cap(lane);
+                self.clock.cap(lane);
             }
         }
     }

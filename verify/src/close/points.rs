@@ -19,7 +19,7 @@ use windfall_pid::StopReason;
 mod contest;
 mod settings;
 
-use contest::{Scored, TrackContest};
+use contest::{ScoredSet, TrackContest};
 use settings::Settings;
 
 /// Odds below which another family is a rival.
@@ -83,8 +83,8 @@ impl TrackContest<'_> {
         self.evidence.channel_residuals(&fit.residual, fit.free.len())
     }
     /// Every set that was weighed at the end, best first, with its probability among them.
-    fn weighed(&self) -> Vec<(&Scored, f64)> {
-        let mut all: Vec<&Scored> = self.neighbours.iter().chain([&self.best]).collect();
+    fn weighed(&self) -> Vec<(&ScoredSet, f64)> {
+        let mut all: Vec<&ScoredSet> = self.neighbours.iter().chain([&self.best]).collect();
         all.sort_by(|a, b| b.score.total_cmp(&a.score));
         let top = all[0].score;
         let sum: f64 = all.iter().map(|s| (s.score - top).exp()).sum();
@@ -144,7 +144,7 @@ fn chance(found: &TrackContest<'_>, k: usize) -> f64 {
 fn rivals(found: &TrackContest<'_>, k: usize) -> Vec<String> {
     let mut rest = found.best.families.clone();
     let own = rest.remove(k);
-    let swapped = |s: &&Scored| {
+    let swapped = |s: &&ScoredSet| {
         s.families.len() == rest.len() + 1 && !s.families.contains(&own) && rest.iter().all(|f| s.families.contains(f))
     };
     let mut all: Vec<(f64, String)> = found
@@ -159,7 +159,7 @@ fn rivals(found: &TrackContest<'_>, k: usize) -> Vec<String> {
 }
 
 fn sets(found: &TrackContest<'_>) -> Vec<SetLine> {
-    let line = |(s, probability): (&Scored, f64)| SetLine {
+    let line = |(s, probability): (&ScoredSet, f64)| SetLine {
         families: s.families.iter().map(|f| found.family_name(*f)).collect(),
         probability,
     };

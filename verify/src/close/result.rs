@@ -7,6 +7,11 @@ use windfall_model::{Measured, Pivot};
 use windfall_pid::relative_percent;
 
 /// What closing concludes.
+///
+/// ```
+/// use windfall_verify::close::Verdict;
+/// assert_eq!(serde_json::to_string(&Verdict::Unexplained).expect("a word"), "\"unexplained\"");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {

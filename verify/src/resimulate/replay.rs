@@ -97,11 +97,6 @@ impl Replay {
     pub fn draw(&self, release: Release, seed: Seed) -> Result<Flown, SimError> {
         self.as_far_as_it_goes(&self.plant, Flight { release, sensor_noise: true, ..self.flight.clone() }, seed)
     }
-    /// True when draws differ by more than their sensor noise.
-    #[must_use]
-    pub fn is_random(&self) -> bool {
-        !self.plant.disturbances(1.0).is_empty()
-    }
 
     fn as_far_as_it_goes(&self, plant: &Plant, mut flight: Flight, seed: Seed) -> Result<Flown, SimError> {
         loop {
@@ -119,21 +114,6 @@ impl Replay {
             }
         }
     }
-}
-
-/// Flies a run again: from its own smoothed first state, or from the given release, with its recorded tunnel speed. Without a
-/// seed nothing is left to chance (no gusts, exact instruments); with one, random inputs and instrument noise are drawn.
-/// The plant must already be the one of this run ([`Plant::for_run`]).
-///
-/// # Errors
-/// A record that cannot be smoothed; a flight that cannot be flown or fails.
-pub fn fly_like(record: &Record, plant: &Plant, initial: Option<Release>, seed: Option<Seed>) -> Result<Flown, VerifyError> {
-    let replay = Replay::new(record, plant)?;
-    let release = initial.unwrap_or(replay.first);
-    Ok(match seed {
-        None => replay.fly(release)?,
-        Some(seed) => fly(&replay.plant, &Flight { release, sensor_noise: true, ..replay.flight.clone() }, seed)?,
-    })
 }
 
 fn release(s: &State) -> Release {

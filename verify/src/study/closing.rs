@@ -4,13 +4,13 @@ use super::columns::VERDICTS;
 use super::row::Cells;
 use crate::VerifyError;
 use crate::close::{Closing, Options, SetLine, Verdict, close};
-use windfall_model::study::{Cell, Setting, StudyOrder};
+use windfall_model::study::{Cell, DrawnSetup, StudyOrder};
 use windfall_model::{Campaign, Role};
 
 pub(super) fn close_draw(
     campaign: &Campaign,
     study: &StudyOrder,
-    setting: &Setting,
+    setting: &DrawnSetup,
     out: &mut Cells<'_>,
 ) -> Result<(), VerifyError> {
     let closing = close(campaign, &Options::default())?;
@@ -50,7 +50,7 @@ fn stated(closing: &Closing, families: &[&str]) -> Option<f64> {
 }
 
 /// Families of which a strength is not zero in this draw.
-fn true_families<'s>(study: &'s StudyOrder, setting: &Setting) -> Vec<&'s str> {
+fn true_families<'s>(study: &'s StudyOrder, setting: &DrawnSetup) -> Vec<&'s str> {
     let acts = |e: &&windfall_model::study::StudyEffect| {
         let parameters = (e.effect.parameters)(&[]);
         parameters.iter().zip(&setting.effect_values[e.index]).any(|(p, v)| p.role == Role::Strength && *v != 0.0)

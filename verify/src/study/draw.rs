@@ -8,7 +8,7 @@ use crate::resimulate::{Replay, estimate, hold_out};
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use windfall_model::study::{Cell, Column, Distribution, Row, Setting, StudyOrder};
+use windfall_model::study::{Cell, Column, Distribution, DrawnSetup, Row, StudyOrder};
 use windfall_model::{Campaign, Data, Flight, Plant, Record, Run, Use};
 use windfall_pid::output_error::EstimateOptions;
 use windfall_pid::{DataSet, Method, estimated, identify_by};
@@ -113,9 +113,9 @@ impl PreparedStudy {
     }
 
     /// What is flown in this draw, and the plant that its campaign declares.
-    fn setting(&self, draw: u64, out: &mut Cells<'_>) -> Result<(Setting, Plant), String> {
+    fn setting(&self, draw: u64, out: &mut Cells<'_>) -> Result<(DrawnSetup, Plant), String> {
         let s = &self.study;
-        let mut truth = Setting { plant: s.plant.clone(), effect_values: s.effect_values.clone(), flights: s.flights.clone() };
+        let mut truth = DrawnSetup { plant: s.plant.clone(), effect_values: s.effect_values.clone(), flights: s.flights.clone() };
         let mut declared = s.declared_plant.clone();
         let seed = Seed { campaign: s.seed, run: draw * s.flights.len() as u64 };
         let normals = self.normals(seed);
@@ -129,7 +129,7 @@ impl PreparedStudy {
                 return Err(format!("{} does not exist in this setup", v.name));
             }
             if v.known {
-                let mut known = Setting { plant: declared, effect_values: Vec::new(), flights: Vec::new() };
+                let mut known = DrawnSetup { plant: declared, effect_values: Vec::new(), flights: Vec::new() };
                 known.set(v.quantity, &v.flights, value);
                 declared = known.plant;
             }
@@ -154,7 +154,13 @@ impl PreparedStudy {
         (0..z.len()).map(|i| (0..=i).map(|j| root[(i, j)] * z[j]).sum()).collect()
     }
 
-    fn identified(&self, method: Method, campaign: &Campaign, setting: &Setting, out: &mut Cells<'_>) -> Result<(), VerifyError> {
+    fn identified(
+        &self,
+        method: Method,
+        campaign: &Campaign,
+        setting: &DrawnSetup,
+        out: &mut Cells<'_>,
+    ) -> Result<(), VerifyError> {
         let options = EstimateOptions { combined_only: true, ..EstimateOptions::default() };
         let found = identify_by(campaign, method, &options)?;
         let Some(set) = found.of_all_runs() else { return Err(VerifyError::NoDataSet) };
@@ -184,7 +190,7 @@ fn resimulated(method: Method, campaign: &Campaign, set: &DataSet, out: &mut Cel
     Ok(())
 }
 
-fn with_effects(setting: &Setting, study: &StudyOrder) -> Plant {
+fn with_effects(setting: &DrawnSetup, study: &StudyOrder) -> Plant {
     let mut plant = setting.plant.clone();
     for e in &study.effects {
         (e.effect.apply)(&mut plant, &setting.effect_values[e.index]);

@@ -5,6 +5,7 @@ mod closing;
 mod common;
 mod descent;
 mod planet;
+mod quantities;
 mod recovery;
 mod resimulate;
 mod symmetry;

@@ -6,7 +6,7 @@ use windfall_model::{Campaign, Data, Record, Release};
 use windfall_pid::StopReason;
 use windfall_pid::{DataSet, Estimate};
 use windfall_sim::{Seed, SimError, fly};
-use windfall_verify::{HoldOut, Replay, VerifyError, campaign_of, estimate_initial, fly_like, hold_out, resimulate};
+use windfall_verify::{HoldOut, Replay, VerifyError, campaign_of, estimate_initial, hold_out, resimulate};
 
 fn record(campaign: &Campaign, run: usize) -> &Record {
     match &campaign.runs[run].data {
@@ -41,7 +41,8 @@ fn recover_trajectories_to_the_noise_floor() {
 fn recover_exact_campaign_from_its_first_states() {
     let Some(campaign) = campaign("recover_exact_campaign_from_its_first_states", "exact") else { return };
     let (plant, measured) = (with_table_5_5(&campaign), record(&campaign, 0));
-    let flown = fly_like(measured, &plant, None, None).expect("flies");
+    let replay = Replay::new(measured, &plant).expect("smooth");
+    let flown = replay.fly(replay.first()).expect("flies");
     assert_eq!(flown.record.len(), measured.len());
     for k in 0..3 {
         let far = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
@@ -64,7 +65,7 @@ fn recover_a_run_by_a_wrong_clock_and_ruler() {
     (order.sensor_noise, order.duration_s) = (false, 8.0);
     let made = fly(&plant, &order, Seed { campaign: 5, run: 0 }).expect("flies").record;
     let far = |plant: &windfall_model::Plant| {
-        let again = fly_like(&made, plant, Some(order.release), None).expect("flies").record;
+        let again = Replay::new(&made, plant).expect("smooth").fly(order.release).expect("flies").record;
         assert_eq!(again.len(), made.len());
         let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
         let clock = apart(&again.t_s, &made.t_s);

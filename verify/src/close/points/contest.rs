@@ -25,7 +25,7 @@ const MOVES: usize = 12;
 
 /// A set with its fit.
 #[derive(Clone)]
-pub(super) struct Scored {
+pub(super) struct ScoredSet {
     /// Places in [`TrackContest::families`], in the order of the fit's effects after those declared.
     pub(super) families: Vec<usize>,
     pub(super) fit: TrackFit,
@@ -33,7 +33,7 @@ pub(super) struct Scored {
     pub(super) score: f64,
 }
 
-impl Scored {
+impl ScoredSet {
     /// Place of its `k`-th family among the fit's effects: after those declared.
     pub(super) fn place(&self, k: usize) -> usize {
         self.fit.hypothesis.effects.len() - self.families.len() + k
@@ -51,11 +51,11 @@ pub(super) struct TrackContest<'a> {
     pub(super) evidence: TrackEvidence,
     pub(super) families: Vec<&'static Effect>,
     /// The declared model alone, and every family alone beside it, at the evidence of the end.
-    pub(super) declared: Scored,
-    pub(super) singles: Vec<Scored>,
-    pub(super) best: Scored,
+    pub(super) declared: ScoredSet,
+    pub(super) singles: Vec<ScoredSet>,
+    pub(super) best: ScoredSet,
     /// Sets that differ from the best by one family more, less, or other.
-    pub(super) neighbours: Vec<Scored>,
+    pub(super) neighbours: Vec<ScoredSet>,
 }
 
 impl<'a> TrackContest<'a> {
@@ -70,7 +70,7 @@ impl<'a> TrackContest<'a> {
         let fit = settled_fit(campaign, &mut evidence, start)?;
         evidence.settle(&fit.hypothesis.plant(&campaign.plant));
         let families = catalogue(campaign.body()).filter(|e| !campaign.knowledge.effects.iter().any(|(d, _)| d == e)).collect();
-        let start = Scored { families: Vec::new(), fit, score: f64::NEG_INFINITY };
+        let start = ScoredSet { families: Vec::new(), fit, score: f64::NEG_INFINITY };
         Ok(Self {
             campaign,
             settings,
@@ -98,7 +98,7 @@ impl<'a> TrackContest<'a> {
     }
 
     /// The best set without its `k`-th family.
-    pub(super) fn without(&self, k: usize) -> Option<&Scored> {
+    pub(super) fn without(&self, k: usize) -> Option<&ScoredSet> {
         let mut rest = self.best.families.clone();
         rest.remove(k);
         if rest.is_empty() { Some(&self.declared) } else { self.neighbours.iter().find(|s| s.families == rest) }
@@ -123,7 +123,7 @@ impl<'a> TrackContest<'a> {
     fn weigh(&mut self) {
         let h = declared(self.campaign, self.settings, self.evidence.components());
         let fit = self.problem().fit(&h, false);
-        self.declared = Scored { families: Vec::new(), score: f64::NEG_INFINITY, fit };
+        self.declared = ScoredSet { families: Vec::new(), score: f64::NEG_INFINITY, fit };
         self.declared.score = self.score(&self.declared.fit, 0);
         let at = self.best.families.clone();
         let all = 0..self.families.len();
@@ -140,12 +140,12 @@ impl<'a> TrackContest<'a> {
         let kept = self.best.fit.hypothesis.clone();
         wanted.sort();
         wanted.dedup();
-        let mut fitted: Vec<Scored> = wanted.into_par_iter().filter_map(|set| self.fitted(&set, &kept)).collect();
+        let mut fitted: Vec<ScoredSet> = wanted.into_par_iter().filter_map(|set| self.fitted(&set, &kept)).collect();
         self.singles = fitted.iter().filter(|s| s.families.len() == 1).cloned().collect();
         if let Some(i) = fitted.iter().position(|s| s.families == at) {
             self.best = fitted.swap_remove(i);
         }
-        let near = |s: &Scored| {
+        let near = |s: &ScoredSet| {
             let missing = at.iter().filter(|f| !s.families.contains(f)).count();
             missing <= 1 && s.families.len() + missing <= at.len() + 1
         };
@@ -169,7 +169,7 @@ impl<'a> TrackContest<'a> {
 
     /// A set fitted in full, from the values that its members have in `near`. A strength that would leave what a body can have is held at
     /// null; `None` where a family has none left.
-    fn fitted(&self, set: &[usize], near: &TrackModel) -> Option<Scored> {
+    fn fitted(&self, set: &[usize], near: &TrackModel) -> Option<ScoredSet> {
         let mut h = declared(self.campaign, self.settings, near.generic.len());
         h.generic.clone_from(&near.generic);
         let own = h.effects.len();
@@ -199,7 +199,7 @@ impl<'a> TrackContest<'a> {
             let lives = |k: usize| fit.free.iter().any(|f| matches!(f, Free::Effect(e, _) if *e == k));
             return (own..h.effects.len()).all(lives).then(|| {
                 let score = self.score(&fit, set.len());
-                Scored { families: set.to_vec(), fit, score }
+                ScoredSet { families: set.to_vec(), fit, score }
             });
         }
     }
@@ -261,14 +261,14 @@ impl<'a> TrackContest<'a> {
 
     /// Where to move: a smaller set that the best does not beat by [`Self::sure`] or that the runs kept for choosing prefer; else the best of
     /// those that beat it, a larger one by as much.
-    fn next(&self) -> Option<Scored> {
+    fn next(&self) -> Option<ScoredSet> {
         let n = self.best.families.len();
         let smaller = (0..n).filter_map(|k| self.without(k));
         let needless = smaller.filter(|s| self.best.score < s.score + self.sure() || !self.tells(s, &self.best));
         if let Some(s) = needless.max_by(|a, b| a.score.total_cmp(&b.score)) {
             return Some(s.clone());
         }
-        let better = |s: &&Scored| match s.families.len().cmp(&n) {
+        let better = |s: &&ScoredSet| match s.families.len().cmp(&n) {
             std::cmp::Ordering::Greater => s.score > self.best.score + self.sure() && self.tells(&self.best, s),
             std::cmp::Ordering::Equal => s.score > self.best.score + 0.01,
             std::cmp::Ordering::Less => false,
@@ -277,7 +277,7 @@ impl<'a> TrackContest<'a> {
     }
 
     /// Whether one set says more than a smaller one: more than the tracker's stated error could make, and on the runs kept for choosing.
-    fn tells(&self, less: &Scored, more: &Scored) -> bool {
+    fn tells(&self, less: &ScoredSet, more: &ScoredSet) -> bool {
         let chosen = self.select.is_none_or(|s| {
             let problem = problem(self.campaign, s);
             problem.predict(&more.fit.hypothesis) > problem.predict(&less.fit.hypothesis)
