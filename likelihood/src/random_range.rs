@@ -86,7 +86,7 @@ impl Engine {
             for _ in 0..MOST {
                 let next = (last.shape + stride).clamp(low, high);
                 stride *= GROWTH;
-                if next == last.shape {
+                if (next - last.shape).abs() < 1e-9 {
                     break;
                 }
                 let guess = last.size + slope * (next - last.shape);
