@@ -97,16 +97,6 @@ pub(super) fn in_gusts(
         let mut fit = engine.climb(&model, false, if k == 0 { 6 } else { 3 });
         if k == 0
             && let Some(led) = lead_in(engine, &model)
-            && {
-                if let Ok(seen) = engine.traced(&led, &[]) {
-                    for (r, s) in seen.iter().enumerate() {
-                        for (k, w) in s.whitened.iter().enumerate().step_by(6) {
-                            eprintln!("W {r} {k} {w:.1?} v {:.2e} {:.2e}", s.variances[k][1].sqrt(), s.variances[k][5].sqrt());
-                        }
-                    }
-                }
-                true
-            }
             && let Ok(other) = engine.climb(&led, false, 3)
             && fit.as_ref().map_or(true, |f| f.total < other.total)
         {
