@@ -70,7 +70,10 @@ fn law_descend_says_what_is_wrong() {
     let dir = folder();
     let s = text(&scenario(dir.path()));
     for (words, message) in [
-        (vec!["descend", "nowhere.toml"], "nowhere.toml: there is no such file"),
+        (
+            vec!["descend", "nowhere.toml"],
+            "nowhere.toml: is neither a file nor a bundled planet scenario; bundled: venus-descent, venus-dispersions",
+        ),
         (vec!["descend", &s, "--draws", "0"], "--draws"),
         (vec!["descend", &s, "--flight", "up"], "flight up: the scenario has none of that name; allowed: descent"),
         (vec!["descend", &s, "--model", &s], "s.toml"),

@@ -24,12 +24,7 @@ pub(super) struct Start {
 pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Result<Vec<Start>, String> {
     // What leaves hardly more than noise has led to no wrong place: random inputs are tried beside what it ends at.
     let calm = |model: &Model| engine.climb(model, false, 12).ok().filter(|fit| fit.chi < LEFT);
-    let mut left = declared.clone();
-    let fit = calm(declared).or_else(|| calm(&lead_in(engine, declared)?)).or_else(|| {
-        let (model, fit) = freed(engine, declared, log);
-        left = model;
-        fit
-    });
+    let fit = calm(declared).or_else(|| calm(&lead_in(engine, declared)?)).or_else(|| freed(engine, declared, false, log));
     if let Some(start) = fit.and_then(|fit| start(engine, fit, log)) {
         return Ok(vec![start]);
     }
@@ -40,7 +35,7 @@ pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -
     let mut model = declared.clone();
     // Where gusts are declared they are in every set already.
     if let Some(air) = air.filter(|a| !has(declared, a)) {
-        model = in_gusts(engine, [declared, &left], air, &mut fits, &mut last);
+        model = in_gusts(engine, declared, air, &mut fits, &mut last);
     }
     // No random input but the declared ones.
     match engine.climb(&model, false, 4) {
@@ -57,6 +52,10 @@ pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -
         let best = at_once.min_by(|a, b| b.total.total_cmp(&a.total));
         fits.extend(best.and_then(|fit| engine.climb(&fit.model, false, 3).ok()));
     }
+    // A gust pushes and turns at once: beside shed vortices or a turned pose it does not keep the filter near the data, free accelerations do.
+    if fits.iter().all(|fit| fit.chi > LEFT) {
+        fits.extend(freed(engine, declared, true, log));
+    }
     // Poor fits are struck everywhere: only the best is asked.
     let best = fits.iter().max_by(|a, b| a.total.total_cmp(&b.total));
     fits.extend(best.and_then(|fit| struck(engine, fit)));
@@ -71,16 +70,8 @@ pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -
     if distinct.is_empty() { Err(last) } else { Ok(distinct) }
 }
 
-/// Fits in gusts from wide to narrow, each starting from the one before, in the likeliest form; the last model, its gusts taken out. Where the
-/// first of two models cannot be followed in the widest gusts it starts from the second: a turned pose is no gust, and led the parameters
-/// so far astray that no later climb began.
-pub(super) fn in_gusts(
-    engine: &Engine,
-    [declared, other]: [&Model; 2],
-    air: &Member,
-    fits: &mut Vec<Fit>,
-    last: &mut String,
-) -> Model {
+/// Fits in gusts from wide to narrow, each starting from the one before, in the likeliest form; the last model, its gusts taken out.
+pub(super) fn in_gusts(engine: &Engine, declared: &Model, air: &Member, fits: &mut Vec<Fit>, last: &mut String) -> Model {
     let without = |mut model: Model| {
         model.members.retain(|m| m.effect.family != air.effect.family);
         model
@@ -101,14 +92,6 @@ pub(super) fn in_gusts(
             && fit.as_ref().map_or(true, |f| f.total < other.total)
         {
             fit = Ok(other);
-        }
-        if k == 0
-            && !other.members.is_empty()
-            && fit.as_ref().map_or(true, |f| f.chi > LEFT)
-            && let Ok(second) = engine.climb(&with(other, *level, &forms[forms.len() / 2]), false, 6)
-            && fit.as_ref().map_or(true, |f| f.chi > second.chi)
-        {
-            fit = Ok(second);
         }
         match fit {
             Ok(fit) => {
@@ -139,21 +122,36 @@ pub(super) fn lead_in(engine: &Engine, model: &Model) -> Option<Model> {
 }
 
 /// A set that was found while accelerations are left free, less and less, and its fit; in gusts of any size strong effects together lead a
-/// model astray. No fit where more than noise is left, or the model departs once accelerations are free no more.
-fn freed(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> (Model, Option<Fit>) {
+/// model astray. Random inputs come in where asked for and more than noise is left. No fit where more is left with them too, or the model
+/// departs once accelerations are free no more.
+fn freed(engine: &Engine, declared: &Model, random: bool, log: &mut Vec<String>) -> Option<Fit> {
     const FREEDOM: [f64; 5] = [1.0, 0.3, 0.1, 0.03, 0.01];
     let mut free = engine.clone();
     let mut model = declared.clone();
     for slack in FREEDOM {
         free.slack = slack;
-        // With accelerations free a model that is right leaves less than noise; in gusts none does.
-        let Some(fit) = free.climb(&model, false, 4).ok().filter(|fit| fit.chi < LEFT) else { return (model, None) };
-        let Some(w) = weigh(&free, &fit.model) else { return (model, None) };
+        // With accelerations free a model that is right leaves less than noise.
+        let fit = to_noise(&free, free.climb(&model, false, 4).ok()?, random)?;
+        let w = weigh(&free, &fit.model)?;
         model = with_set(&fit.model, &w, w.choice(), &free);
         log.push(format!("  freed {slack} ({:.0}): chi {:.3} -> {}", engine.passes(), fit.chi, describe(&model)));
     }
-    let fit = climb_down(engine, &model).and_then(|fit| engine.climb(&fit.model, true, 8).ok());
-    (model, fit.filter(|fit| fit.chi < LEFT))
+    let fit = engine.climb(&climb_down(engine, &model)?.model, true, 8).ok()?;
+    // Free accelerations had taken a part of the gusts.
+    to_noise(engine, engine.settle_random(&fit, 3), random)
+}
+
+/// A fit that leaves no more than noise, with random inputs beside it where they may be; none where it cannot be had.
+fn to_noise(engine: &Engine, fit: Fit, random: bool) -> Option<Fit> {
+    let mut fit = fit;
+    let most = if random { catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random).count() } else { 0 };
+    for _ in 0..most {
+        if fit.chi < LEFT {
+            break;
+        }
+        fit = engine.settle_random(&with_random(engine, &fit)?, 3);
+    }
+    (fit.chi < LEFT).then_some(fit)
 }
 
 /// Forms of a random input that are scanned: every value of its first shape, the middle ones of the others.

@@ -17,7 +17,7 @@
 use super::bins::{BIN, Cov};
 use super::drift::AxisNoise;
 use super::scatter;
-use super::track::Track;
+use super::track::{FLOOR, Track, stated_std};
 use super::witnesses::Witnesses;
 use crate::VerifyError;
 use crate::residual::{ChannelResidual, LeadTable};
@@ -25,8 +25,6 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use windfall_model::{Campaign, Data, Measured, Plant};
 
-/// Smallest sensor noise assumed, in the unit of what was measured: simulated tracks may be free of it.
-pub(super) const FLOOR: f64 = 1e-6;
 /// Runs from which the scatter of slow forces between runs is part of the unmodelled residual; fewer cannot tell it from an
 /// effect.
 const RUNS_FOR_SCATTER: usize = 5;
@@ -82,7 +80,7 @@ impl TrackEvidence {
                 Data::Tunnel(_) => Err(VerifyError::NotPoint { run: campaign.runs[i].name.clone() }),
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let stated = std::array::from_fn(|c| super::track::stated_std(&campaign.plant, kind, c).max(FLOOR));
+        let stated = std::array::from_fn(|c| stated_std(&campaign.plant, kind, c).max(FLOOR));
         let mixed = kind == Measured::PositionAndForce;
         let (scales, variances) = if mixed { (stated, [1.0; 6]) } else { ([1.0; 6], stated.map(|s: f64| s.powi(2))) };
         let inputs = campaign.inputs.clone();

@@ -5,7 +5,6 @@
 //! groups of 20 ms.
 
 use super::bins::{BIN, Cov, Residual};
-use super::evidence::FLOOR;
 use super::pose::{self, Poses};
 use crate::VerifyError;
 use nalgebra::{DMatrix, DVector};
@@ -13,6 +12,8 @@ use windfall_model::frames::Vec3;
 use windfall_model::{Measured, Plant, PointRecord};
 use windfall_sim::{PointState, fly_point_states};
 
+/// Smallest sensor noise assumed, in the unit of what was measured: simulated tracks may be free of it.
+pub(super) const FLOOR: f64 = 1e-6;
 /// Most samples of a track; longer records are averaged.
 const MOST: usize = 256;
 /// Steps for differences by the initial state and by pushes: of velocities a tenth of a millimetre at the end, of pushes a tenth of a m/s²;
