@@ -13,8 +13,8 @@ type ReadColumn<'r, E> = &'r dyn Fn(&Column, &mut dyn FnMut(Cell)) -> Result<(),
 
 /// Draws of a parameter that a summary keeps one by one.
 const KEPT: usize = 60;
-/// Draws from which reliability is judged: 4000 tell a share of 95 % to 0.3 %, and no more is held.
-const JUDGED: usize = 4000;
+/// Draws from which reliability is judged: 1000 tell a share of 95 % to 0.7 %, and no more is held.
+const JUDGED: usize = 1000;
 /// Stated probabilities at which intervals are judged.
 const STATED: [f64; 12] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99];
 /// Ends of the classes of a closing's stated probability.
