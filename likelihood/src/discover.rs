@@ -21,7 +21,7 @@ mod weigh;
 pub use contest::Contest;
 use contest::{against_alternatives, against_gusts};
 use polish::{Scored, climb_down, declared_alone, in_other_forms, polish};
-pub use rivals::{Pair, Rivals, Unseen, log_odds};
+pub use rivals::{RivalPair, Rivals, Unseen, log_odds};
 use starts::{LEVELS, Start, ladder, lead_in, sized, struck, with_random};
 use weigh::{SURE, Weighed, named};
 

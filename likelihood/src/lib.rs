@@ -30,7 +30,7 @@ mod wind;
 
 pub use check::Lead;
 pub use columns::CHANNEL_NAMES;
-pub use discover::{Contest, Discovery, Pair, Rivals, Unseen, discover, identify, log_odds};
+pub use discover::{Contest, Discovery, RivalPair, Rivals, Unseen, discover, identify, log_odds};
 pub use engine::{Engine, Fit};
 pub use gram::{Gram, Posterior};
 pub use hum::Hum;

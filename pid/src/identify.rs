@@ -34,9 +34,53 @@ pub enum Method {
     FilterError,
 }
 
+/// All that there is to say of one method; the table of them is what is iterated. A method more is a variant, a row and a module.
+struct Estimator {
+    method: Method,
+    name: &'static str,
+    help: &'static str,
+    smoother: Smoother,
+    identify: fn(&Campaign, &EstimateOptions) -> Result<Identification, PidError>,
+}
+
+/// In the order of the variants.
+static ESTIMATORS: [Estimator; 4] = [
+    Estimator {
+        method: Method::Thesis,
+        name: "thesis",
+        help: "The thesis to the letter, its errors included",
+        smoother: Smoother::Thesis { cutoffs_hz: TABLE_3_1_HZ },
+        identify: |campaign, options| regression(campaign, Method::Thesis, options),
+    },
+    Estimator {
+        method: Method::EquationError,
+        name: "equation-error",
+        help: "Joint side and normal force, ends handled, errors for coloured residuals",
+        smoother: Smoother::Auto,
+        identify: |campaign, options| regression(campaign, Method::EquationError, options),
+    },
+    Estimator {
+        method: Method::OutputError,
+        name: "output-error",
+        help: "Maximum likelihood of trajectories: right where sensors' noise is all there is",
+        smoother: Smoother::Auto,
+        identify: output_error::identify,
+    },
+    Estimator {
+        method: Method::FilterError,
+        name: "filter-error",
+        help: "Maximum likelihood of a Kalman filter's innovations: right in turbulence, whose size and scale it estimates",
+        smoother: Smoother::Auto,
+        identify: filter_error::identify,
+    },
+];
+
 impl Method {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Thesis, Self::EquationError, Self::OutputError, Self::FilterError];
+    pub const ALL: [Self; 4] = [ESTIMATORS[0].method, ESTIMATORS[1].method, ESTIMATORS[2].method, ESTIMATORS[3].method];
+    const fn row(self) -> &'static Estimator {
+        &ESTIMATORS[self as usize]
+    }
     /// The method of this name.
     #[must_use]
     pub fn of_name(name: &str) -> Option<Self> {
@@ -45,20 +89,17 @@ impl Method {
     /// Name on the command line and in results.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Thesis => "thesis",
-            Self::EquationError => "equation-error",
-            Self::OutputError => "output-error",
-            Self::FilterError => "filter-error",
-        }
+        self.row().name
+    }
+    /// One line: what it is and where it is right.
+    #[must_use]
+    pub const fn help(self) -> &'static str {
+        self.row().help
     }
     /// The smoother that belongs to the method.
     #[must_use]
-    pub const fn smoother(self) -> Smoother {
-        match self {
-            Self::Thesis => Smoother::Thesis { cutoffs_hz: TABLE_3_1_HZ },
-            Self::EquationError | Self::OutputError | Self::FilterError => Smoother::Auto,
-        }
+    pub fn smoother(self) -> Smoother {
+        self.row().smoother.clone()
     }
 }
 
@@ -104,13 +145,15 @@ pub fn identify(campaign: &Campaign, method: Method) -> Result<Identification, P
 /// # Errors
 /// As [`identify`]; [`PidError::NoPlace`] for ties and priors where a method regresses each coefficient by itself.
 pub fn identify_by(campaign: &Campaign, method: Method, options: &EstimateOptions) -> Result<Identification, PidError> {
-    match method {
-        Method::OutputError => output_error::identify(campaign, options),
-        Method::FilterError => filter_error::identify(campaign, options),
-        Method::Thesis | Method::EquationError if options.handling.is_empty() && options.priors.is_empty() => {
-            identify_with(campaign, method, &method.smoother())
-        }
-        Method::Thesis | Method::EquationError => Err(PidError::NoPlace { method: method.name() }),
+    (method.row().identify)(campaign, options)
+}
+
+/// Each coefficient by itself.
+fn regression(campaign: &Campaign, method: Method, options: &EstimateOptions) -> Result<Identification, PidError> {
+    if options.handling.is_empty() && options.priors.is_empty() {
+        identify_with(campaign, method, &method.smoother())
+    } else {
+        Err(PidError::NoPlace { method: method.name() })
     }
 }
 
@@ -415,5 +458,7 @@ mod tests {
         let known = refused.split_once("expected one of ").map_or("", |(_, rest)| rest);
         let known: Vec<&str> = known.split('`').skip(1).step_by(2).collect();
         assert_eq!(known, Method::ALL.map(Method::name));
+        // Rows are found by the variant's number.
+        assert_eq!(Method::ALL.map(|m| m.row().method), Method::ALL);
     }
 }

@@ -107,15 +107,15 @@ pub fn write_columns_csv(path: &Path, columns: &[(&str, &[f64])]) -> Result<(), 
     for i in 0..rows {
         for (k, (_, column)) in columns.iter().enumerate() {
             let separator = if k == 0 { "" } else { "," };
-            let _ = write!(text, "{separator}{}", Cell(column[i]));
+            let _ = write!(text, "{separator}{}", Written(column[i]));
         }
         text.push('\n');
     }
     crate::write::text_atomically(path, &text)
 }
 
-struct Cell(f64);
-impl std::fmt::Display for Cell {
+struct Written(f64);
+impl std::fmt::Display for Written {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let size = self.0.abs();
         if !self.0.is_finite() {

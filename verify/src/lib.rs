@@ -7,6 +7,7 @@ pub mod descent;
 mod error;
 mod identify;
 pub mod many;
+mod posterior;
 mod quantile;
 mod recovery;
 mod residual;
@@ -20,6 +21,7 @@ pub use bootstrap::{Bootstrap, BootstrapLine, bootstrap};
 pub use checks::{Bound, Check, CheckKind, CheckVerdict, Setups, all_pass, checks};
 pub use error::VerifyError;
 pub use identify::{Identified, IdentifyOrder, Tie, identify};
+pub use posterior::drawn;
 pub use recovery::{Reconstructed, Recovered, Recovery, TABLE_C_1, campaign_of, recover};
 pub use resimulate::{
     Band, FlownParameter, HoldOut, Initial, Replay, Resimulation, RunComparison, Statistic, Swing, TrajectoryError,

@@ -20,7 +20,6 @@ use windfall_pid::{Identification, StopReason, rates_and_angles};
 use windfall_sim::Seed;
 
 pub use bands::Band;
-pub(crate) use bands::root as covariance_root;
 pub use initial::{Initial, estimate_initial};
 pub use replay::Replay;
 

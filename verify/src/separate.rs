@@ -11,7 +11,7 @@ use crate::resimulate::Replay;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use serde::Serialize;
-use windfall_likelihood::{Engine, Model, Pair, Rivals, Unseen, discover, log_odds};
+use windfall_likelihood::{Engine, Model, RivalPair, Rivals, Unseen, discover, log_odds};
 use windfall_model::{Campaign, Data, Flight, Plant, Run, TestSection, TunnelSpeed, Use};
 use windfall_sim::{End, Seed, fly};
 
@@ -149,7 +149,7 @@ pub fn separate(campaign: &Campaign, between_s: f64) -> Result<Separation, Verif
 }
 
 /// All runs of one length, and the best of them at the others.
-fn tried(range: &Range<'_>, engine: &Engine, rivals: &Rivals<'_>, pairs: &[Pair]) -> Vec<Tried> {
+fn tried(range: &Range<'_>, engine: &Engine, rivals: &Rivals<'_>, pairs: &[RivalPair]) -> Vec<Tried> {
     let mut grid = Vec::new();
     for release_deg in RELEASES_DEG {
         for spin_deg_s in SPINS_DEG_S {
@@ -182,7 +182,7 @@ fn tried(range: &Range<'_>, engine: &Engine, rivals: &Rivals<'_>, pairs: &[Pair]
 }
 
 /// Runs by what they say between a pair: those that decide first, by tunnel time; then the others, by log odds for their tunnel time.
-fn ranked(rivals: &Rivals<'_>, tried: &[Tried], pair: Pair) -> Vec<(usize, [f64; 2])> {
+fn ranked(rivals: &Rivals<'_>, tried: &[Tried], pair: RivalPair) -> Vec<(usize, [f64; 2])> {
     let expected = |(i, t): (usize, &Tried)| Some((i, rivals.expected(pair, &t.information)?));
     let mut all: Vec<(usize, [f64; 2])> = tried.iter().enumerate().filter_map(expected).collect();
     let sure = 2.0 * ODDS.ln();
@@ -197,7 +197,7 @@ fn ranked(rivals: &Rivals<'_>, tried: &[Tried], pair: Pair) -> Vec<(usize, [f64;
     all
 }
 
-fn parted(range: &Range<'_>, engine: &Engine, rivals: &Rivals<'_>, tried: &[Tried], pair: Pair) -> Separated {
+fn parted(range: &Range<'_>, engine: &Engine, rivals: &Rivals<'_>, tried: &[Tried], pair: RivalPair) -> Separated {
     let words = |set: usize| rivals.families(set).iter().map(|f| (*f).to_owned()).collect();
     let mut runs: Vec<Deciding> = ranked(rivals, tried, pair)
         .into_iter()

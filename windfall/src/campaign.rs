@@ -4,7 +4,7 @@ use crate::scenario::is_bundled;
 use crate::{Close, Error, Fly, Identify, Plan, Resimulate, Result, Scenario, Structure};
 use serde::Serialize;
 use std::path::Path;
-use windfall_model::{Data, Record, Run};
+use windfall_model::{Data, Plant, Record, Run};
 use windfall_pid::compatibility::{Pressure, pressure};
 use windfall_pid::plan::{TestPlan as Targets, plan};
 use windfall_pid::smooth::Smoother;
@@ -15,7 +15,7 @@ use windfall_verify::close::{
     Closing, Figure, Options, SignalTracks, SmoothingTracks, close, coefficient_tracks, figures, flight_tracks, smoothing, tracks,
 };
 use windfall_verify::separate::{Separation, separate};
-use windfall_verify::{Identified, Resimulation, identify, resimulate_with_draws};
+use windfall_verify::{Identified, Resimulation, VerifyError, drawn, identify, resimulate_with_draws};
 
 /// One vehicle, its declared model, its runs.
 ///
@@ -112,6 +112,27 @@ impl Campaign {
     pub fn resimulate(&self, found: &impl AsRef<Identification>, request: &Resimulate) -> Result<Resimulation> {
         let (seeds, draws) = request.order()?;
         Ok(resimulate_with_draws(&self.data, found.as_ref(), seeds, draws)?)
+    }
+    /// `n` models drawn as the runs leave them: the estimates of all runs with their joint errors, gusts and held parameters as they
+    /// are. Draw i is a function of the seed and i alone. What a question of one's own is to be asked of, when its answer shall carry
+    /// the identification's uncertainty.
+    ///
+    /// ```
+    /// use windfall::prelude::*;
+    /// let campaign = Scenario::bundled("sage-perturbed")?.fly(&Fly::default())?.campaign();
+    /// let found = campaign.identify(&Identify { method: Some(Method::OutputError), combined: true, ..Identify::default() })?;
+    /// let models = campaign.draw(&found, 100, 1)?;
+    /// let drag = models.iter().map(|m| m.aero.values[0]).sum::<f64>() / 100.0;
+    /// let estimate = found.as_ref().combined().expect("all runs").parameters[0].clone();
+    /// assert!((drag - estimate.estimate).abs() < 0.5 * estimate.std_error);
+    /// # Ok::<(), windfall::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// An identification of another structure, or without covariance.
+    pub fn draw(&self, found: &impl AsRef<Identification>, n: usize, seed: u64) -> Result<Vec<Plant>> {
+        let set = found.as_ref().combined().ok_or(VerifyError::NoDataSet)?;
+        Ok(drawn(&self.data.plant, set, n, seed)?)
     }
     /// What the declared model lacks, and the errors before and after: the content of `close.json`.
     ///

@@ -96,16 +96,7 @@ impl Identify {
 #[cfg(feature = "cli")]
 fn method() -> impl clap::builder::TypedValueParser<Value = Method> {
     use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
-    let help = |m: Method| match m {
-        Method::Thesis => "The thesis to the letter, its errors included",
-        Method::EquationError => "Joint side and normal force, ends handled, errors for coloured residuals",
-        Method::OutputError => "Maximum likelihood of trajectories: right where sensors' noise is all there is",
-        Method::FilterError => {
-            "Maximum likelihood of a Kalman filter's innovations: right in turbulence, whose size and scale it estimates"
-        }
-        _ => "",
-    };
-    let named = PossibleValuesParser::new(Method::ALL.map(|m| PossibleValue::new(m.name()).help(help(m))));
+    let named = PossibleValuesParser::new(Method::ALL.map(|m| PossibleValue::new(m.name()).help(m.help())));
     named.try_map(|name| Method::of_name(&name).ok_or_else(|| Error::Request(format!("no method {name}"))))
 }
 

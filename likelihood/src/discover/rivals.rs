@@ -23,7 +23,7 @@ pub struct Rivals<'a> {
 
 /// A pair of sets, by their place, with the log odds of the first over the second as things are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair {
+pub struct RivalPair {
     /// The better.
     pub best: usize,
     /// Its rival.
@@ -70,7 +70,7 @@ impl<'a> Rivals<'a> {
     /// The named set beside every other that is less than `odds` from it either way, each by its best form; likeliest first. What is far
     /// better by its likelihood alone was given up for a generic alternative.
     #[must_use]
-    pub fn pairs(&self, odds: f64) -> Vec<Pair> {
+    pub fn pairs(&self, odds: f64) -> Vec<RivalPair> {
         let sets = &self.weighed.sets;
         let mut named: Vec<&str> =
             self.model.members.iter().filter(|m| !m.random && !m.declared).map(|m| m.effect.family).collect();
@@ -83,7 +83,7 @@ impl<'a> Rivals<'a> {
             let families = &self.families[rival];
             if log_odds.abs() < odds.ln() && !seen.contains(families) {
                 seen.push(families.clone());
-                all.push(Pair { best, rival, log_odds });
+                all.push(RivalPair { best, rival, log_odds });
             }
         }
         all
@@ -104,7 +104,7 @@ impl<'a> Rivals<'a> {
     /// Expected log odds of the set that is true over the other with such information beside the campaign's: of the pair's first where it is
     /// true, of its second where that is. The other may take any of its forms.
     #[must_use]
-    pub fn expected(&self, pair: Pair, information: &DMatrix<f64>) -> Option<[f64; 2]> {
+    pub fn expected(&self, pair: RivalPair, information: &DMatrix<f64>) -> Option<[f64; 2]> {
         let one = |truth: usize, other: usize| -> Option<f64> {
             let gram = self.with(&self.weighed.sets[truth], information)?;
             let gain = |s: &Set| weigh_set(&gram, &self.weighed.units, &s.units).map(|s| s.gain);

@@ -46,7 +46,7 @@ pub struct Pressure {
 }
 
 /// Both witnesses in one run.
-struct Pair {
+struct Witnesses {
     v: Vec<f64>,
     w: Vec<f64>,
     interval_s: f64,
@@ -56,7 +56,7 @@ struct Pair {
 }
 
 pub(super) fn examine(campaign: &Campaign) -> Option<Pressure> {
-    let pairs: Vec<Pair> = campaign
+    let pairs: Vec<Witnesses> = campaign
         .runs
         .iter()
         .filter_map(|run| match &run.data {
@@ -66,7 +66,7 @@ pub(super) fn examine(campaign: &Campaign) -> Option<Pressure> {
                     record.ps_pa.iter().zip(&record.ts_k).map(|(p, t)| campaign.plant.environment.density_kg_m3(*p, *t));
                 let w: Vec<f64> = q.iter().zip(density).map(|(q, rho)| (2.0 * q / rho).sqrt()).collect();
                 (w.len() >= 32 && w.iter().chain(&record.vw_m_s).all(|x| x.is_finite()))
-                    .then(|| Pair::new(&record.vw_m_s, w, record.interval_s()))
+                    .then(|| Witnesses::new(&record.vw_m_s, w, record.interval_s()))
             }
             Data::Point(_) => None,
         })
@@ -77,7 +77,7 @@ pub(super) fn examine(campaign: &Campaign) -> Option<Pressure> {
     if shared(&pairs) >= SHARED { Some(computed(&pairs)) } else { measured(&pairs) }
 }
 
-impl Pair {
+impl Witnesses {
     fn new(v: &[f64], w: Vec<f64>, interval_s: f64) -> Self {
         let [one, other]: [Liveliness; 2] = [v, w.as_slice()].map(|x| liveliness(x, interval_s));
         // The less noisy record tells more of how the speed moves.
@@ -136,7 +136,7 @@ impl Pair {
 }
 
 /// Correlation of what changes from sample to sample, which is noise, over all runs.
-fn shared(pairs: &[Pair]) -> f64 {
+fn shared(pairs: &[Witnesses]) -> f64 {
     let second = |x: &[f64]| -> Vec<f64> { x.windows(3).map(|w| w[0] - 2.0 * w[1] + w[2]).collect() };
     let (mut vv, mut vw, mut ww) = (0.0, 0.0, 0.0);
     for p in pairs {
@@ -149,7 +149,7 @@ fn shared(pairs: &[Pair]) -> f64 {
     if vv * ww > 0.0 { vw / (vv * ww).sqrt() } else { 0.0 }
 }
 
-fn computed(pairs: &[Pair]) -> Pressure {
+fn computed(pairs: &[Witnesses]) -> Pressure {
     let ratios: Vec<f64> =
         pairs.iter().flat_map(|p| p.w.iter().zip(&p.v).map(|(w, v)| w / v)).filter(|r| r.is_finite()).collect();
     let n = ratios.len() as f64;
@@ -186,7 +186,7 @@ struct Local {
 /// Lags of the scores' covariance, s.
 const LAGS_S: f64 = 0.5;
 
-fn local(pairs: &[Pair], at: [f64; 2]) -> Local {
+fn local(pairs: &[Witnesses], at: [f64; 2]) -> Local {
     let mut l = Local { score: Vector2::zeros(), information: Matrix2::zeros(), middle: Matrix2::zeros(), of_w: Vec::new() };
     for p in pairs {
         let shift = p.shift(at[1]);
@@ -214,11 +214,11 @@ fn local(pairs: &[Pair], at: [f64; 2]) -> Local {
     l
 }
 
-fn measured(pairs: &[Pair]) -> Option<Pressure> {
-    let mean = |f: &dyn Fn(&Pair) -> f64| pairs.iter().map(f).sum::<f64>();
+fn measured(pairs: &[Witnesses]) -> Option<Pressure> {
+    let mean = |f: &dyn Fn(&Witnesses) -> f64| pairs.iter().map(f).sum::<f64>();
     let scale = mean(&|p| p.w.iter().sum()) / mean(&|p| p.v.iter().sum());
     let misfit = |delay: f64| -> f64 {
-        let one = |p: &Pair| p.at([scale, delay], p.shift(delay)).iter().map(|e| e * e).sum::<f64>();
+        let one = |p: &Witnesses| p.at([scale, delay], p.shift(delay)).iter().map(|e| e * e).sum::<f64>();
         pairs.iter().map(one).sum()
     };
     #[expect(clippy::cast_possible_truncation, reason = "twenty")]
@@ -268,7 +268,7 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     /// Two witnesses of a speed that wanders, `late` samples apart.
-    fn pairs(seed: u64, scale: f64, late: usize, n: usize) -> Vec<Pair> {
+    fn pairs(seed: u64, scale: f64, late: usize, n: usize) -> Vec<Witnesses> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
         let h = 1.0 / 150.0;
@@ -286,7 +286,7 @@ mod tests {
         };
         let one = noisy(&speed[late..], 1.0, 2.57e-3, &mut normal);
         let other = noisy(&speed[..n], scale, 4e-3, &mut normal);
-        vec![Pair::new(&one, other, h)]
+        vec![Witnesses::new(&one, other, h)]
     }
 
     /// Forty pairs: means within 3.5/√40 standard errors, scatter within 3.5/√80 of 1, and 1 % false alarms are none to three.

@@ -30,7 +30,7 @@ pub struct SmoothingTracks {
 }
 
 /// A record and what a smoother makes of it.
-struct Pair<'a> {
+struct SmoothedRun<'a> {
     run: &'a Run,
     record: &'a Record,
     smoothed: Smoothed,
@@ -46,7 +46,7 @@ pub fn smoothing(campaign: &Campaign, smoother: &Smoother) -> Result<SmoothingTr
         Data::Point(_) => None,
     });
     let pairs = tunnel
-        .map(|(run, record)| Ok(Pair { run, record, smoothed: smooth(record, smoother)? }))
+        .map(|(run, record)| Ok(SmoothedRun { run, record, smoothed: smooth(record, smoother)? }))
         .collect::<Result<Vec<_>, VerifyError>>()?;
     let s = &campaign.plant.sensors;
     let (at, turn) = (s.position_std_m, s.pitch_yaw_std_rad);
@@ -64,7 +64,7 @@ fn per_unit(channel: usize) -> f64 {
     if CHANNELS[channel].1 == "deg" { 1.0_f64.to_degrees() } else { 1.0 }
 }
 
-fn of_run(p: &Pair<'_>, noise: &[f64; 7], thin: usize) -> RunTracks {
+fn of_run(p: &SmoothedRun<'_>, noise: &[f64; 7], thin: usize) -> RunTracks {
     let one = |(c, (name, unit)): (usize, &(&str, &str))| {
         let some = |x: &[f64]| x.iter().step_by(thin).map(|v| short(per_unit(c) * v)).collect();
         let (raw, smoothed) = (some(p.record.channels()[c]), some(&p.smoothed.channels[c].value));
@@ -74,7 +74,7 @@ fn of_run(p: &Pair<'_>, noise: &[f64; 7], thin: usize) -> RunTracks {
     RunTracks { t_s: times(&p.record.t_s, thin), channels, ..named(p.run) }
 }
 
-fn spectrum(c: usize, pairs: &[Pair<'_>], noise: f64) -> Figure {
+fn spectrum(c: usize, pairs: &[SmoothedRun<'_>], noise: f64) -> Figure {
     let (name, unit) = CHANNELS[c];
     let raw: Vec<(&[f64], f64)> = pairs.iter().map(|p| (p.record.channels()[c], p.smoothed.interval_s)).collect();
     let smoothed: Vec<(&[f64], f64)> =

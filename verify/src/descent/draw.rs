@@ -1,8 +1,8 @@
 //! verify: bodies drawn for descents. In: a scenario, an identification. Out: a body per draw, its uncertain numbers.
 
 use crate::VerifyError;
-use crate::resimulate::covariance_root;
-use nalgebra::{DMatrix, DVector};
+use crate::posterior::Posterior;
+use nalgebra::DMatrix;
 use windfall_model::planet::{PlanetBody, PlanetScenario, UncertainNumber};
 use windfall_pid::{DataSet, PidError};
 use windfall_sim::{Channel, Seed};
@@ -25,8 +25,8 @@ pub(super) struct Bodies {
     aero: Vec<usize>,
     vehicle: Vec<UncertainNumber>,
     pub(super) drawn: Vec<Drawn>,
-    /// Root of the covariance over all parameters of the structure.
-    root: DMatrix<f64>,
+    /// Of all parameters of the structure.
+    posterior: Posterior,
     /// Of the identification: kept as declared by the scenario, and as held.
     pub(super) warnings: Vec<String>,
 }
@@ -62,7 +62,7 @@ impl Bodies {
             let nominal = *(v.lens)(&mut nominal.vehicle.clone());
             drawn.push(Drawn { name: v.name.to_owned(), nominal, std: v.std });
         }
-        Ok(Self { nominal, aero, vehicle, drawn, root: covariance_root(covariance), warnings })
+        Ok(Self { nominal, aero, vehicle, drawn, posterior: Posterior::new(covariance), warnings })
     }
 
     /// True when draws differ.
@@ -73,9 +73,7 @@ impl Bodies {
     /// The body of a draw, and its numbers in the order of [`Bodies::drawn`].
     pub(super) fn draw(&self, seed: Seed) -> (PlanetBody, Vec<f64>) {
         let mut body = self.nominal.clone();
-        let mut normals = seed.normals(Channel::Varied(0));
-        let z = DVector::from_fn(self.root.ncols(), |_, _| normals.next().unwrap_or(0.0));
-        body.aero.values.iter_mut().zip((&self.root * z).iter()).for_each(|(v, d)| *v += d);
+        self.posterior.scatter(&mut body.aero.values, seed.normals(Channel::Varied(0)));
         let mut normals = seed.normals(Channel::Varied(1));
         for v in &self.vehicle {
             *(v.lens)(&mut body.vehicle) += v.std * normals.next().unwrap_or(0.0);

@@ -7,7 +7,7 @@
 use super::statistics::{LINES, Swing, table};
 use super::{Initial, Replay, initial};
 use crate::VerifyError;
-use nalgebra::{DMatrix, DVector};
+use crate::posterior::Posterior;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use windfall_model::{Campaign, Data, Plant, Record};
@@ -44,28 +44,10 @@ pub(super) struct RunBands {
     pub(super) draws: Vec<Swing>,
 }
 
-/// Values of a structure's parameters, drawn. Draw i is a function of i alone.
+/// Plants drawn from the data set's estimates. Draw i is a function of i alone.
 pub(super) fn drawn(plant: &Plant, set: &DataSet, draws: usize) -> Result<Vec<Plant>, VerifyError> {
-    let covariance = set.covariance_of(&plant.aero.structure).ok_or(VerifyError::NoCovariance)?;
-    let root = root(covariance);
-    let one = |draw: usize| {
-        let mut normals = Seed { campaign: draw as u64, run: 0 }.normals(Channel::Varied(127));
-        let z = DVector::from_fn(root.ncols(), |_, _| normals.next().unwrap_or(0.0));
-        let mut own = plant.clone();
-        own.aero.values.iter_mut().zip((&root * z).iter()).for_each(|(v, d)| *v += d);
-        own
-    };
-    Ok((0..draws).map(one).collect())
-}
-
-/// Symmetric root of a covariance that may be singular: parameters of unequal size are scaled to unit variance first.
-pub(crate) fn root(covariance: DMatrix<f64>) -> DMatrix<f64> {
-    let std = covariance.diagonal().map(|v| v.max(0.0).sqrt());
-    let inverse = std.map(|s| if s > 0.0 { 1.0 / s } else { 0.0 });
-    let unit = DMatrix::from_diagonal(&inverse) * covariance * DMatrix::from_diagonal(&inverse);
-    let eigen = unit.symmetric_eigen();
-    let roots = eigen.eigenvalues.map(|v| v.max(0.0).sqrt());
-    DMatrix::from_diagonal(&std) * eigen.eigenvectors * DMatrix::from_diagonal(&roots)
+    let posterior = Posterior::of(set, &plant.aero.structure)?;
+    Ok((0..draws).map(|draw| posterior.plant(plant, Seed { campaign: draw as u64, run: 0 })).collect())
 }
 
 /// Flies every drawn plant in one run.
@@ -149,13 +131,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn exact_quantiles_and_root() {
+    fn exact_quantiles() {
         // 39 draws: the ends are the smallest and the largest.
         let q = quantiles((0..39).map(f64::from).collect());
         assert!((q[0] - 0.0).abs() < 1e-12 && (q[1] - 19.0).abs() < 1e-12 && (q[2] - 38.0).abs() < 1e-12, "{q:?}");
-        // Singular, and of unequal size.
-        let c = DMatrix::from_row_slice(3, 3, &[4.0, 2e-3, 0.0, 2e-3, 1e-6, 0.0, 0.0, 0.0, 0.0]);
-        let r = root(c.clone());
-        assert!((&r * r.transpose() - c).abs().max() < 1e-12);
     }
 }
