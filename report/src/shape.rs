@@ -33,7 +33,7 @@ pub(crate) fn innovations(c: &Closing, plots: &mut Plots) -> String {
 fn histogram(channel: &str, sides: &[(Role, &InnovationShape)]) -> Figure {
     let bell: Vec<f64> = (0..=80).map(|k| f64::from(k) / 10.0 - 4.0).collect();
     let density = bell.iter().map(|x| (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt()).collect();
-    let mut series = vec![Series { role: Role::Noise, x: bell, y: density, band: None }];
+    let mut series = vec![Series { role: Role::Noise, x: bell, y: density, ..Series::default() }];
     for (role, s) in sides {
         let width = (s.ends[1] - s.ends[0]) / s.density.len().max(1) as f64;
         // Steps: both ends of every bin.
@@ -43,7 +43,7 @@ fn histogram(channel: &str, sides: &[(Role, &InnovationShape)]) -> Figure {
             x.extend([left, left + width]);
             y.extend([*d, *d]);
         }
-        series.push(Series { role: *role, x, y, band: None });
+        series.push(Series { role: *role, x, y, ..Series::default() });
     }
     Figure {
         topic: Topic::Variable,
@@ -59,9 +59,14 @@ fn correlation(channel: &str, step_s: f64, sides: &[(Role, &InnovationShape)]) -
     let lags = sides.first().map_or(0, |(_, s)| s.autocorrelation.len());
     let x: Vec<f64> = (1..=lags).map(|k| k as f64 * step_s).collect();
     let bound = 1.96 / (sides.first().map_or(1, |(_, s)| s.count.max(1)) as f64).sqrt();
-    let flat = |y: f64| Series { role: Role::Noise, x: x.clone(), y: vec![y; lags], band: None };
+    let flat = |y: f64| Series { role: Role::Noise, x: x.clone(), y: vec![y; lags], ..Series::default() };
     let mut series = vec![flat(bound), flat(-bound)];
-    series.extend(sides.iter().map(|(role, s)| Series { role: *role, x: x.clone(), y: s.autocorrelation.clone(), band: None }));
+    series.extend(sides.iter().map(|(role, s)| Series {
+        role: *role,
+        x: x.clone(),
+        y: s.autocorrelation.clone(),
+        ..Series::default()
+    }));
     Figure {
         topic: Topic::Variable,
         title: format!("{channel}: autocorrelation of the innovations"),

@@ -6,7 +6,7 @@ use crate::draw::Look;
 use crate::html::{Cell, escape, section, table};
 use crate::laid_out::laid_out;
 use crate::plot::{Plot, Plots};
-use crate::words::{number, p_value};
+use crate::words::{number, p_value, plain_key};
 use serde_json::Value;
 
 /// Most explanations with a figure each.
@@ -71,7 +71,10 @@ fn yes(v: &Value, key: &str) -> Cell {
 
 fn families(v: &Value, key: &str) -> String {
     let all: Vec<&str> = v.get(key).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str).collect();
-    if all.is_empty() { "the declared model".to_owned() } else { all.join(" + ") }
+    if all.is_empty() {
+        return "the declared model".to_owned();
+    }
+    all.iter().map(|f| plain_key(f).0).collect::<Vec<_>>().join(" + ")
 }
 
 /// Distributions over runs, over the test.
@@ -100,7 +103,10 @@ fn quantity(key: &str) -> String {
     match key {
         "theta_deg" => "Θ (deg)".to_owned(),
         "omega_qr_deg_s" => "ω_q,r (deg/s)".to_owned(),
-        other => other.strip_suffix("_deg_s").map_or_else(|| other.replace('_', " "), |head| format!("{head} (deg/s)")),
+        other => {
+            let (name, unit) = plain_key(other);
+            unit.map_or(name.clone(), |u| format!("{name} ({u})"))
+        }
     }
 }
 
@@ -111,7 +117,9 @@ fn explanation(e: &Value) -> Vec<Cell> {
             let end = |k: usize| c.get(k).and_then(Value::as_f64).map_or_else(|| "–".to_owned(), number);
             format!(" [{}, {}]", end(0), end(1))
         });
-        format!("{} {}{ends}{unit}", text(p, "name").unwrap_or_default(), number(float(p, "estimate")))
+        let (name, of_key) = plain_key(text(p, "name").unwrap_or_default());
+        let unit = if unit.is_empty() { of_key.map_or_else(String::new, |u| format!(" {u}")) } else { unit };
+        format!("{name} {}{ends}{unit}", number(float(p, "estimate")))
     };
     let parameters: Vec<String> = e.get("parameters").and_then(Value::as_array).into_iter().flatten().map(one).collect();
     vec![
@@ -131,7 +139,7 @@ fn separation(s: &Value) -> Vec<Cell> {
 
 fn screening(s: &Value) -> Vec<Cell> {
     vec![
-        Cell::text(text(s, "family").unwrap_or_default()),
+        Cell::text(plain_key(text(s, "family").unwrap_or_default()).0),
         Cell::number(float(s, "largest_change")),
         Cell::Number(format!("{:.0} %", 100.0 * float(s, "gap_closed"))),
         yes(s, "moves"),
