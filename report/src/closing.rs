@@ -13,7 +13,7 @@ use crate::smoothing::smoothing;
 use crate::story::story;
 use crate::svg::dots;
 use crate::wind_tunnel::differences;
-use crate::words::{number, p_value, sentence, with_interval};
+use crate::words::{number, p_value, plain_key, sentence, with_interval};
 use std::fmt::Write as _;
 use windfall_verify::close::{
     ChannelResidual, Closing, EffectLine, Figure, ParameterLine, SignalTracks, SmoothingTracks, Topic, Verdict,
@@ -122,7 +122,14 @@ fn head(c: &Closing) -> String {
 }
 
 fn topic(figures: &[Figure], topic: Topic, title: &str, lead: &str, plots: &mut Plots) -> String {
-    let own: Vec<Figure> = figures.iter().filter(|f| f.topic == topic).cloned().collect();
+    let mut own: Vec<Figure> = figures.iter().filter(|f| f.topic == topic).cloned().collect();
+    for f in own.iter_mut().filter(|f| f.topic == Topic::Variable) {
+        // Variables of the model are named by their keys.
+        if let (name, Some(unit)) = plain_key(&f.x_label) {
+            f.title = f.title.replace(&f.x_label, &name);
+            f.x_label = format!("{name} ({unit})");
+        }
+    }
     let used = legend(&own);
     let drawn = plots.charts(own);
     if drawn.is_empty() { String::new() } else { section(title, lead, &format!("{used}<div class=\"grid\">{drawn}</div>")) }

@@ -5,7 +5,7 @@ use crate::draw::Look;
 use crate::html::{Cell, escape, section, table};
 use crate::legend::{legend, share};
 use crate::plot::{Plot, Plots};
-use crate::words::{number, with_interval};
+use crate::words::{number, plain_key, with_interval};
 use windfall_verify::close::{Closing, Figure, InnovationShape, NoiseLine, Role, Series, Topic};
 
 /// Histograms and autocorrelations of the innovations.
@@ -21,8 +21,9 @@ pub(crate) fn innovations(c: &Closing, plots: &mut Plots) -> String {
         } else {
             vec![(Role::Before, &line.before)]
         };
-        all.push(histogram(&line.channel, &sides));
-        all.push(correlation(&line.channel, line.step_s, &sides));
+        let (channel, _) = plain_key(&line.channel);
+        all.push(histogram(&channel, &sides));
+        all.push(correlation(&channel, line.step_s, &sides));
     }
     let lead = "Look for histograms under the dashed bell, and correlations inside the dashed lines: then each sample brings only noise. \
                 Innovation: what a sample adds to its prediction from all before it, over its standard deviation; what lies beyond five is in the outermost bins.";

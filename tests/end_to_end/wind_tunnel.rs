@@ -41,8 +41,10 @@ fn with_points(dir: &Path, table: &str) -> String {
 fn recover_differences_to_wind_tunnel_points() {
     let dir = folder();
     let at = dir.path().join("flights");
-    let table =
-        format!("[[wind_tunnel]]\nfile = \"balance.csv\"\nname = \"balance <1>\"\nmoment_reference_m = {}\n", BALANCE_OVER_D * DIAMETER_M);
+    let table = format!(
+        "[[wind_tunnel]]\nfile = \"balance.csv\"\nname = \"balance <1>\"\nmoment_reference_m = {}\n",
+        BALANCE_OVER_D * DIAMETER_M
+    );
     let campaign = with_points(&at, &table);
     std::fs::write(at.join("balance.csv"), points()).expect("writable");
     let checked = done(&["check", &campaign]);
@@ -51,7 +53,8 @@ fn recover_differences_to_wind_tunnel_points() {
     let shown = done(&["identify", &campaign, "--method", "output-error", "--combined", "--out", &out]);
     assert!(shown.out.contains("wind-tunnel points less model"), "{}", shown.out);
     let json: Value =
-        serde_json::from_str(&std::fs::read_to_string(dir.path().join("found/identification.json")).expect("written")).expect("JSON");
+        serde_json::from_str(&std::fs::read_to_string(dir.path().join("found/identification.json")).expect("written"))
+            .expect("JSON");
     let lines = json["wind_tunnel"].as_array().expect("a list");
     let of = |quantity: &str| lines.iter().find(|l| l["quantity"] == quantity).expect("a line")["models"][0].clone();
     let (axial, normal, moment) = (of("C_A"), of("C_N,T"), of("C_m"));

@@ -100,7 +100,7 @@
       lines.push({ label: name, value, spanGaps: true, ...(s.points ? discs(s) : Windfall.stroke(s.role)) });
       if (s.band) {
         const at = lines.length;
-        for (const end of ["lower end", "upper end"]) lines.push({ label: end, value, width: 0, points: { show: false }, spanGaps: true });
+        for (const end of ["lower end", "upper end"]) lines.push({ label: end, value, width: 0, points: { show: false }, spanGaps: true, class: s.points ? "bar-end" : null });
         if (!s.points) bands.push({ series: [at + 1, at], fill: colour(s.role) + "38" });
       }
     }
@@ -109,7 +109,8 @@
     const width = Math.max(240, figure.clientWidth);
     const options = {
       width, height: Math.round(Math.min(300, Math.max(190, width * 0.56))), series: lines, bands,
-      scales: { x: { time: false, distr: plot.log_x ? 3 : 1 }, y: { distr: plot.log_y ? 3 : 1 } },
+      // Points at the ends lie inside.
+      scales: { x: { time: false, distr: plot.log_x ? 3 : 1, ...(series.some((s) => s.points) && !plot.log_x ? { range: (u, a, b) => [a - 0.04 * (b - a || 1), b + 0.04 * (b - a || 1)] } : {}) }, y: { distr: plot.log_y ? 3 : 1 } },
       axes: Windfall.axes(plot.x_label, plot.y_label, plot.log_y, plot.log_x), cursor: { drag: { x: true, y: false } }, legend: { live: true },
       hooks: { drawAxes: [(u) => upright(u, plot.marks || [])], draw: [(u) => bars(u, series)] },
     };
