@@ -3,6 +3,7 @@
 use crate::html::section;
 use crate::legend::key;
 use crate::plot::Plots;
+use crate::words::plain_key;
 use windfall_verify::close::{Figure, Role, Series, Topic};
 use windfall_verify::study::{RecoveryLine, VariedLine};
 
@@ -32,6 +33,17 @@ pub(crate) fn over_varied(title: &str, own: &[&RecoveryLine], varied: &[VariedLi
     section(title, lead, &format!("{marks}<div class=\"grid\">{drawn}</div>\n"))
 }
 
+/// What is varied, in words and unit: its key without the table that it is in.
+fn quantity(key: &str) -> (String, Option<&'static str>) {
+    let mut parts: Vec<&str> = key.split('.').collect();
+    let table = parts.remove(0);
+    if parts.is_empty() || table == "aero" {
+        return (parts.pop().unwrap_or(table).to_owned(), None);
+    }
+    let (names, units): (Vec<String>, Vec<Option<&str>>) = parts.into_iter().map(plain_key).unzip();
+    (names.join(" "), units.into_iter().flatten().next_back())
+}
+
 fn differs(values: &[f64]) -> bool {
     values.iter().any(|v| (v - values[0]).abs() > 0.0)
 }
@@ -49,11 +61,11 @@ fn figure(coefficient: &str, lines: &[&RecoveryLine], v: &VariedLine) -> Option<
         Series { role, x, y, points: true, ..Series::default() }
     };
     let clouds = [of(Role::After, true), of(Role::Before, false)].into_iter().filter(|s| !s.x.is_empty());
-    let name = v.name.replace('_', " ");
+    let (name, unit) = quantity(&v.name);
     Some(Figure {
         topic: Topic::Variable,
         title: format!("{coefficient}: errors over {name}"),
-        x_label: name,
+        x_label: unit.map_or(name.clone(), |u| format!("{name} ({u})")),
         y_label: "error (stated standard errors)".to_owned(),
         series: [level(REACH), level(-REACH)].into_iter().chain(clouds).collect(),
         ..Figure::default()
@@ -65,6 +77,13 @@ mod tests {
     use super::*;
     use crate::plot::Plot;
 
+    #[test]
+    fn exact_quantities_in_words() {
+        assert_eq!(quantity("flight.release.attitude_deg.Ry"), ("release attitude Ry".to_owned(), Some("deg")));
+        assert_eq!(quantity("aero.CA_T0"), ("CA_T0".to_owned(), None));
+        assert_eq!(quantity("effects.turbulence.axial_rms_m_s"), ("turbulence axial rms".to_owned(), Some("m/s")));
+    }
+
     /// Rows 0 and 2 have estimates: their errors of one and three standard errors stand at the first and third value.
     #[test]
     fn exact_rows_and_colours() {
@@ -74,7 +93,7 @@ mod tests {
         let varied = [VariedLine { name: "vehicle.mass_kg".to_owned(), values: vec![2.0, 3.0, 1.0] }];
         let mut plots = Plots::default();
         let html = over_varied("t", &[&line], &varied, &mut plots);
-        assert!(html.contains("CA: errors over vehicle.mass kg"), "{html}");
+        assert!(html.contains("CA: errors over mass") && html.contains("mass (kg)"), "{html}");
         let Plot::Chart(f) = &plots.all[0] else { panic!("a chart") };
         assert_eq!((f.series[2].x.as_slice(), f.series[2].y.as_slice()), (&[2.0][..], &[1.0][..]));
         assert_eq!((f.series[3].x.as_slice(), f.series[3].y.as_slice()), (&[1.0][..], &[-3.0][..]));

@@ -174,9 +174,16 @@ impl CampaignStore {
     pub fn put_page(&self, result: &str, make: impl Fn(&str, &str) -> Option<String>) -> Result<Option<String>, StoreError> {
         let folder = self.of(result);
         let read = |name: &'static str| Some((name, fs::read_to_string(folder.join(name)).ok()?));
-        let Some((name, text)) = RESULT_FILES.into_iter().find_map(read) else { return Ok(None) };
-        let Some(page) = make(name, &text) else { return Ok(None) };
-        text_atomically(&folder.join(PAGE), &page)?;
+        let made = RESULT_FILES.into_iter().find_map(read).and_then(|(name, text)| make(name, &text));
+        let path = folder.join(PAGE);
+        let Some(page) = made else {
+            // The page of a result that is gone goes with it.
+            return match fs::remove_file(&path) {
+                Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(StoreError::write(&path, e)),
+                _ => Ok(None),
+            };
+        };
+        text_atomically(&path, &page)?;
         Ok(Some(format!("{RESULTS}/{result}/{PAGE}")))
     }
     /// Writes the table, the summary and the page of all campaigns, replacing those that are there.
