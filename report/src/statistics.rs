@@ -16,7 +16,7 @@ const SHOWN: usize = 4;
 pub(crate) fn statistics(v: &Value, plots: &mut Plots) -> Option<String> {
     let verdict = text(v, "verdict")?;
     let conclusions: Vec<&str> = v.get("conclusions")?.as_array()?.iter().filter_map(Value::as_str).collect();
-    let words: String = conclusions.iter().map(|c| format!("<li>{}</li>", escape(c))).collect();
+    let words: String = conclusions.iter().map(|c| format!("<li>{}</li>", escape(&in_words(c)))).collect();
     let mut out = format!(
         "<p class=\"lead\">{}</p>\n<div class=\"verdict {}\"><b>{}</b><ul>{words}</ul></div>\n",
         escape(text(v, "source").unwrap_or_default()),
@@ -98,6 +98,21 @@ fn figures(title: &str, all: &Value, plots: &mut Plots) -> String {
     plots.put(Plot::Ranges { title, x_label, marks: vec![1.0], ranges })
 }
 
+/// A sentence whose keys are words.
+fn in_words(sentence: &str) -> String {
+    let word = |w: &str| {
+        let key = w.trim_end_matches([',', '.', ';', ':']);
+        let rest = &w[key.len()..];
+        if key.contains('_') {
+            let name = quantity(key);
+            let name = name.split(" (").next().unwrap_or(key).to_owned();
+            return name + rest;
+        }
+        w.to_owned()
+    };
+    sentence.split(' ').map(word).collect::<Vec<_>>().join(" ")
+}
+
 /// A quantity with its unit.
 fn quantity(key: &str) -> String {
     match key {
@@ -145,4 +160,15 @@ fn screening(s: &Value) -> Vec<Cell> {
         yes(s, "moves"),
         yes(s, "leads"),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_words;
+
+    #[test]
+    fn exact_keys_of_a_sentence_in_words() {
+        let found = in_words("median omega_qr_deg_s +20 %; max q_deg_s of it: axial_scale_m, duration_s.");
+        assert_eq!(found, "median ω_q,r +20 %; max q of it: axial scale, duration.");
+    }
 }

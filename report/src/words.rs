@@ -84,12 +84,14 @@ pub fn p_value(p: f64) -> String {
 }
 
 /// Endings of keys and the units that they stand for, longer ones first.
-const UNITS: [(&str, &str); 14] = [
+const UNITS: [(&str, &str); 16] = [
+    ("_n_m_s", "N m s"),
     ("_deg_s", "deg/s"),
     ("_m_s2", "m/s²"),
     ("_kg_m2", "kg m²"),
     ("_rad_s", "rad/s"),
     ("_n_s_m", "N s/m"),
+    ("_n_s", "N s"),
     ("_m_s", "m/s"),
     ("_n_m", "N m"),
     ("_deg", "deg"),

@@ -96,7 +96,7 @@ async function spectra(page, name, id) {
     return f[a.indexOf(Math.max(...a))];
   });
   hold(`${name}: a swing of 3 Hz stands at 3 Hz`, Math.abs(peak - 3) < 0.15, peak);
-  hold(`${name}: the address holds spectra`, await page.waitForFunction(() => location.href.includes("as=spectra"), null, { timeout: 2000 }).then(() => true, () => false));
+  hold(`${name}: the address holds spectra`, await page.waitForFunction(() => location.href.includes("as=spectra"), null, { timeout: 10000 }).then(() => true, () => false));
   await pick.selectOption("time");
 }
 

@@ -96,5 +96,5 @@ fn law_a_wrong_table_of_points_is_refused_by_line() {
     }
     std::fs::remove_file(at.join("balance.csv")).expect("there");
     let ran = windfall(&["check", &campaign]);
-    assert!(ran.code == 2 && ran.err.contains("[[wind_tunnel]] file"), "{}", ran.err);
+    assert!(ran.code == 2 && ran.err.contains("[wind_tunnel 1] file = balance.csv"), "{}", ran.err);
 }
