@@ -96,6 +96,10 @@ fn campaign_lines(campaign: &Campaign) -> Vec<String> {
         };
         summary.push(format!("run {}: {}, {}, {samples} samples, {seconds:.3} s", run.name, run.kind, run.used.name()));
     }
+    summary.extend(c.knowledge.wind_tunnel.iter().map(|s| {
+        let end = s.points.last().map_or(0.0, |p| p.alpha_t_rad.to_degrees());
+        format!("wind tunnel {}: {} points of {} up to {end:.1} deg", s.test, s.points.len(), s.coefficient.name())
+    }));
     if let Some(p) = campaign.pressure() {
         summary.push(crate::agreement::pressure(&p, FALSE_ALARM_RATE));
     }

@@ -81,6 +81,7 @@ fn story(c: &Closing) -> String {
     if let (Some(b), Some(a)) = (&c.before.hold_out, &c.after.hold_out) {
         held_out(&mut text, b, a);
     }
+    text += &crate::agreement::wind_tunnel(&c.wind_tunnel);
     for u in &c.unexplained {
         let _ = writeln!(text, "\nunexplained {}: {}", u.channel, folded(&u.description, u.channel.len() + 14));
     }

@@ -32,7 +32,8 @@ pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool
     session.warn_all(&result.found.warnings[campaign.warnings.len()..]);
     let beside = [series_text(&tracks)?, series_text(&records)?];
     session.deliver_with(folder.as_deref(), &FILES, (&result, &beside), || {
-        table(&campaign.data.name, &result.found) + &result.bootstrap.as_ref().map_or_else(String::new, bootstrap_table)
+        let curves = crate::agreement::wind_tunnel(&result.wind_tunnel);
+        table(&campaign.data.name, &result.found) + &curves + &result.bootstrap.as_ref().map_or_else(String::new, bootstrap_table)
     })?;
     Ok(true)
 }

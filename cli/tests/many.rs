@@ -150,7 +150,7 @@ fn law_same_bytes_whatever_came_between() {
     b.done("one", &["--threads", "1"]);
     let takes = start.elapsed();
     let one = b.tree("one");
-    assert!(one.len() == 4 + 6 + 5, "table, summary, page, order; outcomes; results: {}", one.len());
+    assert!(one.len() == 4 + 6 + 5 + 5, "table, summary, page, order; outcomes; results, their pages: {}", one.len());
     for threads in ["2", "7"] {
         b.done(threads, &["--threads", threads]);
         assert!(b.tree(threads) == one, "{threads} threads");

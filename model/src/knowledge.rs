@@ -2,6 +2,7 @@
 
 use crate::effects::Effect;
 use crate::plant::Plant;
+use crate::wind_tunnel::StaticPoints;
 use std::fmt;
 
 /// A number of the plant that is known with an uncertainty (JCGM 100:2008, 2.3.1). Numbers without one are exact.
@@ -59,4 +60,6 @@ pub struct Knowledge {
     pub priors: Vec<(usize, f64)>,
     /// Whether the declared noise of the instruments is exact; otherwise it is a first belief, and learnt from the record.
     pub exact_noise: bool,
+    /// Static coefficients of wind-tunnel tests, for comparison alone.
+    pub wind_tunnel: Vec<StaticPoints>,
 }

@@ -28,6 +28,7 @@ pub mod study;
 mod tether;
 mod unknowns;
 mod vehicle;
+mod wind_tunnel;
 
 pub use aero::{Aero, Coefficient, Contribution, Factor, Structure, Term, Wrench, wrench_at_cm};
 pub use aero_program::AeroProgram;
@@ -50,3 +51,4 @@ pub use sensors::Sensors;
 pub use tether::{Line, Tether};
 pub use unknowns::{Freedom, Transform, Unknown, UnknownId, Unknowns};
 pub use vehicle::{ApparentMass, Inertia, LooseMass, Vehicle};
+pub use wind_tunnel::{StaticPoint, StaticPoints};

@@ -52,11 +52,8 @@ const SORTS: [Sort; 5] = [
 pub fn add_curves(campaign: &Campaign, found: &mut Identification) -> Result<(), PidError> {
     let mut reached = Vec::new();
     for (i, run) in campaign.runs.iter().enumerate() {
-        let Data::Tunnel(record) = &run.data else { continue };
         if found.data_sets.iter().any(|d| d.runs.contains(&run.name)) {
-            let smoothed = smooth(record, &Smoother::Auto)?;
-            let all = states(&smoothed, &campaign.plant_for(&campaign.plant, i))?;
-            reached.push((run.name.clone(), all.iter().map(|s| s.alpha_t).fold(0.0, f64::max)));
+            reached.push((run.name.clone(), largest_angle_rad(campaign, i)?));
         }
     }
     for set in &mut found.data_sets {
@@ -64,6 +61,16 @@ pub fn add_curves(campaign: &Campaign, found: &mut Identification) -> Result<(),
         set.curves = curves(&campaign.plant.aero.structure, set, own.map(|r| r.1).fold(0.0, f64::max));
     }
     Ok(())
+}
+
+/// Largest total angle of attack of a run, rad; zero of one without attitude.
+///
+/// # Errors
+/// A record that cannot be smoothed.
+pub fn largest_angle_rad(campaign: &Campaign, run: usize) -> Result<f64, PidError> {
+    let Data::Tunnel(record) = &campaign.runs[run].data else { return Ok(0.0) };
+    let all = states(&smooth(record, &Smoother::Auto)?, &campaign.plant_for(&campaign.plant, run))?;
+    Ok(all.iter().map(|s| s.alpha_t).fold(0.0, f64::max))
 }
 
 /// Curves of a data set up to an angle, rad; those on which no estimate acts are left out. Parameters without estimate count as zero.
@@ -76,9 +83,7 @@ pub fn curves(structure: &Structure, set: &DataSet, largest_rad: f64) -> Vec<Cur
 }
 
 fn curve(sort: &Sort, structure: &Structure, set: &DataSet, largest_rad: f64) -> Option<Curve> {
-    let label = sort.coefficient.name();
-    // Estimates of this coefficient's own data where there are such: C_m and C_n give the static moment apart.
-    let member: Vec<usize> = (0..set.parameters.len()).filter(|i| set.parameters[*i].coefficient == label).collect();
+    let member = members(sort, set);
     let mut c = Curve {
         quantity: sort.quantity.to_owned(),
         over: sort.over.to_owned(),
@@ -90,19 +95,59 @@ fn curve(sort: &Sort, structure: &Structure, set: &DataSet, largest_rad: f64) ->
     let mut acts = false;
     for k in 0..POINTS {
         let angle = largest_rad * k as f64 / (POINTS - 1) as f64;
-        let terms = slopes(sort, structure, angle);
-        let a: Vec<f64> = member.iter().map(|i| structure.index(&set.parameters[*i].name).map_or(0.0, |p| terms[p])).collect();
-        acts |= a.iter().any(|a| *a != 0.0);
-        let value: f64 = a.iter().zip(&member).map(|(a, i)| a * set.parameters[*i].estimate).sum();
-        let row = |i: usize| a.iter().zip(&member).map(|(b, j)| b * set.covariance[i][*j]).sum::<f64>();
-        let variance: f64 = a.iter().zip(&member).map(|(a, i)| a * row(*i)).sum();
-        let half = NORMAL_95 * variance.max(0.0).sqrt();
+        let at = point(sort, structure, set, &member, angle);
+        acts |= at.acts;
+        let (value, half) = (at.value, NORMAL_95 * at.std);
         c.angle_deg.push(angle.to_degrees());
         c.value.push(value);
         c.low.push(value - half);
         c.high.push(value + half);
     }
     acts.then_some(c)
+}
+
+/// Estimates of this coefficient's own data where there are such: C_m and C_n give the static moment apart.
+fn members(sort: &Sort, set: &DataSet) -> Vec<usize> {
+    (0..set.parameters.len()).filter(|i| set.parameters[*i].coefficient == sort.coefficient.name()).collect()
+}
+
+/// A curve at one angle.
+struct CurvePoint {
+    value: f64,
+    std: f64,
+    acts: bool,
+}
+
+fn point(sort: &Sort, structure: &Structure, set: &DataSet, member: &[usize], angle: f64) -> CurvePoint {
+    let terms = slopes(sort, structure, angle);
+    let a: Vec<f64> = member.iter().map(|i| structure.index(&set.parameters[*i].name).map_or(0.0, |p| terms[p])).collect();
+    let value = a.iter().zip(member).map(|(a, i)| a * set.parameters[*i].estimate).sum();
+    let row = |i: usize| a.iter().zip(member).map(|(b, j)| b * set.covariance[i][*j]).sum::<f64>();
+    let variance: f64 = a.iter().zip(member).map(|(a, i)| a * row(*i)).sum();
+    CurvePoint { value, std: variance.max(0.0).sqrt(), acts: a.iter().any(|a| *a != 0.0) }
+}
+
+/// Name of a static coefficient's curve; none of those that have none.
+#[must_use]
+pub fn static_name(coefficient: Coefficient) -> Option<&'static str> {
+    SORTS.iter().find(|s| s.coefficient == coefficient && s.damping.is_none()).map(|s| s.quantity)
+}
+
+/// A static coefficient and its standard error at a total angle of attack, rad, as a data set has it; none without curve or covariance.
+#[must_use]
+pub fn static_value(structure: &Structure, set: &DataSet, coefficient: Coefficient, angle_rad: f64) -> Option<[f64; 2]> {
+    let sort = SORTS.iter().find(|s| s.coefficient == coefficient && s.damping.is_none())?;
+    let whole = set.covariance.len() == set.parameters.len();
+    let at = whole.then(|| point(sort, structure, set, &members(sort, set), angle_rad))?;
+    Some([at.value, at.std])
+}
+
+/// Flow from below at a total angle of attack, rad, without rates, at a speed, m/s.
+#[must_use]
+pub fn still_flow(angle_rad: f64, speed_m_s: f64) -> FlowState {
+    let mut still = flow(angle_rad, false);
+    still.values[Variable::Speed as usize] = speed_m_s;
+    still
 }
 
 /// How the curve depends on each of the structure's parameters at an angle.

@@ -33,14 +33,31 @@ pub(crate) fn chart(f: &Figure, [w, h]: [f64; 2]) -> Option<LineDrawing> {
         d.line(Look::Mark, &[[p, above], [p, h - below]]);
     }
     for s in &f.series {
-        if let Some(band) = &s.band {
+        if let Some(band) = s.band.as_ref().filter(|_| !s.points) {
             d.items.push(Item::Area { look: look(s.role), points: outline(&x, &y, s, band) });
         }
     }
-    for s in &f.series {
+    // Points lie on the curves.
+    for s in f.series.iter().filter(|s| !s.points) {
         d.items.push(Item::Line { look: look(s.role), pieces: pieces(&x, &y, s) });
     }
+    f.series.iter().filter(|s| s.points).for_each(|s| dots(&mut d, &x, &y, s));
     Some(d)
+}
+
+/// Discs, with their bands as error bars.
+fn dots(d: &mut LineDrawing, x: &Scale, y: &Scale, s: &Series) {
+    let look = if s.role == Role::Measured { Look::Point } else { look(s.role) };
+    let radius = if s.x.len() > 60 { 1.6 } else { 2.8 };
+    for (k, (a, b)) in s.x.iter().zip(&s.y).enumerate() {
+        let (Some(px), Some(py)) = (x.place(*a), y.place(*b)) else { continue };
+        if let Some([low, high]) = &s.band
+            && let (Some(low), Some(high)) = (y.place(low[k]), y.place(high[k]))
+        {
+            d.line(look, &[[px, low], [px, high]]);
+        }
+        d.items.push(Item::Disc { look, at: [px, py], radius });
+    }
 }
 
 /// Points of a curve, broken where it is not known.

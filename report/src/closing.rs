@@ -12,7 +12,8 @@ use crate::signals::signals;
 use crate::smoothing::smoothing;
 use crate::story::story;
 use crate::svg::dots;
-use crate::words::{number, p_value, sentence, with_interval};
+use crate::wind_tunnel::differences;
+use crate::words::{number, p_value, plain_key, sentence, with_interval};
 use std::fmt::Write as _;
 use windfall_verify::close::{
     ChannelResidual, Closing, EffectLine, Figure, ParameterLine, SignalTracks, SmoothingTracks, Topic, Verdict,
@@ -59,6 +60,13 @@ pub(crate) fn closing_body(c: &Closing, figures: &[Figure], tracks: Option<&Sign
                 that is wider and follows itself for many samples is a tracker's drift or a force that the model lacks. What lies beyond the ends \
                 is in the outermost bins.";
     out += &topic(figures, Topic::Shape, "Residuals of the tracks: distribution and correlation", lead, plots);
+    let lead = "Look for curves at one and for histograms under the dashed bell. Slow parts above one are a tracker's drift or a force that the \
+                model lacks, fast ones noise that is larger than stated. Residuals of the runs held out with the initial state taken out, in \
+                independent numbers from slow to fast, each over the noise of the tracker in it.";
+    out += &topic(figures, Topic::Whitened, "Whitened residuals of the tracks", lead, plots);
+    let lead = "Look for points that leave the dashed line together where a setting is large: a force that follows it (a spinning ball's \
+                lift). Each point is a run, its push the parabola in what the model leaves of its track; bars: 95 % of the tracker's noise alone.";
+    out += &topic(figures, Topic::Setting, "What every run lacks over its settings", lead, plots);
     let lead =
         "Look for curves that become flat. Means over intervals of equal count, of the channels that stand highest above noise.";
     out += &topic(figures, Topic::Variable, "Residual over the variable that it follows best", lead, plots);
@@ -71,6 +79,11 @@ pub(crate) fn closing_body(c: &Closing, figures: &[Figure], tracks: Option<&Sign
     out += &section("Constants found against constants declared", lead, &constants(c, plots));
     let lead = "Look for dots away from zero: declared parameters that the effects moved, in standard errors before.";
     out += &section("Parameters: how they moved", lead, &(moves(c, plots) + &shifts(c)));
+    let lead = "Look whether the points lie nearer to the blue curve than to the red one: an effect that brings identified static coefficients to a \
+                balance's, which they were not fitted to, is real. The dashed line: the largest angle flown. About the geometric origin.";
+    out += &topic(figures, Topic::Static, "Static coefficients against the wind tunnel", lead, plots);
+    let side = |m: &str| if m == "before" { "declared model" } else { "with effects" }.to_owned();
+    out += &section("Differences to the wind tunnel", "Look for a smaller rms with effects.", &differences(&c.wind_tunnel, side));
     let lead = "Look at what stands out. Twice the gain of log-likelihood by one step from the declared model, every effect of the \
                 catalogue alone; p corrected for the forms tried. The ranking is confirmed by full fits, and on runs held out.";
     out += &section("Candidates", lead, &candidates(c, plots));
@@ -109,7 +122,14 @@ fn head(c: &Closing) -> String {
 }
 
 fn topic(figures: &[Figure], topic: Topic, title: &str, lead: &str, plots: &mut Plots) -> String {
-    let own: Vec<Figure> = figures.iter().filter(|f| f.topic == topic).cloned().collect();
+    let mut own: Vec<Figure> = figures.iter().filter(|f| f.topic == topic).cloned().collect();
+    for f in own.iter_mut().filter(|f| f.topic == Topic::Variable) {
+        // Variables of the model are named by their keys.
+        if let (name, Some(unit)) = plain_key(&f.x_label) {
+            f.title = f.title.replace(&f.x_label, &name);
+            f.x_label = format!("{name} ({unit})");
+        }
+    }
     let used = legend(&own);
     let drawn = plots.charts(own);
     if drawn.is_empty() { String::new() } else { section(title, lead, &format!("{used}<div class=\"grid\">{drawn}</div>")) }

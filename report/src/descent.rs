@@ -5,8 +5,9 @@ use crate::legend::key;
 use crate::number;
 use crate::plot::{Plot, Plots};
 use crate::shape::warnings;
+use crate::words::plain_key;
 use windfall_verify::close::{Figure, Role, Series, Topic};
-use windfall_verify::descent::{DescentSummary, HeightLine, ParameterShare, SteadyFall, TouchDownLine};
+use windfall_verify::descent::{DescentSummary, HeightLine, LandingScatter, ParameterShare, SteadyFall, TouchDownLine};
 
 /// Parameters named beside a quantity, and the smallest share that is named.
 const NAMED: usize = 4;
@@ -19,6 +20,9 @@ pub(crate) fn descent_body(s: &DescentSummary, plots: &mut Plots) -> String {
     let of =
         "Mean, standard deviation and the range of 95 % of the descents that landed; nominal: the estimate itself in even air.";
     out += &section("Touch-down", of, &touch_down(&s.touch_down));
+    let of = "Look whether the places fill the ellipse: one that is long and thin comes from wind along its axis, and a few places far \
+              outside are descents that went otherwise. From the start, in its horizontal plane.";
+    out += &section("Where they land", of, &s.landing.as_ref().map_or_else(String::new, |l| landing(l, &s.touch_down, plots)));
     let of = "Median and 95 % of the descents that came to a height.";
     let figures: String = s.over_height.iter().map(|l| plots.put(Plot::Chart(over_height(l)))).collect();
     let marks = key(&[("after", "median, 95 % of the descents"), ("before", "nominal model in even air")]);
@@ -55,13 +59,72 @@ fn lead(s: &DescentSummary) -> String {
     )
 }
 
+/// Places with their ellipse, and its numbers.
+fn landing(l: &LandingScatter, touch_down: &[TouchDownLine], plots: &mut Plots) -> String {
+    let most = l.half_axes95_m[0].max(l.mean_m[0].hypot(l.mean_m[1]));
+    let (per_m, unit) = if most > 5e3 { (1e-3, "km") } else { (1.0, "m") };
+    let (s, c) = l.heading_deg.to_radians().sin_cos();
+    let [a, b] = l.half_axes95_m;
+    // Upper and lower half, each with ascending abscissae: a chart's curves are functions.
+    let edge = |sign: f64| {
+        let reach = (a * s).hypot(b * c);
+        let east = |k: i32| reach * f64::from(k) / 40.0;
+        // North of the edge over east: the ellipse's equation solved.
+        let [p, q, r] = [(s / a).powi(2) + (c / b).powi(2), s * c * (a.powi(-2) - b.powi(-2)), (c / a).powi(2) + (s / b).powi(2)];
+        let north = |e: f64| (-q * e + sign * (q * q * e * e - r * (p * e * e - 1.0)).max(0.0).sqrt()) / r;
+        let x: Vec<f64> = (-40..=40).map(|k| per_m * (l.mean_m[1] + east(k))).collect();
+        let y = (-40..=40).map(|k| per_m * (l.mean_m[0] + north(east(k)))).collect();
+        Series { role: Role::Noise, x, y, ..Series::default() }
+    };
+    let mut places = l.places_m.clone();
+    places.sort_by(|a, b| a[1].total_cmp(&b[1]));
+    let places = Series {
+        role: Role::After,
+        x: places.iter().map(|p| per_m * p[1]).collect(),
+        y: places.iter().map(|p| per_m * p[0]).collect(),
+        points: true,
+        ..Series::default()
+    };
+    let nominal = |key: &str| touch_down.iter().find(|t| t.quantity == key).and_then(|t| t.nominal);
+    let nominal = nominal("drift_east_m").zip(nominal("drift_north_m")).map(|(e, n)| Series {
+        role: Role::Before,
+        x: vec![per_m * e],
+        y: vec![per_m * n],
+        points: true,
+        ..Series::default()
+    });
+    let edges = if a > 0.0 && b > 0.0 { vec![edge(1.0), edge(-1.0)] } else { Vec::new() };
+    let figure = Figure {
+        topic: Topic::Variable,
+        title: "Places of touch-down".to_owned(),
+        x_label: format!("east of the start ({unit})"),
+        y_label: format!("north of the start ({unit})"),
+        series: edges.into_iter().chain([places]).chain(nominal).collect(),
+        ..Figure::default()
+    };
+    let words = format!(
+        "<p>Mean {} north and {} east; ellipse of 95 %: half axes {} and {}, the longer heading {:.0}°; {} of the descents \
+         are inside. Half of them land within {} of the mean.</p>\n",
+        of_unit(l.mean_m[0], per_m, unit),
+        of_unit(l.mean_m[1], per_m, unit),
+        of_unit(a, per_m, unit),
+        of_unit(b, per_m, unit),
+        l.heading_deg,
+        percent(l.inside),
+        of_unit(l.half_within_m, per_m, unit)
+    );
+    let marks = key(&[("after", "descents"), ("noise", "ellipse of 95 %"), ("before", "nominal model in even air")]);
+    words + &marks + &plots.put(Plot::Chart(figure))
+}
+
+fn of_unit(x_m: f64, per_m: f64, unit: &str) -> String {
+    format!("{}\u{a0}{unit}", number(per_m * x_m))
+}
+
 /// A quantity's words and unit.
 fn words(quantity: &str) -> String {
-    let (name, unit) = [("_deg_s", "deg/s"), ("_m_s", "m/s"), ("_deg", "deg"), ("_m", "m"), ("_s", "s")]
-        .into_iter()
-        .find_map(|(ending, unit)| Some((quantity.strip_suffix(ending)?, unit)))
-        .unwrap_or((quantity, "-"));
-    format!("{} ({unit})", name.replace('_', " "))
+    let (name, unit) = plain_key(quantity);
+    format!("{name} ({})", unit.unwrap_or("-"))
 }
 
 fn touch_down(lines: &[TouchDownLine]) -> String {
@@ -89,8 +152,9 @@ fn over_height(l: &HeightLine) -> Figure {
     let there: Vec<usize> = (0..km.len()).filter(|i| l.draws[*i] > 0).collect();
     let of = |x: &[f64]| there.iter().map(|&i| x[i]).collect::<Vec<f64>>();
     let nominal: Vec<f64> = l.nominal.iter().map(|x| x.unwrap_or(f64::NAN)).collect();
-    let median = Series { role: Role::After, x: of(&km), y: of(&l.median), band: Some([of(&l.low), of(&l.high)]) };
-    let nominal = Series { role: Role::Before, x: km, y: nominal, band: None };
+    let median =
+        Series { role: Role::After, x: of(&km), y: of(&l.median), band: Some([of(&l.low), of(&l.high)]), ..Series::default() };
+    let nominal = Series { role: Role::Before, x: km, y: nominal, ..Series::default() };
     figure(&words(&l.quantity), vec![median, nominal])
 }
 
@@ -103,7 +167,7 @@ fn figure(label: &str, series: Vec<Series>) -> Figure {
 fn theory(all: &[SteadyFall], plots: &mut Plots) -> String {
     let km: Vec<f64> = all.iter().map(|f| f.height_m / 1e3).collect();
     let one = |label: &str, of: fn(&SteadyFall) -> f64| {
-        figure(label, vec![Series { role: Role::After, x: km.clone(), y: all.iter().map(of).collect(), band: None }])
+        figure(label, vec![Series { role: Role::After, x: km.clone(), y: all.iter().map(of).collect(), ..Series::default() }])
     };
     if all.is_empty() {
         return String::new();
@@ -201,6 +265,7 @@ mod tests {
                 reasons: vec![DescentReason { reason: "a & b".to_owned(), count: 1 }],
             },
             touch_down: vec![line],
+            landing: None,
             over_height: vec![height],
             linear_theory: Vec::new(),
             warnings: vec!["look <here>".to_owned()],

@@ -17,6 +17,8 @@ pub(crate) enum Look {
     Mark,
     /// Neither before nor after.
     Plain,
+    /// A measured point.
+    Point,
     /// Labels.
     Soft,
     /// Names.
@@ -34,6 +36,7 @@ impl Look {
             Self::Axis => "axis",
             Self::Mark => "one",
             Self::Plain => "plain",
+            Self::Point => "point",
             Self::Soft => "soft",
             Self::Ink => "ink",
         }
@@ -45,6 +48,7 @@ impl Look {
             Self::After => [0x17, 0x69, 0xaa],
             Self::Measured | Self::Plain => [0x8a, 0x94, 0x9d],
             Self::Noise | Self::Mark => [0x6d, 0x77, 0x80],
+            Self::Point => [0x2b, 0x33, 0x3a],
             Self::Axis => [0xd9, 0xde, 0xe3],
             Self::Soft => [0x4a, 0x54, 0x5d],
             Self::Ink => [0x1d, 0x23, 0x29],

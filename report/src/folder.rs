@@ -8,6 +8,7 @@ use crate::html::{escape, page, section};
 use crate::identification::{identification, resimulation};
 use crate::laid_out::laid_out;
 use crate::many::{TITLE, many_body};
+use crate::one_to_one::one_to_one;
 use crate::paper::{PaperFigure, paper};
 use crate::plot::Plots;
 use crate::signals::signals;
@@ -61,6 +62,17 @@ pub fn folder_page(title: &str, results: &FolderResults<'_>) -> String {
     page(&heading(title, results), &body, &data(&named, &plots))
 }
 
+/// The page of one result among many, by its file's name and text; none of another file.
+#[must_use]
+pub fn campaign_page(title: &str, file: &str, text: &str) -> Option<String> {
+    if file == "close.json" {
+        let closing: Closing = serde_json::from_str(text).ok()?;
+        return Some(folder_page(title, &FolderResults { closing: Some(&closing), ..FolderResults::default() }));
+    }
+    let others = [("Identification".to_owned(), serde_json::from_str(text).ok()?)];
+    Some(folder_page(title, &FolderResults { others: &others, ..FolderResults::default() }))
+}
+
 /// The figures of a folder's page as files, `width_mm` wide.
 #[must_use]
 pub fn folder_figures(title: &str, results: &FolderResults<'_>, width_mm: f64) -> Vec<PaperFigure> {
@@ -111,7 +123,7 @@ fn body(title: &str, results: &FolderResults<'_>, plots: &mut Plots) -> String {
         };
         body += &own.unwrap_or_else(|| section(name, "", &laid_out(value, 3)));
     }
-    body += &results.coefficients.map_or_else(String::new, |t| signals("coefficients", t));
+    body += &results.coefficients.map_or_else(String::new, |t| one_to_one(t, plots) + &signals("coefficients", t));
     body += &results.flights.map_or_else(String::new, |t| signals("flights", t));
     body += &smoothing(results.smoothing, plots);
     body + &results.closing.map_or_else(String::new, footer)

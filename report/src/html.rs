@@ -76,13 +76,15 @@ pub(crate) fn slug(title: &str) -> String {
 }
 
 /// The page's own program, and the plots' (see `vendor/uplot/README.md`).
-const PROGRAMS: [&str; 7] = [
+const PROGRAMS: [&str; 9] = [
     include_str!("../vendor/uplot/uPlot.iife.min.js"),
     include_str!("page/data.js"),
     include_str!("page/charts.js"),
+    include_str!("page/spectrum.js"),
     include_str!("page/tracks.js"),
     include_str!("page/gl.js"),
     include_str!("page/replay.js"),
+    include_str!("page/filter.js"),
     include_str!("page/main.js"),
 ];
 

@@ -8,10 +8,11 @@ use crate::laid_out::laid_out;
 use crate::legend::key;
 use crate::plot::{Plot, Plots};
 use crate::shape::warnings;
+use crate::wind_tunnel::{differences, points};
 use crate::words::{number, p_value, with_interval};
 use serde_json::Value;
 use windfall_verify::close::{Figure, Role, Series, Topic};
-use windfall_verify::{DataSet, Identification, Identified, Resimulation, RunComparison};
+use windfall_verify::{DataSet, Identification, Identified, Resimulation, RunComparison, WindTunnelLine};
 
 /// The body of an identification; none for what is none.
 pub(crate) fn identification(value: &Value, plots: &mut Plots) -> Option<String> {
@@ -43,14 +44,22 @@ pub(crate) fn identification(value: &Value, plots: &mut Plots) -> Option<String>
         .as_array()?
         .iter()
         .filter(|d| d["name"] == combined.name.as_str())
-        .flat_map(|d| d.get("curves").and_then(Value::as_array).into_iter().flatten().filter_map(curve))
+        .flat_map(|d| d.get("curves").and_then(Value::as_array).into_iter().flatten())
+        .filter_map(|c| curve(c, &found.wind_tunnel))
         .collect();
     let note = "Look how narrow the bands are where the flight will be; a curve is worth little beyond the angles that were flown. Shaded, \
                 and ± in the titles: 95 % at each point, from the covariance of the estimates.";
     let drawn = plots.charts(curves);
-    let keys = key(&[("after", "all runs, shaded: 95 %")]);
+    let mut marks = vec![("after", "all runs, shaded: 95 %")];
+    if !found.wind_tunnel.is_empty() {
+        marks.push(("point", "wind-tunnel points, bar: 95 %"));
+    }
+    let keys = key(&marks);
     out +=
         &section("Coefficients and damping over the angle", note, &if drawn.is_empty() { drawn } else { keys + &grid(&drawn) });
+    let note = "Look for points inside the bands, and for a mean difference that is small beside the rms: what is left is then scatter of the \
+                balance. Nothing was fitted to them. Static coefficients about the geometric origin.";
+    out += &section("Against the wind tunnel", note, &differences(&found.wind_tunnel, |m| format!("{m} runs")));
     out += &fits(combined);
     let more = [
         ("identifiability", "What the runs can tell", "Full rank means that every parameter is told apart from the others."),
@@ -224,7 +233,7 @@ fn numbers(value: &Value, key: &str) -> Option<Vec<f64>> {
     value.get(key)?.as_array()?.iter().map(Value::as_f64).collect()
 }
 
-fn curve(c: &Value) -> Option<Figure> {
+fn curve(c: &Value, wind_tunnel: &[WindTunnelLine]) -> Option<Figure> {
     let word = |key: &str| c.get(key).and_then(Value::as_str);
     let angle = match word("over")? {
         "alpha" => "α",
@@ -233,12 +242,21 @@ fn curve(c: &Value) -> Option<Figure> {
     };
     let quantity = word("quantity")?;
     let band = [numbers(c, "low")?, numbers(c, "high")?];
+    let measured = wind_tunnel.iter().filter(|l| l.quantity == quantity).map(points);
     Some(Figure {
         topic: Topic::Variable,
         title: format!("{quantity} over {angle}{}", widest(&band)),
         x_label: format!("{angle}, deg"),
         y_label: quantity.to_owned(),
-        series: vec![Series { role: Role::After, x: numbers(c, "angle_deg")?, y: numbers(c, "value")?, band: Some(band) }],
+        series: std::iter::once(Series {
+            role: Role::After,
+            x: numbers(c, "angle_deg")?,
+            y: numbers(c, "value")?,
+            band: Some(band),
+            ..Series::default()
+        })
+        .chain(measured)
+        .collect(),
         ..Figure::default()
     })
 }
@@ -250,13 +268,16 @@ fn over_time(run: &str, b: &Value) -> Option<Figure> {
     };
     let t = numbers(b, "t_s")?;
     let band = [numbers(b, "low")?, numbers(b, "high")?];
-    let measured = Series { role: Role::Measured, x: t.clone(), y: numbers(b, "test")?, band: None };
+    let measured = Series { role: Role::Measured, x: t.clone(), y: numbers(b, "test")?, ..Series::default() };
     Some(Figure {
         topic: Topic::Trajectory,
         title: format!("{run}: {title}{}", widest(&band)),
         x_label: "time, s".to_owned(),
         y_label: format!("{title}, {unit}"),
-        series: vec![measured, Series { role: Role::After, x: t, y: numbers(b, "median")?, band: Some(band) }],
+        series: vec![
+            measured,
+            Series { role: Role::After, x: t, y: numbers(b, "median")?, band: Some(band), ..Series::default() },
+        ],
         ..Figure::default()
     })
 }

@@ -12,14 +12,18 @@ pub(crate) fn key(marks: &[(&str, &str)]) -> String {
 
 /// What the colours of some figures are.
 pub(crate) fn legend(figures: &[Figure]) -> String {
-    let names = [
-        (Role::Measured, "measured"),
-        (Role::Before, "declared model"),
-        (Role::After, "with the effects added"),
-        (Role::Noise, "noise alone"),
-    ];
-    let used = names.into_iter().filter(|(role, _)| figures.iter().any(|f| f.series.iter().any(|s| s.role == *role)));
-    key(&used.map(|(role, name)| (look(role).class(), name)).collect::<Vec<_>>())
+    let names = [(Role::Before, "declared model"), (Role::After, "with the effects added"), (Role::Noise, "noise alone")];
+    let any = |points: bool, role: Role| figures.iter().any(|f| f.series.iter().any(|s| s.role == role && s.points == points));
+    let mut marks = Vec::new();
+    if any(false, Role::Measured) {
+        marks.push(("measured", "measured"));
+    }
+    if any(true, Role::Measured) {
+        marks.push(("point", "measured points"));
+    }
+    let used = names.into_iter().filter(|(role, _)| any(false, *role) || any(true, *role));
+    marks.extend(used.map(|(role, name)| (look(role).class(), name)));
+    key(&marks)
 }
 
 /// A probability in words of percent.

@@ -27,7 +27,12 @@ pub fn many_page(s: &ManySummary) -> String {
 pub(crate) fn many_body(s: &ManySummary, plots: &mut Plots) -> String {
     let failed: Vec<&CampaignOutcome> = s.outcomes.iter().filter(|o| o.status == Status::Failed).collect();
     let mut out = format!("<h1>{TITLE}</h1>\n<p class=\"lead\">{}</p>\n", escape(&lead(s)));
-    out += &section("Campaigns", "p: of the channel that is least like noise under the declared model.", &campaigns(s));
+    out += &section(
+        "Campaigns",
+        "Look for small p and for verdicts other than their neighbours'; heads sort, words filter, and each campaign's path opens its page. p: of the \
+                    channel that is least like noise under the declared model.",
+        &campaigns(s),
+    );
     let lead = "What each was refused for, or failed at; the others are not touched by it.";
     out += &section("Failures", lead, &failures(&failed));
     out += &section("Parameters over campaigns", POOLED, &pooled(s));
@@ -57,7 +62,11 @@ fn campaigns(s: &ManySummary) -> String {
     let closed = s.outcomes.iter().any(|o| o.verdict.is_some());
     let row = |o: &CampaignOutcome| {
         let number = |x: Option<f64>, as_text: fn(f64) -> String| Cell::Number(x.map_or_else(|| "–".to_owned(), as_text));
-        let mut cells = vec![Cell::text(&o.path), Cell::text(&o.name)];
+        let path = match &o.page {
+            Some(page) => Cell::Made(format!("<a href=\"{}\">{}</a>", escape(&address(page)), escape(&o.path))),
+            None => Cell::text(&o.path),
+        };
+        let mut cells = vec![path, Cell::text(&o.name)];
         let conclusion = o.verdict.map_or_else(|| o.method.clone(), |v| v.name().to_owned());
         cells.push(Cell::text(if o.status == Status::Failed { "failed".to_owned() } else { conclusion }));
         if closed {
@@ -73,7 +82,17 @@ fn campaigns(s: &ManySummary) -> String {
     } else {
         &["campaign", "name", "method", "worst residual", "p"]
     };
-    table(heads, &s.outcomes.iter().map(row).collect::<Vec<_>>())
+    let all = table(heads, &s.outcomes.iter().map(row).collect::<Vec<_>>());
+    format!("<div data-filter=\"the campaigns\">{all}</div>\n")
+}
+
+/// A path as a relative address (RFC 3986).
+fn address(path: &str) -> String {
+    let one = |b: u8| match b {
+        b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' => char::from(b).to_string(),
+        _ => format!("%{b:02X}"),
+    };
+    path.bytes().map(one).collect()
 }
 
 fn failures(failed: &[&CampaignOutcome]) -> String {
@@ -174,7 +193,8 @@ mod tests {
         let other =
             json!({"status": "failed", "exit_code": 2, "reason": "no <run>", "verdict": null, "families": [], "parameters": []});
         other.as_object().expect("a record").iter().for_each(|(k, v)| failed[k] = v.clone());
-        let outcomes = [one("a/campaign.toml", 6.0, 0.1), one("b.toml", 7.0, 0.1), failed];
+        let mut outcomes = [one("a/campaign.toml", 6.0, 0.1), one("b.toml", 7.0, 0.1), failed];
+        outcomes[0]["page"] = json!("results/a b/\"x\"/report.html");
         let outcomes = outcomes.map(|o| serde_json::from_value(o).expect("an outcome")).to_vec();
         ManySummary::new("0", json!({"close": {}}), ["campaigns.parquet".to_owned(), String::new()], outcomes)
     }
@@ -188,6 +208,7 @@ mod tests {
             "no &lt;run&gt;",
             "c/&lt;x&gt;/campaign.toml",
             "p = 2e-12",
+            "<a href=\"results/a%20b/%22x%22/report.html\">a/campaign.toml</a>",
         ] {
             assert!(page.contains(text), "{text} in {page}");
         }

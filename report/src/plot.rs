@@ -122,6 +122,7 @@ mod tests {
             x: vec![0.0, 1.5],
             y: vec![2.0, 3.0],
             band: Some([vec![1.0, 2.0], vec![3.0, 4.0]]),
+            ..Series::default()
         }];
         let (title, x_label, y_label) = ("t".to_owned(), "time (s)".to_owned(), "a, b (m)".to_owned());
         let plot = Plot::Chart(Figure { topic: Topic::Trajectory, title, x_label, y_label, series, ..Figure::default() });

@@ -5,7 +5,7 @@ use crate::draw::Look;
 use crate::html::{Cell, escape, section, table};
 use crate::legend::{legend, share};
 use crate::plot::{Plot, Plots};
-use crate::words::{number, with_interval};
+use crate::words::{number, plain_key, with_interval};
 use windfall_verify::close::{Closing, Figure, InnovationShape, NoiseLine, Role, Series, Topic};
 
 /// Histograms and autocorrelations of the innovations.
@@ -21,8 +21,9 @@ pub(crate) fn innovations(c: &Closing, plots: &mut Plots) -> String {
         } else {
             vec![(Role::Before, &line.before)]
         };
-        all.push(histogram(&line.channel, &sides));
-        all.push(correlation(&line.channel, line.step_s, &sides));
+        let (channel, _) = plain_key(&line.channel);
+        all.push(histogram(&channel, &sides));
+        all.push(correlation(&channel, line.step_s, &sides));
     }
     let lead = "Look for histograms under the dashed bell, and correlations inside the dashed lines: then each sample brings only noise. \
                 Innovation: what a sample adds to its prediction from all before it, over its standard deviation; what lies beyond five is in the outermost bins.";
@@ -33,7 +34,7 @@ pub(crate) fn innovations(c: &Closing, plots: &mut Plots) -> String {
 fn histogram(channel: &str, sides: &[(Role, &InnovationShape)]) -> Figure {
     let bell: Vec<f64> = (0..=80).map(|k| f64::from(k) / 10.0 - 4.0).collect();
     let density = bell.iter().map(|x| (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt()).collect();
-    let mut series = vec![Series { role: Role::Noise, x: bell, y: density, band: None }];
+    let mut series = vec![Series { role: Role::Noise, x: bell, y: density, ..Series::default() }];
     for (role, s) in sides {
         let width = (s.ends[1] - s.ends[0]) / s.density.len().max(1) as f64;
         // Steps: both ends of every bin.
@@ -43,7 +44,7 @@ fn histogram(channel: &str, sides: &[(Role, &InnovationShape)]) -> Figure {
             x.extend([left, left + width]);
             y.extend([*d, *d]);
         }
-        series.push(Series { role: *role, x, y, band: None });
+        series.push(Series { role: *role, x, y, ..Series::default() });
     }
     Figure {
         topic: Topic::Variable,
@@ -59,9 +60,14 @@ fn correlation(channel: &str, step_s: f64, sides: &[(Role, &InnovationShape)]) -
     let lags = sides.first().map_or(0, |(_, s)| s.autocorrelation.len());
     let x: Vec<f64> = (1..=lags).map(|k| k as f64 * step_s).collect();
     let bound = 1.96 / (sides.first().map_or(1, |(_, s)| s.count.max(1)) as f64).sqrt();
-    let flat = |y: f64| Series { role: Role::Noise, x: x.clone(), y: vec![y; lags], band: None };
+    let flat = |y: f64| Series { role: Role::Noise, x: x.clone(), y: vec![y; lags], ..Series::default() };
     let mut series = vec![flat(bound), flat(-bound)];
-    series.extend(sides.iter().map(|(role, s)| Series { role: *role, x: x.clone(), y: s.autocorrelation.clone(), band: None }));
+    series.extend(sides.iter().map(|(role, s)| Series {
+        role: *role,
+        x: x.clone(),
+        y: s.autocorrelation.clone(),
+        ..Series::default()
+    }));
     Figure {
         topic: Topic::Variable,
         title: format!("{channel}: autocorrelation of the innovations"),

@@ -36,8 +36,9 @@ pub(crate) fn signals(id: &str, t: &SignalTracks) -> String {
     );
     let lead = "Look whether both bodies move together: the measured one at the left, the simulated one at the right, on one clock with the \
                 curves below.";
-    let signals = "Look for the colours on the grey curve, and for a residual as narrow as the noise. Drag to zoom, with shift to move, all channels follow; \
-                   double click shows all; hover reads values and moves the replay.";
+    let signals = "Look for the colours on the grey curve, and for a residual as narrow as the noise; as spectra, for residuals that have come down to the \
+                   dashed noise at every frequency (a peak that stays is a motion which the model has at another frequency, or not at all). Drag to zoom, with \
+                   shift to move, all channels follow; double click shows all; hover reads values and moves the replay. Spectra are of the span shown.";
     section("Replay", lead, &replay) + &section("Measured against model", signals, &body)
 }
 

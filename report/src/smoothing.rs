@@ -43,7 +43,7 @@ mod tests {
             log_y: true,
             log_x: true,
             marks: vec![2.5],
-            series: vec![Series { role: Role::Measured, x, y, band: None }],
+            series: vec![Series { role: Role::Measured, x, y, ..Series::default() }],
         };
         let (name, unit) = ("X".to_owned(), "m".to_owned());
         let series = vec![0.0, 0.5, 1.0];

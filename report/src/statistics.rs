@@ -6,7 +6,7 @@ use crate::draw::Look;
 use crate::html::{Cell, escape, section, table};
 use crate::laid_out::laid_out;
 use crate::plot::{Plot, Plots};
-use crate::words::{number, p_value};
+use crate::words::{number, p_value, plain_key};
 use serde_json::Value;
 
 /// Most explanations with a figure each.
@@ -16,7 +16,7 @@ const SHOWN: usize = 4;
 pub(crate) fn statistics(v: &Value, plots: &mut Plots) -> Option<String> {
     let verdict = text(v, "verdict")?;
     let conclusions: Vec<&str> = v.get("conclusions")?.as_array()?.iter().filter_map(Value::as_str).collect();
-    let words: String = conclusions.iter().map(|c| format!("<li>{}</li>", escape(c))).collect();
+    let words: String = conclusions.iter().map(|c| format!("<li>{}</li>", escape(&in_words(c)))).collect();
     let mut out = format!(
         "<p class=\"lead\">{}</p>\n<div class=\"verdict {}\"><b>{}</b><ul>{words}</ul></div>\n",
         escape(text(v, "source").unwrap_or_default()),
@@ -71,7 +71,10 @@ fn yes(v: &Value, key: &str) -> Cell {
 
 fn families(v: &Value, key: &str) -> String {
     let all: Vec<&str> = v.get(key).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str).collect();
-    if all.is_empty() { "the declared model".to_owned() } else { all.join(" + ") }
+    if all.is_empty() {
+        return "the declared model".to_owned();
+    }
+    all.iter().map(|f| plain_key(f).0).collect::<Vec<_>>().join(" + ")
 }
 
 /// Distributions over runs, over the test.
@@ -95,12 +98,30 @@ fn figures(title: &str, all: &Value, plots: &mut Plots) -> String {
     plots.put(Plot::Ranges { title, x_label, marks: vec![1.0], ranges })
 }
 
+/// A sentence whose keys are words.
+fn in_words(sentence: &str) -> String {
+    let word = |w: &str| {
+        let key = w.trim_end_matches([',', '.', ';', ':']);
+        let rest = &w[key.len()..];
+        if key.contains('_') {
+            let name = quantity(key);
+            let name = name.split(" (").next().unwrap_or(key).to_owned();
+            return name + rest;
+        }
+        w.to_owned()
+    };
+    sentence.split(' ').map(word).collect::<Vec<_>>().join(" ")
+}
+
 /// A quantity with its unit.
 fn quantity(key: &str) -> String {
     match key {
         "theta_deg" => "Θ (deg)".to_owned(),
         "omega_qr_deg_s" => "ω_q,r (deg/s)".to_owned(),
-        other => other.strip_suffix("_deg_s").map_or_else(|| other.replace('_', " "), |head| format!("{head} (deg/s)")),
+        other => {
+            let (name, unit) = plain_key(other);
+            unit.map_or(name.clone(), |u| format!("{name} ({u})"))
+        }
     }
 }
 
@@ -111,7 +132,9 @@ fn explanation(e: &Value) -> Vec<Cell> {
             let end = |k: usize| c.get(k).and_then(Value::as_f64).map_or_else(|| "–".to_owned(), number);
             format!(" [{}, {}]", end(0), end(1))
         });
-        format!("{} {}{ends}{unit}", text(p, "name").unwrap_or_default(), number(float(p, "estimate")))
+        let (name, of_key) = plain_key(text(p, "name").unwrap_or_default());
+        let unit = if unit.is_empty() { of_key.map_or_else(String::new, |u| format!(" {u}")) } else { unit };
+        format!("{name} {}{ends}{unit}", number(float(p, "estimate")))
     };
     let parameters: Vec<String> = e.get("parameters").and_then(Value::as_array).into_iter().flatten().map(one).collect();
     vec![
@@ -131,10 +154,21 @@ fn separation(s: &Value) -> Vec<Cell> {
 
 fn screening(s: &Value) -> Vec<Cell> {
     vec![
-        Cell::text(text(s, "family").unwrap_or_default()),
+        Cell::text(plain_key(text(s, "family").unwrap_or_default()).0),
         Cell::number(float(s, "largest_change")),
         Cell::Number(format!("{:.0} %", 100.0 * float(s, "gap_closed"))),
         yes(s, "moves"),
         yes(s, "leads"),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_words;
+
+    #[test]
+    fn exact_keys_of_a_sentence_in_words() {
+        let found = in_words("median omega_qr_deg_s +20 %; max q_deg_s of it: axial_scale_m, duration_s.");
+        assert_eq!(found, "median ω_q,r +20 %; max q of it: axial scale, duration.");
+    }
 }

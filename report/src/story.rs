@@ -125,5 +125,5 @@ pub(crate) fn thinned(role: Role, x: &[f64], y: &[f64], points: usize) -> Series
     let n = x.len().min(y.len());
     let stride = n.div_ceil(points).max(1);
     let some = |s: &[f64]| s[..n].iter().step_by(stride).copied().collect();
-    Series { role, x: some(x), y: some(y), band: None }
+    Series { role, x: some(x), y: some(y), ..Series::default() }
 }

@@ -8,6 +8,7 @@ use crate::number;
 use crate::pairs::Pair;
 use crate::plot::{Plot, Plots};
 use crate::study_closings::closings;
+use crate::study_varied::over_varied;
 use crate::words::with_interval;
 use windfall_verify::close::{Figure, Role, Series};
 use windfall_verify::study::{
@@ -43,6 +44,7 @@ pub(crate) fn study_body(s: &Summary, plots: &mut Plots) -> String {
         let lead = "Look for bars across the dashed line, which is what was put in; one in twenty may miss it and has the other colour. The first \
                     draws, each estimate with its 95 % interval.";
         out += &section(&format!("{title}: recovery"), lead, &recovery(&recovered, plots));
+        out += &over_varied(&format!("{title}: errors over what was varied"), &recovered, &s.varied, plots);
     }
     out += &s.closings.as_ref().map_or_else(String::new, |c| closings(c, plots));
     let rates: Vec<Range> = s.rates.iter().filter(|r| !r.name.ends_with(".covered")).filter_map(|r| share(r, &r.name)).collect();
@@ -142,8 +144,9 @@ fn reliability(own: &[&RecoveryLine], plots: &mut Plots) -> String {
     let end = |k: usize, pick: fn(f64, f64) -> f64, start: f64| at(k).map(ReliabilityPoint::share).fold(start, pick);
     let places = || 0..stated.len();
     let band = [places().map(|k| end(k, f64::min, 1.0)).collect(), places().map(|k| end(k, f64::max, 0.0)).collect()];
-    let line = Series { role: Role::Noise, x: vec![0.0, 1.0], y: vec![0.0, 1.0], band: None };
-    let curve = Series { role: Role::After, x: stated.clone(), y: places().map(pooled).collect(), band: Some(band) };
+    let line = Series { role: Role::Noise, x: vec![0.0, 1.0], y: vec![0.0, 1.0], ..Series::default() };
+    let curve =
+        Series { role: Role::After, x: stated.clone(), y: places().map(pooled).collect(), band: Some(band), ..Series::default() };
     let figure = Figure {
         title: format!("{}: reliability of the stated intervals", first.method),
         x_label: "stated probability".to_owned(),

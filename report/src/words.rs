@@ -83,6 +83,37 @@ pub fn p_value(p: f64) -> String {
     }
 }
 
+/// Endings of keys and the units that they stand for, longer ones first.
+const UNITS: [(&str, &str); 16] = [
+    ("_n_m_s", "N m s"),
+    ("_deg_s", "deg/s"),
+    ("_m_s2", "m/s²"),
+    ("_kg_m2", "kg m²"),
+    ("_rad_s", "rad/s"),
+    ("_n_s_m", "N s/m"),
+    ("_n_s", "N s"),
+    ("_m_s", "m/s"),
+    ("_n_m", "N m"),
+    ("_deg", "deg"),
+    ("_rad", "rad"),
+    ("_hz", "Hz"),
+    ("_kg", "kg"),
+    ("_n", "N"),
+    ("_m", "m"),
+    ("_s", "s"),
+];
+
+/// A key in words and the unit at its end, if it has one.
+///
+/// ```text
+/// axial_rms_m_s: axial rms, m/s
+/// ```
+pub(crate) fn plain_key(key: &str) -> (String, Option<&'static str>) {
+    let found = UNITS.iter().find_map(|(ending, unit)| Some((key.strip_suffix(ending).filter(|k| !k.is_empty())?, *unit)));
+    let (name, unit) = found.map_or((key, None), |(name, unit)| (name, Some(unit)));
+    (name.replace(['_', '-'], " "), unit)
+}
+
 /// A list as people write it: `a`, `a and b`, `a, b and c`.
 pub(crate) fn listed<S: AsRef<str>>(items: &[S]) -> String {
     match items {
@@ -177,6 +208,14 @@ mod tests {
             assert_eq!(with_interval(x, Some(half)).0, text);
         }
         assert_eq!(with_interval(0.5, None), ("0.5000".to_owned(), None));
+    }
+
+    #[test]
+    fn exact_keys_in_words() {
+        assert_eq!(plain_key("axial_rms_m_s"), ("axial rms".to_owned(), Some("m/s")));
+        assert_eq!(plain_key("damping-shape"), ("damping shape".to_owned(), None));
+        assert_eq!(plain_key("line_rate_n_s_m"), ("line rate".to_owned(), Some("N s/m")));
+        assert_eq!(plain_key("x_m"), ("x".to_owned(), Some("m")));
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::point_body::{self, InputSource, RunOwn};
 use crate::record::read_own_pieces;
 use crate::scenario::{declared_effects, run_exists, used};
 use crate::table::{Source, Table, number};
-use crate::units;
+use crate::{units, wind_tunnel};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use windfall_model::{Acts, Campaign, Data, Effect, Knowledge, Measured, Role, Run, Use};
@@ -82,6 +82,7 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
         }
     }
     enough_samples(&source, &declared, &runs);
+    let wind_tunnel = wind_tunnel::tests(&file, &declared);
     effects_in_runs(&source, &effects, &inputs, runs.len());
     let campaign = Campaign {
         name: name.unwrap_or_default(),
@@ -89,7 +90,7 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
         plant: declared.plant,
         inputs,
         runs,
-        knowledge: Knowledge { effects, ..declared.knowledge },
+        knowledge: Knowledge { effects, wind_tunnel, ..declared.knowledge },
     };
     source.finish(Some((campaign, warnings)))
 }

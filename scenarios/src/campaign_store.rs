@@ -23,6 +23,8 @@ const RESULTS: &str = "results";
 const OUTCOME: &str = "outcome.json";
 /// Names that a campaign's result may have.
 const RESULT_FILES: [&str; 2] = ["close.json", "identification.json"];
+/// A campaign's own page.
+const PAGE: &str = "report.html";
 /// What is written when all campaigns are there.
 const JOINED: [&str; 3] = ["campaigns.parquet", "many.json", "report.html"];
 
@@ -165,6 +167,25 @@ impl CampaignStore {
         write_json_atomically(&set.stage().join(OUTCOME), &Kept { input: input.to_owned(), result, outcome })?;
         Ok(set.commit(before)?)
     }
+    /// Writes a campaign's page beside its result, made of the result's file as it is kept; where it lies from the folder. None without a result.
+    ///
+    /// # Errors
+    /// A full disk and the like.
+    pub fn put_page(&self, result: &str, make: impl Fn(&str, &str) -> Option<String>) -> Result<Option<String>, StoreError> {
+        let folder = self.of(result);
+        let read = |name: &'static str| Some((name, fs::read_to_string(folder.join(name)).ok()?));
+        let made = RESULT_FILES.into_iter().find_map(read).and_then(|(name, text)| make(name, &text));
+        let path = folder.join(PAGE);
+        let Some(page) = made else {
+            // The page of a result that is gone goes with it.
+            return match fs::remove_file(&path) {
+                Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(StoreError::write(&path, e)),
+                _ => Ok(None),
+            };
+        };
+        text_atomically(&path, &page)?;
+        Ok(Some(format!("{RESULTS}/{result}/{PAGE}")))
+    }
     /// Writes the table, the summary and the page of all campaigns, replacing those that are there.
     ///
     /// # Errors
@@ -191,7 +212,7 @@ impl CampaignStore {
 /// Removes results below a folder, and folders that are empty then; links are not followed.
 fn clear_results(folder: &Path, remove: &dyn Fn(&Path) -> Result<(), StoreError>) -> Result<(), StoreError> {
     if folder.join(OUTCOME).is_file() {
-        RESULT_FILES.iter().chain(&[OUTCOME]).try_for_each(|f| remove(&folder.join(f)))?;
+        RESULT_FILES.iter().chain(&[OUTCOME, PAGE]).try_for_each(|f| remove(&folder.join(f)))?;
     }
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         if entry.file_type().is_ok_and(|k| k.is_dir()) {

@@ -4,6 +4,7 @@ mod columns;
 mod free_flight;
 mod planet;
 pub(crate) mod spec;
+mod wind_tunnel;
 
 use crate::limits;
 pub(crate) use columns::{COLUMN, COLUMNS, COLUMNS_ATTITUDE, COLUMNS_AXES};
@@ -16,6 +17,7 @@ pub(crate) use planet::{
     UNCERTAINTY_PLANET, UNCERTAINTY_VEHICLE_PLANET, VEHICLE_PLANET, WIND_PLANET,
 };
 pub(crate) use spec::{Key, Kind, TableSpec};
+pub(crate) use wind_tunnel::WIND_TUNNEL;
 use windfall_model::PLANT_NUMBERS;
 
 const fn num(name: &'static str, unit: &'static str, low: f64, high: f64, meaning: &'static str) -> Key {
@@ -101,6 +103,11 @@ pub(crate) static CAMPAIGN_FILE: TableSpec = TableSpec {
         other("aero", Kind::Table, "one declared model, [aero.<name>]"),
         optional(other("effects", Kind::Table, "effects that the declared model has, [effects.<family>]")),
         optional(other("columns", Kind::Table, "names, units, axes and attitudes of the run files where they are others")),
+        optional(other(
+            "wind_tunnel",
+            Kind::Tables,
+            "static coefficients of wind-tunnel tests, [[wind_tunnel]], for comparison alone",
+        )),
         other("run", Kind::Tables, "runs, [[run]]"),
     ],
 };
@@ -740,6 +747,7 @@ pub(crate) static ALL: [(&str, &[&TableSpec]); 6] = [
             &AERO,
             &AERO_TABLE,
             &CAMPAIGN_EFFECTS,
+            &WIND_TUNNEL,
             &RUN,
             &INPUT,
             &RUN_VEHICLE,

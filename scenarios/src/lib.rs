@@ -47,6 +47,7 @@ mod table;
 mod toml_out;
 mod uncertainty;
 mod units;
+mod wind_tunnel;
 mod write;
 
 pub use bundled::{FREE as BUNDLED_FREE, NAMES as BUNDLED, PLANETS as BUNDLED_PLANETS, bundled};

@@ -71,16 +71,48 @@ async function interaction(page, name) {
   await page.locator(`[data-tracks="${id}"] .channels`).focus();
   await page.keyboard.press("0");
   hold(`${name}: a key shows all`, (await range()).every((r) => Math.abs(r[1] - r[0] - whole) < 1e-3));
+  await spectra(page, name, id);
   const before = await page.evaluate((k) => Windfall.views[k].t, id);
   await page.keyboard.press("ArrowRight");
   hold(`${name}: keys move the cursor`, (await page.evaluate((k) => Windfall.views[k].t, id)) !== before);
-  const runs = await page.locator(`.tracks[data-tracks="${id}"] select option`).count();
+  const runs = await page.locator(`.tracks[data-tracks="${id}"] select`).first().locator("option").count();
   if (runs > 1) {
-    await page.locator(`.tracks[data-tracks="${id}"] select`).selectOption(String(runs - 1));
+    await page.locator(`.tracks[data-tracks="${id}"] select`).first().selectOption(String(runs - 1));
     hold(`${name}: another run`, (await page.evaluate((k) => Windfall.views[k].run, id)) === runs - 1);
   }
   await replay(page, name, id);
   return link;
+}
+
+/** The view as spectra: every channel draws, and the line of a swing that is put in stands at its frequency. */
+async function spectra(page, name, id) {
+  const pick = page.locator(`.tracks[data-tracks="${id}"] select`).nth(1);
+  await pick.selectOption("spectra");
+  const drawn = await page.evaluate((k) => [Windfall.views[k].still.length, Windfall.views[k].shown.size], id);
+  hold(`${name}: spectra of every channel`, drawn[0] >= drawn[1] && drawn[1] > 0, drawn);
+  const peak = await page.evaluate(() => {
+    const t = Array.from({ length: 4000 }, (_, i) => 0.01 * i);
+    const [f, a] = Windfall.spectrum.density(t, t.map((v) => 0.3 * v + Math.sin(2 * Math.PI * 3 * v)), [0, 40]);
+    return f[a.indexOf(Math.max(...a))];
+  });
+  hold(`${name}: a swing of 3 Hz stands at 3 Hz`, Math.abs(peak - 3) < 0.15, peak);
+  hold(`${name}: the address holds spectra`, await page.waitForFunction(() => location.href.includes("as=spectra"), null, { timeout: 10000 }).then(() => true, () => false));
+  await pick.selectOption("time");
+}
+
+/** A table with a filter: words leave rows out, heads sort. */
+async function filter(page, name) {
+  const place = page.locator("[data-filter]").first();
+  if (!(await place.count())) return;
+  const rows = () => place.locator("tbody tr:visible").count();
+  const all = await rows();
+  await place.locator("input").fill("no such words");
+  hold(`${name}: the filter leaves rows out`, all > 0 && (await rows()) === 0, all);
+  await place.locator("input").fill("");
+  await place.locator("thead button").first().click();
+  hold(`${name}: heads sort`, (await place.locator("th[aria-sort=ascending]").count()) === 1 && (await rows()) === all);
+  const link = await place.locator("tbody a").first().getAttribute("href");
+  hold(`${name}: a campaign's page is there`, !!link && existsSync(join(dirname(resolve(page.url().replace("file://", ""))), decodeURIComponent(link))), link);
 }
 
 /** The picture is made of more than one colour, and changes with time. */
@@ -130,6 +162,7 @@ async function look(browser, file) {
   hold(`${name}: tunnel records have spectra with their cut-off, others none`, records[0] ? records[1] && records[2] === 7 : !records[1] && !records[2], records);
   const told = await page.evaluate(() => Object.keys(Windfall.views).map((k) => [k, Windfall.views[k].plots.length]));
   hold(`${name}: every view over time draws`, told.every(([, n]) => n > 0), told);
+  await filter(page, name);
   const link = await interaction(page, name);
   await page.evaluate(axe);
   const found = await page.evaluate(() => axe.run(document, { resultTypes: ["violations"] }));

@@ -15,3 +15,4 @@ mod own_columns;
 mod plan;
 mod program;
 mod structure;
+mod wind_tunnel;

@@ -5,7 +5,9 @@
 //! covariance has what every run has of its own (`points`). Nothing here knows a family by name.
 
 use crate::VerifyError;
-use windfall_model::{Campaign, Use};
+use crate::wind_tunnel::{self, WindTunnelLine};
+use windfall_model::{Campaign, Plant, Use};
+use windfall_pid::bands::largest_angle_rad;
 
 mod balance;
 mod chance;
@@ -16,14 +18,17 @@ mod innovations;
 mod lead;
 mod likely;
 mod points;
+mod pose_rates;
 mod poses;
 mod result;
+mod settings;
 mod sides;
 mod signals;
 mod slope;
 mod smoothing;
 mod track_shape;
 mod tracks;
+mod whitened;
 
 pub use crate::residual::ChannelResidual;
 pub use chance::p_value;
@@ -66,5 +71,28 @@ pub(crate) fn runs_of(campaign: &Campaign, used: Use) -> Vec<usize> {
 /// A record that is not what its campaign says it is, no run to identify on, runs too short, or a declared model that cannot be fitted.
 pub fn close(campaign: &Campaign, options: &Options) -> Result<Closing, VerifyError> {
     windfall_pid::plausible::plausible(campaign)?;
-    if campaign.has_tracks() { points::close(campaign, options) } else { likely::close(campaign, options) }
+    if campaign.has_tracks() {
+        return points::close(campaign, options);
+    }
+    let closing = likely::close(campaign, options)?;
+    let wind_tunnel = static_points(campaign, &closing)?;
+    Ok(Closing { wind_tunnel, ..closing })
+}
+
+/// Both sides of a closing at the points of wind-tunnel tests.
+fn static_points(campaign: &Campaign, closing: &Closing) -> Result<Vec<WindTunnelLine>, VerifyError> {
+    if campaign.knowledge.wind_tunnel.is_empty() {
+        return Ok(Vec::new());
+    }
+    let sides = sides::sides_of(campaign, closing);
+    let plants: Vec<(&str, &Plant)> =
+        sides.each().map(|(role, p)| (if role == Role::Before { "before" } else { "after" }, p)).collect();
+    Ok(wind_tunnel::of_plants(campaign, &plants, reached_rad(campaign)?))
+}
+
+/// Largest total angle of attack of the runs to identify on, rad.
+fn reached_rad(campaign: &Campaign) -> Result<f64, VerifyError> {
+    let of = |i: &usize| largest_angle_rad(campaign, *i);
+    let all = runs_of(campaign, Use::Identify).iter().map(of).collect::<Result<Vec<f64>, _>>()?;
+    Ok(all.into_iter().fold(0.0, f64::max))
 }

@@ -4,12 +4,14 @@
 //! made dimensionless by the full-scale body's length and speed. What Reynolds and Mach numbers change is not in it.
 
 mod draw;
+mod landing;
 mod linear;
 mod quantity;
 mod result;
 mod shares;
 mod summary;
 
+pub use landing::LandingScatter;
 pub use linear::{SteadyFall, steady_fall};
 pub use result::{
     DescentEnds, DescentModel, DescentReason, DescentSummary, DrawnParameter, HeightLine, ParameterShare, TouchDownLine,
@@ -100,6 +102,7 @@ pub fn descend(
         parameters: bodies.drawn.iter().map(of).collect(),
         ends: summary::ends(&all),
         touch_down: summary::touch_down(&all, nominal.as_ref().ok(), &names, [paired, chance]),
+        landing: landing::landing(&all),
         over_height: summary::over_height(&all, nominal.as_ref().ok(), &heights_m),
         linear_theory,
         warnings: warnings(&bodies, nominal.as_ref().err(), chance),

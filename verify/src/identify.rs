@@ -4,6 +4,7 @@
 use crate::VerifyError;
 use crate::bootstrap::{Bootstrap, bootstrap};
 use crate::close::LEFT;
+use crate::wind_tunnel::{self, WindTunnelLine};
 use serde::{Deserialize, Serialize};
 use windfall_likelihood::{Engine, Id, Model};
 use windfall_model::Campaign;
@@ -65,6 +66,9 @@ pub struct Identified {
     /// Stated errors beside the scatter over copies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bootstrap: Option<Bootstrap>,
+    /// Identified curves at the points of the campaign's wind-tunnel tests.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub wind_tunnel: Vec<WindTunnelLine>,
 }
 
 impl AsRef<Identification> for Identified {
@@ -105,7 +109,8 @@ pub fn identify(campaign: &Campaign, notes: &[String], request: &IdentifyOrder) 
     if let Some((b, first)) = copies.as_ref().and_then(|b| Some((b, b.failed.first()?))) {
         found.warnings.push(format!("{} of {} copies gave no answer, the first: {first}", b.failed.len(), b.draws));
     }
-    Ok(Identified { found, bootstrap: copies })
+    let wind_tunnel = wind_tunnel::of_data_sets(&campaign, &found.data_sets);
+    Ok(Identified { found, bootstrap: copies, wind_tunnel })
 }
 
 /// Name of the likelihood in results.

@@ -16,6 +16,7 @@ pub mod separate;
 pub mod statistics;
 pub mod study;
 pub mod tracks;
+mod wind_tunnel;
 
 pub use bootstrap::{Bootstrap, BootstrapLine, bootstrap};
 pub use checks::{Bound, Check, CheckKind, CheckVerdict, Setups, all_pass, checks};
@@ -27,4 +28,5 @@ pub use resimulate::{
     Band, FlownParameter, HoldOut, Initial, Replay, Resimulation, RunComparison, Statistic, Swing, TrajectoryError,
     estimate_initial, hold_out, resimulate, resimulate_with_draws,
 };
+pub use wind_tunnel::{WindTunnelLine, WindTunnelModel};
 pub use windfall_pid::{DataSet, Estimate, Identification};

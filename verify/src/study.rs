@@ -14,7 +14,7 @@ mod stop;
 mod summary;
 
 pub use draw::PreparedStudy;
-pub use recovery::{ClosingSummary, ConfusionLine, RecoveredDraw, RecoveryLine, ReliabilityPoint};
+pub use recovery::{ClosingSummary, ConfusionLine, RecoveredDraw, RecoveryLine, ReliabilityPoint, VariedLine};
 pub use run::{each, run};
 pub use stop::{Moments, Progress, clopper_pearson};
 pub use summary::{Count, FailureKind, NumberLine, ParameterSummary, Quantile, Rate, Summary, WordLine, summarise};

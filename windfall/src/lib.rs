@@ -70,7 +70,10 @@ pub mod results {
     pub use windfall_verify::separate::{Deciding, NextRun, Separated, Separation, Sharpened};
     pub use windfall_verify::statistics::{StatisticsClosing, statistics_table};
     pub use windfall_verify::study::{Moments, Summary};
-    pub use windfall_verify::{Bootstrap, Check, CheckKind, CheckVerdict, Identified, Resimulation, RunComparison, Statistic};
+    pub use windfall_verify::{
+        Bootstrap, Check, CheckKind, CheckVerdict, Identified, Resimulation, RunComparison, Statistic, WindTunnelLine,
+        WindTunnelModel,
+    };
 }
 
 /// Files of the program: results as JSON, structures, studies' folders.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use windfall_report::many_page;
+use windfall_report::{campaign_page, many_page};
 use windfall_scenarios::{
     CampaignStore, FoundCampaign, FoundCampaigns, ManyIdentity, Opening, ResultFile, Shard, StoreError, campaign_hash,
     find_campaigns, json_text, table_bytes,
@@ -16,6 +16,9 @@ use windfall_verify::study::each;
 
 /// Name of the table of all campaigns.
 const TABLE: &str = "campaigns.parquet";
+
+/// Most campaigns that get a page each: one takes about 150 kB.
+const PAGES: usize = 1000;
 
 /// How to do many campaigns into a folder.
 ///
@@ -260,13 +263,25 @@ impl Campaigns {
             let (folder, parts, first) = (store.folder().to_owned(), kept.len() as u64, first as u64);
             return Err(StoreError::Incomplete { folder, missing, parts, first }.into());
         }
-        let outcomes: Vec<CampaignOutcome> = kept.into_iter().flatten().collect();
+        let mut outcomes: Vec<CampaignOutcome> = kept.into_iter().flatten().collect();
+        self.pages(store, &mut outcomes)?;
         let (columns, rows) = campaign_table(&outcomes);
         let (table, hash) = table_bytes(&columns, &rows)?;
         let each = serde_json::to_value(&self.each).map_err(|e| Error::Request(e.to_string()))?;
         let summary = ManySummary::new(env!("CARGO_PKG_VERSION"), each, [TABLE.to_owned(), hash], outcomes);
         store.join(&table, &summary, &many_page(&summary))?;
         Ok(summary)
+    }
+    /// Writes each campaign's own page, unless there are too many for a disk's sake.
+    fn pages(&self, store: &CampaignStore, outcomes: &mut [CampaignOutcome]) -> Result<()> {
+        if outcomes.len() > PAGES {
+            return Ok(());
+        }
+        let made = |(o, c): (&mut CampaignOutcome, &FoundCampaign)| -> Result<()> {
+            o.page = store.put_page(&c.result, |file, text| campaign_page(&c.path, file, text))?;
+            Ok(())
+        };
+        outcomes.par_iter_mut().zip(&self.found.campaigns).try_for_each(made)
     }
     /// Does what a folder lacks, and joins it unless only a share was asked for.
     ///

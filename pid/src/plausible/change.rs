@@ -37,6 +37,8 @@ pub(super) enum Act {
     Wind(f64),
     /// Tunnel speed as recorded so many steps of [`super::motion::DELAY_S`] later; none: the record as it stands.
     Late(usize),
+    /// The motion as it is given: turned already, in room and body together.
+    Frames,
 }
 
 const AXES: [&str; 3] = ["X", "Y", "Z"];
@@ -209,6 +211,7 @@ impl Act {
                 to = to.map(|[value, rate, second]| [value, rate / f, second / (f * f)]);
             }
             Self::Late(k) => to[6] = if k == 0 { m[6] } else { i.later[k - 1] },
+            Self::Frames => {}
             Self::Wind(f) => to[6] = to[6].map(|v| v * f),
         }
         Point { t_s, motion: to, ps_pa: i.ps_pa, ts_k: i.ts_k }
@@ -237,11 +240,12 @@ impl Act {
                 }
             }
             Self::HalfTurn => 4,
+            Self::Frames => 5,
         }
     }
     /// Whether accelerations keep their size, so that what is left can be measured against those of the record as it stands.
     pub(super) fn keeps_size(&self) -> bool {
-        !matches!(self, Self::Length(_) | Self::Angle(_) | Self::Time(_))
+        !matches!(self, Self::Length(_) | Self::Angle(_) | Self::Time(_) | Self::Frames)
     }
 }
 

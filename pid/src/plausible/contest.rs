@@ -70,7 +70,12 @@ fn outcome(
 }
 
 /// A fault, where one reading is far better than the record as it stands.
-pub(super) fn fault(campaign: &Campaign, instants: &[MotionSample]) -> Option<GrossFault> {
+/// `turned`: readings of other axes, with their own motion.
+pub(super) fn fault(
+    campaign: &Campaign,
+    instants: &[MotionSample],
+    turned: Vec<(Change, Vec<MotionSample>)>,
+) -> Option<GrossFault> {
     if instants.is_empty() {
         return None;
     }
@@ -82,7 +87,9 @@ pub(super) fn fault(campaign: &Campaign, instants: &[MotionSample]) -> Option<Gr
     let reference = now.as_ref().map(|(_, b)| b);
     let readings =
         all().into_iter().filter_map(|c| Some(outcome(c.act, Some(c), campaign, declared, instants, seconds, reference)?.0));
-    let list: Vec<Outcome> = readings.collect();
+    let turned =
+        turned.into_iter().filter_map(|(c, own)| Some(outcome(c.act, Some(c), campaign, declared, &own, seconds, reference)?.0));
+    let list: Vec<Outcome> = readings.chain(turned).collect();
     let least = list.iter().map(Outcome::total).fold(f64::INFINITY, f64::min);
     let lead = now.as_ref().map_or(0.0, |n| n.0.total() - least).max(0.0);
     let best = list.iter().find(|o| o.total() < least + ALIKE.max(ALIKE_SHARE * lead))?;

@@ -5,13 +5,14 @@
 //! constants. Undeclared effects, noise of any kind and aerodynamics half to twice the declared ones are no faults; what is in doubt
 //! passes. Runs without attitude are not looked at.
 //!
-//! One file per kind of check: `frozen` and `jump` on samples, `twice` on pairs of runs, `line` on the tether's geometry,
+//! One file per kind of check: `frozen` and `jump` on samples, `twice` on pairs of runs, `line` on the tether's geometry, `frames` on axes,
 //! `contest` and `constants` on the balance of forces and moments, `size` on the declared body.
 
 mod balance;
 mod change;
 mod constants;
 mod contest;
+mod frames;
 mod frozen;
 mod jump;
 mod line;
@@ -61,15 +62,19 @@ pub fn fault(campaign: &Campaign) -> Option<GrossFault> {
     if runs.is_empty() {
         return None;
     }
-    let on_samples = runs.iter().find_map(|(name, r)| frozen::fault(name, r).or_else(|| jump::fault(name, r)));
-    on_samples.or_else(|| twice::fault(&runs)).or_else(|| line::fault(campaign, &runs)).or_else(|| {
-        let instants = motion::instants(&runs);
-        constants::celsius(&instants)
-            .or_else(|| constants::gravity(campaign, &instants))
-            .or_else(|| contest::fault(campaign, &instants))
-            .or_else(|| constants::fault(campaign, &instants))
-            .or_else(|| size::fault(campaign))
-    })
+    let instants = motion::instants(&runs);
+    let on_balance = || contest::fault(campaign, &instants, frames::readings(&runs));
+    // Angles about the wrong axes jump where they are not defined; the body does not.
+    let first = if frames::is_singular(&runs) { on_balance() } else { None };
+    first
+        .or_else(|| runs.iter().find_map(|(name, r)| frozen::fault(name, r).or_else(|| jump::fault(name, r))))
+        .or_else(|| twice::fault(&runs))
+        .or_else(|| line::fault(campaign, &runs))
+        .or_else(|| constants::celsius(&instants))
+        .or_else(|| constants::gravity(campaign, &instants))
+        .or_else(on_balance)
+        .or_else(|| constants::fault(campaign, &instants))
+        .or_else(|| size::fault(campaign))
 }
 
 /// Names and records of the runs with attitude whose columns are complete; others are the reader's and the methods' to refuse.

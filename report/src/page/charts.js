@@ -6,6 +6,7 @@
   /** What a role is called in a figure: as the section's key says, where it has one. */
   function named(figure, role) {
     const mark = figure.closest("section")?.querySelector(`.key.${role}`);
+    if (role === "point" && !mark) return "measured points";
     return mark?.nextSibling?.textContent.split(",")[0] || names[role];
   }
   /** Labels of a logarithmic axis, short: 1e−5. */
@@ -33,6 +34,13 @@
   }
   /** Steps of a histogram: each abscissa once, the bin's value to its right. */
   function steps(s) {
+    if (s.points) {
+      // Several points may have one abscissa, and the plot's table has each once.
+      const tiny = ((s.x[s.x.length - 1] - s.x[0]) || 1) * 1e-9;
+      const x = [];
+      s.x.forEach((v, i) => x.push(i && v <= x[i - 1] ? x[i - 1] + tiny : v));
+      return { ...s, x };
+    }
     const twice = s.x.length > 3 && s.x[1] === s.x[2];
     return twice ? { ...s, x: s.x.map((v, i) => v + (i % 2 ? -1e-6 : 1e-6)) } : s;
   }
@@ -54,6 +62,30 @@
     ctx.restore();
   }
 
+  /** Error bars of points. */
+  function bars(u, series) {
+    const { ctx } = u;
+    ctx.save();
+    ctx.lineWidth = devicePixelRatio;
+    for (const s of series.filter((s) => s.points && s.band)) {
+      ctx.strokeStyle = colour(s.role === "measured" ? "ink" : s.role);
+      s.x.forEach((v, i) => {
+        if (v < u.scales.x.min || v > u.scales.x.max) return;
+        const x = u.valToPos(v, "x", true);
+        ctx.beginPath();
+        ctx.moveTo(x, u.valToPos(s.band[0][i], "y", true));
+        ctx.lineTo(x, u.valToPos(s.band[1][i], "y", true));
+        ctx.stroke();
+      });
+    }
+    ctx.restore();
+  }
+  /** Discs in place of a line. */
+  const discs = (s) => {
+    const ink = colour(s.role === "measured" ? "ink" : s.role);
+    return { stroke: ink, width: 0, paths: () => null, points: { show: true, size: s.x.length > 60 ? 4 : 6, stroke: ink, fill: ink, width: 0 } };
+  };
+
   function build(figure, plot) {
     const series = plot.series.map(steps);
     const table = joined(series);
@@ -62,13 +94,14 @@
     const bands = [];
     const used = {};
     for (const s of series) {
-      const name = named(figure, s.role) + (used[s.role] ? " " + (used[s.role] + 1) : "");
-      used[s.role] = (used[s.role] || 0) + 1;
-      lines.push({ label: name, value, spanGaps: true, ...Windfall.stroke(s.role) });
+      const kind = s.points && s.role === "measured" ? "point" : s.role;
+      const name = named(figure, kind) + (used[kind] ? " " + (used[kind] + 1) : "");
+      used[kind] = (used[kind] || 0) + 1;
+      lines.push({ label: name, value, spanGaps: true, ...(s.points ? discs(s) : Windfall.stroke(s.role)) });
       if (s.band) {
         const at = lines.length;
-        for (const end of ["lower end", "upper end"]) lines.push({ label: end, value, width: 0, points: { show: false }, spanGaps: true });
-        bands.push({ series: [at + 1, at], fill: colour(s.role) + "38" });
+        for (const end of ["lower end", "upper end"]) lines.push({ label: end, value, width: 0, points: { show: false }, spanGaps: true, class: s.points ? "bar-end" : null });
+        if (!s.points) bands.push({ series: [at + 1, at], fill: colour(s.role) + "38" });
       }
     }
     const svg = figure.querySelector("svg");
@@ -76,9 +109,10 @@
     const width = Math.max(240, figure.clientWidth);
     const options = {
       width, height: Math.round(Math.min(300, Math.max(190, width * 0.56))), series: lines, bands,
-      scales: { x: { time: false, distr: plot.log_x ? 3 : 1 }, y: { distr: plot.log_y ? 3 : 1 } },
+      // Points at the ends lie inside.
+      scales: { x: { time: false, distr: plot.log_x ? 3 : 1, ...(series.some((s) => s.points) && !plot.log_x ? { range: (u, a, b) => [a - 0.04 * (b - a || 1), b + 0.04 * (b - a || 1)] } : {}) }, y: { distr: plot.log_y ? 3 : 1 } },
       axes: Windfall.axes(plot.x_label, plot.y_label, plot.log_y, plot.log_x), cursor: { drag: { x: true, y: false } }, legend: { live: true },
-      hooks: { drawAxes: [(u) => upright(u, plot.marks || [])] },
+      hooks: { drawAxes: [(u) => upright(u, plot.marks || [])], draw: [(u) => bars(u, series)] },
     };
     const old = figure.querySelector(".live");
     if (old) { old.uplot.destroy(); old.remove(); }

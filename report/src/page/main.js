@@ -17,6 +17,7 @@
   }
   Windfall.views = views;
   attempt("figures", () => Windfall.upgrade());
+  attempt("tables", () => Windfall.tables());
   // Paper has all figures, whatever was in sight.
   addEventListener("beforeprint", () => Windfall.showAll?.());
   const here = [...document.querySelectorAll("nav a")];

@@ -62,12 +62,14 @@
       const named = tracks.runs.findIndex((r) => r.name === mine.run);
       this.run = named >= 0 ? named : Math.max(0, held);
       const names = tracks.runs[0].channels.map((c) => c.name);
-      const first = names.filter((n) => !["p", "q", "r", "airspeed", "tether pull"].includes(n));
+      // Of a body in free flight all are shown: its rates and incidence are what its model is about.
+      const first = tracks.body.free ? names : names.filter((n) => !["p", "q", "r", "airspeed", "tether pull"].includes(n));
       const shown = (mine.ch || "").split(",").filter((n) => names.includes(n));
       this.shown = new Set(shown.length ? shown : first);
       if (mine.x) this.range = mine.x.split("_").map(Number).slice(0, 2);
       if (this.range && !(this.range[1] > this.range[0])) this.range = null;
       if (mine.t) this.t = Number(mine.t) || 0;
+      this.spectra = mine.as === "spectra";
       this.controls(names);
       const still = document.querySelector(`[data-still="${tracks.id}"]`);
       if (still) still.hidden = true;
@@ -99,11 +101,17 @@
       const keys = SIDES.filter((s) => s === "measured" || tracks[s])
         .map((s) => make("span", { class: "legend" }, make("span", { class: "key " + s }), this.side(s)));
       const all = make("button", { type: "button", onclick: () => this.zoom(null) }, "Whole run");
+      const kinds = [["time", "over time"], ["spectra", "as spectra"]].map(([value, text]) => make("option", { value, selected: this.spectra === (value === "spectra") }, text));
+      const as = make("select", { "aria-label": "Over time, or as spectra of the span shown", onchange: (e) => {
+        this.spectra = e.target.value === "spectra";
+        this.draw();
+        this.save();
+      } }, ...kinds);
       this.said = make("output", { class: "said", "aria-live": "off" });
       this.grid = make("div", { class: "channels", tabindex: 0, role: "group",
         "aria-label": "Signals over time. Arrow keys move the cursor, plus and minus zoom, brackets move the span, zero shows the whole run." });
       this.grid.addEventListener("keydown", (e) => this.key(e));
-      const row = make("div", { class: "controls" }, make("label", {}, "Run ", pick), all, ...keys, this.said);
+      const row = make("div", { class: "controls" }, make("label", {}, "Run ", pick), as, all, ...keys, this.said);
       const chips = make("fieldset", { class: "chips" }, make("legend", {}, "Channels"), ...boxes);
       this.place.replaceChildren(row, chips, this.grid);
     }
@@ -152,11 +160,12 @@
       this.saving = setTimeout(() => {
         const [a, b] = this.range || [];
         view.write(this.tracks.id, { run: this.runNow().name, ch: [...this.shown].join(","),
-          ...(this.range ? { x: `${a.toFixed(3)}_${b.toFixed(3)}` } : {}), t: this.t.toFixed(3) });
+          ...(this.range ? { x: `${a.toFixed(3)}_${b.toFixed(3)}` } : {}), ...(this.spectra ? { as: "spectra" } : {}), t: this.t.toFixed(3) });
       }, 120);
     }
     /** The same range on every plot. */
     zoom(range) {
+      const spectra = this.spectra && this.made;
       if (range) {
         const a = Math.max(0, range[0]);
         const b = Math.min(this.end(), range[1]);
@@ -172,6 +181,7 @@
       clearTimeout(this.later);
       this.later = setTimeout(() => this.plots.forEach((u) => this.show(u, this.shownRange(), false)), REST_MS);
       this.busy = false;
+      if (spectra) this.draw();
       this.save();
     }
     /** A plot between two times; `moving`: in hairlines, and a bucket for some pixels. */
@@ -219,8 +229,8 @@
     }
     draw() {
       if (!this.made) return;
-      this.plots.forEach((u) => u.destroy());
-      Object.assign(this, { plots: [], cells: [] });
+      this.plots.concat(this.still || []).forEach((u) => u.destroy());
+      Object.assign(this, { plots: [], cells: [], still: [] });
       const run = this.runNow();
       const channels = run.channels.filter((c) => this.shown.has(c.name));
       const places = channels.map((c) => {
@@ -230,6 +240,13 @@
         return [c, place];
       });
       this.grid.replaceChildren(...places.map(([, p]) => p));
+      if (this.spectra) {
+        this.cells = [];
+        for (const [c, place] of places) this.densities(run, c, place);
+        const [a, b] = this.shownRange();
+        this.said.textContent = `spectra of ${a.toFixed(2)} to ${b.toFixed(2)} s`;
+        return;
+      }
       for (const [c, place] of places) this.channel(run, c, place);
       this.at(this.t, "replay");
     }
@@ -244,6 +261,38 @@
       const strokes = [...models.map((s) => ({ ...Windfall.stroke(s), width: 1.1 })), ...noise.map(() => Windfall.stroke("noise"))];
       const unit = `residual${c.unit ? ` (${c.unit})` : ""}`;
       this.plot(place, `residual of ${c.name}`, 125, run.t, [...left, ...noise], strokes, "time in the run (s)", unit);
+    }
+    /** Amplitude spectra of a channel and of its residuals, of the span shown. */
+    densities(run, c, place) {
+      const sides = SIDES.filter((s) => c[s].length);
+      const models = sides.filter((s) => s !== "measured");
+      const less = (s) => Float64Array.from(run.t, (_, i) => c.measured[i] - c[s][i]);
+      const unit = `(${c.unit || "1"}/√Hz)`;
+      this.density(place, `spectrum of ${c.name}`, 160, sides.map((s) => [s, c[s]]), "", unit);
+      if (c.measured.length && models.length) this.density(place, `spectrum of the residual of ${c.name}`, 165, models.map((s) => [s, less(s)]), "frequency (Hz)", `residual ${unit}`, c.noise);
+    }
+    density(place, title, height, series, x, y, noise) {
+      const { t } = this.runNow();
+      const all = series.map(([s, values]) => [s, Windfall.spectrum.density(t, values, this.shownRange())]).filter(([, d]) => d);
+      if (!all.length) {
+        if (x) place.append(make("p", { class: "note" }, "Fewer than sixteen samples in this span."));
+        return;
+      }
+      const holder = make("div", { role: "img", "aria-label": title });
+      place.append(holder);
+      const tables = all.map(([, d]) => d);
+      const lines = all.map(([s]) => ({ ...Windfall.stroke(s), width: s === "measured" ? 3 : 1.4, spanGaps: true }));
+      if (noise) {
+        // White noise as declared.
+        const f = tables[0][0];
+        tables.push([[f[0], f[f.length - 1]], [0, 0].map(() => noise * Math.sqrt((2 * (t[t.length - 1] - t[0])) / (t.length - 1)))]);
+        lines.push({ ...Windfall.stroke("noise"), spanGaps: true });
+      }
+      const options = { width: Math.max(240, place.clientWidth), height, series: [{}, ...lines], legend: { show: false }, axes: Windfall.axes(x, y, true, true),
+        scales: { x: { time: false, distr: 3 }, y: { distr: 3 } }, cursor: { drag: { x: true, y: false } } };
+      if (!x) Object.assign(options.axes[0], { values: (u, ticks) => ticks.map(() => ""), size: 8 });
+      this.still.push(new uPlot(options, uPlot.join(tables), holder));
+      Windfall.charts += 1;
     }
     plot(place, title, height, t, series, lines, x, y) {
       const holder = make("div", { role: "img", "aria-label": `${title} over time` });

@@ -8,10 +8,11 @@ const POINTS: usize = 300;
 const BINS: usize = 40;
 
 /// What a series is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Role {
     /// Measured.
+    #[default]
     Measured,
     /// With the declared model.
     Before,
@@ -22,7 +23,7 @@ pub enum Role {
 }
 
 /// One curve.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Series {
     /// What it is.
     pub role: Role,
@@ -33,6 +34,9 @@ pub struct Series {
     /// Lower and upper ends of a band about it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub band: Option<[Vec<f64>; 2]>,
+    /// Drawn as points, and its band as error bars; in the order of the abscissae.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub points: bool,
 }
 
 /// What a figure is about.
@@ -50,6 +54,12 @@ pub enum Topic {
     Distribution,
     /// How the residuals of tracks are distributed and correlated.
     Shape,
+    /// Static coefficients against wind-tunnel points.
+    Static,
+    /// Whitened residuals of tracks.
+    Whitened,
+    /// What every run lacks over its settings.
+    Setting,
 }
 
 /// One figure.
@@ -80,7 +90,7 @@ pub(super) fn thinned(role: Role, x: &[f64], y: &[f64]) -> Series {
     let n = x.len().min(y.len());
     let stride = n.div_ceil(POINTS).max(1);
     let some = |s: &[f64]| s[..n].iter().step_by(stride).map(|v| short(*v)).collect();
-    Series { role, x: some(x), y: some(y), band: None }
+    Series { role, x: some(x), y: some(y), ..Series::default() }
 }
 
 /// Six digits: more cannot be seen.
@@ -106,5 +116,5 @@ pub(super) fn histogram(role: Role, values: &[f64], [low, high]: [f64; 2]) -> Se
         x.extend([short(left), short(left + width)]);
         y.extend([short(f64::from(*n) / whole); 2]);
     }
-    Series { role, x, y, band: None }
+    Series { role, x, y, ..Series::default() }
 }

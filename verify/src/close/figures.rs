@@ -4,8 +4,10 @@
 use super::balance::{BalanceResidual, BandPowers};
 use super::figure::{Figure, Role, Series, Topic, thinned};
 use super::flown::held_out;
+use super::settings::pushes;
 use super::sides::{Sides, sides_of};
 use super::track_shape::{ShapeChannel, shapes};
+use super::whitened::whitened;
 use super::{Closing, Options, Verdict, runs_of};
 use crate::VerifyError;
 use crate::residual::LeadTable;
@@ -33,7 +35,10 @@ pub fn figures(campaign: &Campaign, closing: &Closing, options: &Options) -> Res
         let flown = runs_flown(&evidence, &sides);
         let mut all = tracks(&flown);
         all.extend(track_shapes(campaign, &flown));
+        let kind = campaign.measured();
+        all.extend(whitened(&evidence, &sides, |axis| label(kind, axis).0));
         let evidence = TrackEvidence::new(campaign, &used, &sides.before)?;
+        all.extend(pushes_by_run(campaign, &sides)?);
         all.extend(over_variables(&|plant| evidence.lead_table(plant), &sides, closing));
         return Ok(all);
     }
@@ -41,7 +46,22 @@ pub fn figures(campaign: &Campaign, closing: &Closing, options: &Options) -> Res
     let mut all = held_out(campaign, &held, &sides)?;
     all.extend(over_variables(&|plant| balance.lead_table(plant), &sides, closing));
     all.extend(spectra(&balance, &sides));
+    if !campaign.knowledge.wind_tunnel.is_empty() {
+        let plants: Vec<(Role, &Plant)> = sides.each().collect();
+        all.extend(crate::wind_tunnel::figures(campaign, &plants, super::reached_rad(campaign)?));
+    }
     Ok(all)
+}
+
+/// What every run of a campaign lacks, over its settings.
+fn pushes_by_run(campaign: &Campaign, sides: &Sides) -> Result<Vec<Figure>, VerifyError> {
+    if campaign.inputs.is_empty() {
+        return Ok(Vec::new());
+    }
+    let all: Vec<usize> = (0..campaign.runs.len()).collect();
+    let flown = runs_flown(&TrackEvidence::new(campaign, &all, &sides.before)?, sides);
+    let kind = campaign.measured();
+    Ok(pushes(campaign, &flown, [0, 1, 2].map(|k| label(kind, k).0), stated_std(&campaign.plant, kind, 0)))
 }
 
 /// Tracks flown again by each side.

@@ -60,6 +60,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, V
         before: side(campaign, &engine, before, &held, options),
         after: side(campaign, &engine, after, &held, options),
         effects,
+        wind_tunnel: Vec::new(),
         false_alarm_rate: options.false_alarm,
     })
 }

@@ -74,6 +74,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, V
         shifts: Shift::between(parameter_lines(campaign, start), parameter_lines(campaign, best)),
         before: side(&own, start, held.as_ref()),
         after: side(&own, best, held.as_ref()),
+        wind_tunnel: Vec::new(),
         false_alarm_rate: options.false_alarm,
     })
 }

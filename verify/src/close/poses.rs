@@ -2,6 +2,7 @@
 
 use super::figure::short;
 use super::figures::runs_flown;
+use super::pose_rates::{RATES, rates};
 use super::sides::Sides;
 use super::signals::{RunTracks, TrackSignal, named};
 use crate::VerifyError;
@@ -21,7 +22,7 @@ pub(super) fn runs(campaign: &Campaign, sides: &Sides) -> Result<Vec<RunTracks>,
     for (role, flown) in runs_flown(&evidence, sides) {
         for r in flown {
             let Data::Point(track) = &campaign.runs[r.run].data else { continue };
-            let rows = series(&simulated(track, &r));
+            let rows = series(&r.t_s, &simulated(track, &r));
             for (channel, values) in all[r.run].channels.iter_mut().zip(rows) {
                 *channel.side(role) = values;
             }
@@ -42,15 +43,13 @@ fn measured(campaign: &Campaign, run: &Run) -> RunTracks {
         let std = stated_std(&campaign.plant, Measured::Pose, k);
         Some(if k < 3 { std } else { std.to_degrees() }).filter(|s| *s > 0.0)
     };
-    let one = |(k, values): (usize, Vec<f64>)| {
-        let (name, unit) = CHANNELS[k];
-        TrackSignal { measured: values, ..TrackSignal::new(name, unit, std(k)) }
+    let one = |((k, (name, unit)), values): ((usize, &(&str, &str)), Vec<f64>)| {
+        let noise = if k < CHANNELS.len() { std(k) } else { None };
+        TrackSignal { measured: values, ..TrackSignal::new(name, unit, noise) }
     };
-    RunTracks {
-        t_s: track.t_s.iter().step_by(by).map(|t| short(t - track.t_s[0])).collect(),
-        channels: series(&poses).into_iter().enumerate().map(one).collect(),
-        ..empty
-    }
+    let t_s: Vec<f64> = track.t_s.iter().step_by(by).map(|t| t - track.t_s[0]).collect();
+    let channels = CHANNELS.iter().chain(&RATES).enumerate().zip(series(&t_s, &poses)).map(one).collect();
+    RunTracks { t_s: t_s.into_iter().map(short).collect(), channels, ..empty }
 }
 
 fn pose(track: &PointRecord, i: usize) -> Pose {
@@ -70,8 +69,8 @@ fn simulated(track: &PointRecord, r: &TrackResidual) -> Vec<Pose> {
     (0..r.t_s.len()).map(one).collect()
 }
 
-/// The six channels of poses; the heading without jumps.
-fn series(poses: &[Pose]) -> Vec<Vec<f64>> {
+/// The six channels of poses, the heading without jumps; rates, speed and incidence.
+fn series(t_s: &[f64], poses: &[Pose]) -> Vec<Vec<f64>> {
     let mut all: Vec<Vec<f64>> = vec![Vec::new(); 6];
     let mut heading: Option<f64> = None;
     for (p, attitude) in poses {
@@ -84,6 +83,8 @@ fn series(poses: &[Pose]) -> Vec<Vec<f64>> {
         let values = p.iter().copied().chain([roll, pitch, near].map(f64::to_degrees));
         all.iter_mut().zip(values).for_each(|(s, x)| s.push(short(x)));
     }
+    let (positions, attitudes): (Vec<[f64; 3]>, Vec<_>) = poses.iter().copied().unzip();
+    all.extend(rates(t_s, &positions, &attitudes).map(|s| s.into_iter().map(short).collect::<Vec<f64>>()));
     all
 }
 
@@ -101,8 +102,8 @@ mod tests {
                 ([1.0, 2.0, 3.0], Rotation::from_matrix(e.matrix))
             })
             .to_vec();
-        let all = series(&poses);
-        for (channel, expected) in all[3..].iter().zip([[0.1_f64, 0.1], [-0.2, -0.2], [3.0, 3.2]]) {
+        let all = series(&[0.0, 0.1], &poses);
+        for (channel, expected) in all[3..6].iter().zip([[0.1_f64, 0.1], [-0.2, -0.2], [3.0, 3.2]]) {
             // Six digits are kept.
             assert!(channel.iter().zip(expected).all(|(a, b)| (a - b.to_degrees()).abs() < 1e-3), "{channel:?} {expected:?}");
         }

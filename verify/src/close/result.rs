@@ -357,6 +357,9 @@ pub struct Closing {
     pub before: After,
     /// With the effects added.
     pub after: After,
+    /// Static coefficients at the points of the campaign's wind-tunnel tests, `before` and `after`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub wind_tunnel: Vec<crate::WindTunnelLine>,
     /// Stated chance of naming an effect in a campaign without one, per round.
     pub false_alarm_rate: f64,
 }

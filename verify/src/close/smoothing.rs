@@ -81,13 +81,13 @@ fn spectrum(c: usize, pairs: &[SmoothedRun<'_>], noise: f64) -> Figure {
         pairs.iter().map(|p| (p.smoothed.channels[c].value.as_slice(), p.smoothed.interval_s)).collect();
     let curve = |role, series: &[(&[f64], f64)]| {
         let (x, y) = density(series).into_iter().map(|(f, p)| (short(f), short(per_unit(c) * p.sqrt()))).unzip();
-        Series { role, x, y, band: None }
+        Series { role, x, y, ..Series::default() }
     };
     let mut series = vec![curve(Role::Measured, &raw), curve(Role::After, &smoothed)];
     // One-sided density of white noise; of runs of other rates the mean, as of the records.
     let level = noise * (pairs.iter().map(|p| 2.0 * p.smoothed.interval_s).sum::<f64>() / pairs.len() as f64).sqrt();
     if let (true, Some(first), Some(last)) = (level > 0.0, series[0].x.first(), series[0].x.last()) {
-        series.push(Series { role: Role::Noise, x: vec![*first, *last], y: vec![short(level); 2], band: None });
+        series.push(Series { role: Role::Noise, x: vec![*first, *last], y: vec![short(level); 2], ..Series::default() });
     }
     let mut marks: Vec<f64> = pairs.iter().map(|p| short(p.smoothed.bandwidth_hz[c])).filter(|f| f.is_finite()).collect();
     marks.sort_by(f64::total_cmp);

@@ -44,7 +44,7 @@ fn distribution(c: &ShapeChannel, sides: &[(Role, Vec<Vec<f64>>)]) -> Figure {
     if std > 0.05 * end {
         let x: Vec<f64> = (-40..=40).map(|k| short(f64::from(k) * 0.1 * std)).collect();
         let bell = |x: &f64| short((-0.5 * (x / std).powi(2)).exp() / (std * std::f64::consts::TAU.sqrt()));
-        series.push(Series { role: Role::Noise, y: x.iter().map(bell).collect(), x, band: None });
+        series.push(Series { role: Role::Noise, y: x.iter().map(bell).collect(), x, ..Series::default() });
     }
     series.extend(sides.iter().map(|(role, runs)| histogram(*role, &runs.concat(), [-end, end])));
     Figure {
@@ -61,9 +61,14 @@ fn correlation(c: &ShapeChannel, sides: &[(Role, Vec<Vec<f64>>)]) -> Figure {
     let lags: Vec<f64> = (1..=LAGS).map(|k| k as f64).collect();
     let count: usize = sides[0].1.iter().map(Vec::len).sum();
     let bound = short(1.96 / (count.max(1) as f64).sqrt());
-    let flat = |y: f64| Series { role: Role::Noise, x: lags.clone(), y: vec![y; LAGS], band: None };
+    let flat = |y: f64| Series { role: Role::Noise, x: lags.clone(), y: vec![y; LAGS], ..Series::default() };
     let mut series = vec![flat(bound), flat(-bound)];
-    series.extend(sides.iter().map(|(role, runs)| Series { role: *role, x: lags.clone(), y: autocorrelation(runs), band: None }));
+    series.extend(sides.iter().map(|(role, runs)| Series {
+        role: *role,
+        x: lags.clone(),
+        y: autocorrelation(runs),
+        ..Series::default()
+    }));
     Figure {
         topic: Topic::Shape,
         title: format!("{}: autocorrelation of the residual", c.name),

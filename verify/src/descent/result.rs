@@ -1,5 +1,6 @@
 //! verify: what many descents say. Out: the content of `descent.json`.
 
+use super::landing::LandingScatter;
 use super::linear::SteadyFall;
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +27,9 @@ pub struct DescentSummary {
     pub ends: DescentEnds,
     /// Quantities at touch-down.
     pub touch_down: Vec<TouchDownLine>,
+    /// Where the descents came down; none of fewer than three.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub landing: Option<LandingScatter>,
     /// Quantities over height.
     pub over_height: Vec<HeightLine>,
     /// Linear theory of the nominal model over height; empty in a vacuum.

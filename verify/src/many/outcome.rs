@@ -87,6 +87,9 @@ pub struct CampaignOutcome {
     pub p_value: Option<f64>,
     /// Declared parameters, with the effects added; then the effects' own.
     pub parameters: Vec<OutcomeParameter>,
+    /// Its own page, relative to the folder of the results; none where it was not written.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub page: Option<String>,
 }
 
 impl CampaignOutcome {
@@ -106,6 +109,7 @@ impl CampaignOutcome {
             worst_channel: String::new(),
             p_value: None,
             parameters: Vec::new(),
+            page: None,
         }
     }
     fn done(path: &str, name: &str) -> Self {

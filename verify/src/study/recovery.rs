@@ -29,6 +29,33 @@ pub struct RecoveredDraw {
     pub estimate: f64,
     /// Stated standard error.
     pub std_error: f64,
+    /// Number of its row in the results.
+    #[serde(default)]
+    pub row: u64,
+}
+
+/// A varied quantity of the first draws.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VariedLine {
+    /// Key that is varied.
+    pub name: String,
+    /// Its value in each row of the results, from the first.
+    pub values: Vec<f64>,
+}
+
+/// Every varied quantity in the rows of which estimates are kept.
+pub(super) fn varied<E>(columns: &[Column], lines: &[RecoveryLine], each: ReadColumn<'_, E>) -> Result<Vec<VariedLine>, E> {
+    let last = lines.iter().flat_map(|l| &l.draws).map(|d| d.row).max();
+    let rows = usize::try_from(last.map_or(0, |l| l + 1)).unwrap_or(JUDGED).min(JUDGED);
+    let mut all = Vec::new();
+    for column in columns.iter().filter(|c| c.name.starts_with("vary.") && rows > 0) {
+        let values = first_numbers(&|see| each(column, see))?.into_iter().take(rows).map(|x| x.unwrap_or(f64::NAN));
+        let values: Vec<f64> = values.collect();
+        if values.iter().all(|x| x.is_finite()) {
+            all.push(VariedLine { name: column.name.trim_start_matches("vary.").to_owned(), values });
+        }
+    }
+    Ok(all)
 }
 
 /// How often intervals hold the truth that are stated to do so with some probability.
@@ -103,8 +130,10 @@ pub(super) fn recovery<E>(column: &Column, columns: &[Column], each: ReadColumn<
         .into_iter()
         .zip(errors)
         .zip(stated)
-        .filter_map(|((estimate, error), std_error)| {
-            Some(RecoveredDraw { truth: estimate? - error?, estimate: estimate?, std_error: std_error.filter(|s| *s > 0.0)? })
+        .zip(0_u64..)
+        .filter_map(|(((estimate, error), std_error), row)| {
+            let std_error = std_error.filter(|s| *s > 0.0)?;
+            Some(RecoveredDraw { truth: estimate? - error?, estimate: estimate?, std_error, row })
         })
         .collect();
     if whole.is_empty() {

@@ -1,7 +1,7 @@
 //! verify: what all draws of a study say. In: columns of results. Out: bias, scatter, coverage, quantiles, rates, with intervals.
 
 use super::draw::PreparedStudy;
-use super::recovery::{ClosingSummary, RecoveryLine, closings, recovery};
+use super::recovery::{ClosingSummary, RecoveryLine, VariedLine, closings, recovery, varied};
 use super::select::{Read, quantiles};
 use super::stop::{Moments, clopper_pearson};
 use serde::{Deserialize, Serialize};
@@ -154,6 +154,9 @@ pub struct Summary {
     /// Estimates beside what was put in, by method.
     #[serde(default)]
     pub recovery: Vec<RecoveryLine>,
+    /// Varied quantities in the rows of these.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub varied: Vec<VariedLine>,
     /// What closings name where something acts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub closings: Option<ClosingSummary>,
@@ -188,6 +191,7 @@ pub fn summarise<E>(
     for column in prepared.columns() {
         recovered.extend(recovery(column, prepared.columns(), &each)?);
     }
+    let varied = varied(prepared.columns(), &recovered, &each)?;
     let closings = closings(prepared.columns(), &each)?;
     let parameters = prepared.columns().iter().filter_map(|c| parameter(c, &numbers, &rates)).collect();
     Ok(Summary {
@@ -202,6 +206,7 @@ pub fn summarise<E>(
         words,
         numbers,
         recovery: recovered,
+        varied,
         closings,
     })
 }

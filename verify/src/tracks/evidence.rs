@@ -50,7 +50,7 @@ pub struct TrackResidual {
 /// Evidence of tracks.
 pub struct TrackEvidence {
     tracks: Vec<Track>,
-    kind: Measured,
+    pub(super) kind: Measured,
     /// Of one sample of each channel, as stated, in the unit of residuals.
     variances: [f64; 6],
     /// That unit over the channel's: one where all channels have the same unit.
@@ -156,12 +156,12 @@ impl TrackEvidence {
     }
 
     /// Axes that any run has measured.
-    fn axes(&self) -> Vec<usize> {
+    pub(super) fn axes(&self) -> Vec<usize> {
         (0..6).filter(|axis| self.tracks.iter().any(|t| t.axes.contains(axis))).collect()
     }
 
     /// Where the numbers of an axis stand among all numbers of the bins: place, order from slow (0) to fast, and frequency, Hz.
-    fn places(&self, axis: usize) -> Vec<(usize, usize, f64)> {
+    pub(super) fn places(&self, axis: usize) -> Vec<(usize, usize, f64)> {
         let mut all = Vec::new();
         let mut start = 0;
         for t in &self.tracks {

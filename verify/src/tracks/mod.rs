@@ -13,6 +13,7 @@ mod pose_flown;
 mod scatter;
 mod start;
 mod track;
+mod whitened;
 mod witnesses;
 
 pub use evidence::{TrackEvidence, TrackResidual};

@@ -75,6 +75,33 @@ fn other_sequence(r: &mut Record) {
     }
 }
 
+/// Positions and attitudes as a laboratory has them whose room axes and body axes are others: `room` and `body` are rows, theirs of ours.
+fn other_axes(r: &mut Record, room: [[f64; 3]; 3], body: [[f64; 3]; 3]) {
+    use windfall_model::frames::EulerXyz;
+    for i in 0..r.len() {
+        let t = EulerXyz { rx_rad: r.attitude_rad[0][i], ry_rad: r.attitude_rad[1][i], rz_rad: r.attitude_rad[2][i] }
+            .r_tunnel_body()
+            .matrix;
+        let p: [f64; 3] = std::array::from_fn(|k| r.position_m[k][i]);
+        let element = |a: usize, b: usize| (0..9).map(|k| room[a][k / 3] * t[(k / 3, k % 3)] * body[b][k % 3]).sum::<f64>();
+        let angles =
+            [(-element(1, 2)).atan2(element(2, 2)), element(0, 2).clamp(-1.0, 1.0).asin(), (-element(0, 1)).atan2(element(0, 0))];
+        for k in 0..3 {
+            let before = if i > 0 { r.attitude_rad[k][i - 1] } else { angles[k] };
+            r.attitude_rad[k][i] = angles[k] + ((before - angles[k]) / std::f64::consts::TAU).round() * std::f64::consts::TAU;
+            r.position_m[k][i] = (0..3).map(|j| room[k][j] * p[j]).sum();
+        }
+    }
+}
+
+const AS_OURS: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// z up: their x, y, z are our Y, -Z, -X.
+const Z_UP: [[f64; 3]; 3] = [[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]];
+/// y up: their x, y, z are our Y, -X, Z.
+const Y_UP: [[f64; 3]; 3] = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+/// A body whose z is out of the nose.
+const Z_NOSE: [[f64; 3]; 3] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+
 fn frozen(r: &mut Record) {
     let (from, to) = (r.len() / 3, r.len() / 3 + r.len() / 10);
     for x in r.position_m.iter_mut().chain(&mut r.attitude_rad) {
@@ -105,6 +132,31 @@ pub(crate) const WRONG: &[Wrong] = &[
     Wrong { name: "Y and Z swapped", words: &["Y and Z are swapped"], apply: |c| records(c, |r| r.position_m.swap(1, 2)) },
     Wrong { name: "X and Z swapped", words: &["X and Z are swapped"], apply: |c| records(c, |r| r.position_m.swap(0, 2)) },
     Wrong { name: "axes in the order Y, Z, X", words: &["swapped"], apply: |c| records(c, |r| r.position_m.rotate_left(1)) },
+    Wrong {
+        name: "room with z up, body with z out of the nose",
+        words: &["down is -z of the room, and z of the body"],
+        apply: |c| records(c, |r| other_axes(r, Z_UP, Z_NOSE)),
+    },
+    Wrong {
+        name: "room with z up, body with z out of the tail",
+        words: &["down is -z of the room, and -z of the body"],
+        apply: |c| records(c, |r| other_axes(r, Z_UP, Z_UP)),
+    },
+    Wrong {
+        name: "room with y up, body with z out of the nose",
+        words: &["down is -y of the room, and z of the body"],
+        apply: |c| records(c, |r| other_axes(r, Y_UP, Z_NOSE)),
+    },
+    Wrong {
+        name: "room with z up alone",
+        words: &["down is -z of the room, and x of the body"],
+        apply: |c| records(c, |r| other_axes(r, Z_UP, AS_OURS)),
+    },
+    Wrong {
+        name: "body with z out of the nose alone",
+        words: &["down is x of the room, and z of the body"],
+        apply: |c| records(c, |r| other_axes(r, AS_OURS, Z_NOSE)),
+    },
     Wrong { name: "all angles negative", words: &["all Euler angles"], apply: |c| angles(c, [-1.0; 3]) },
     Wrong { name: "roll negative", words: &["Euler angle Rx"], apply: |c| angles(c, [-1.0, 1.0, 1.0]) },
     Wrong { name: "pitch negative", words: &["Euler angle Ry"], apply: |c| angles(c, [1.0, -1.0, 1.0]) },

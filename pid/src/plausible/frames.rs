@@ -1,0 +1,174 @@
+//! pid: a record whose room and body axes are both others. In: records. Out: each record read otherwise, where the nose could then point down.
+//!
+//! The room's axis that is down and the body's axis that is out of the nose are each one of six. A model in a spin tunnel keeps its nose near
+//! the vertical, so that of the 36 pairs those remain whose two axes stay near each other; right-handed axes about them are taken in turn,
+//! since turns about the vertical change nothing and those about the nose little. Attitudes are turned sample by sample: angles of the
+//! wrong axes may pass through the attitude at which they are not defined, and have no rates there.
+
+use super::change::{Act, Change};
+use super::motion::{MotionSample, instants};
+use super::{median, quantile};
+use crate::euler::t_bef;
+use windfall_model::Record;
+
+/// Median cosine between down and the nose from which on a pair is one.
+const NEAR: f64 = 0.7;
+/// |sin R_y| beyond which angles x-y-z have rates that say nothing.
+const SINGULAR: f64 = 0.98;
+
+type Matrix = [[f64; 3]; 3];
+
+/// An axis and its sign.
+#[derive(Clone, Copy, PartialEq)]
+struct Signed {
+    axis: usize,
+    sign: f64,
+}
+
+impl Signed {
+    /// Rows of the right-handed axes whose first it is.
+    fn rows(self) -> Matrix {
+        let mut rows = [[0.0; 3]; 3];
+        rows[0][self.axis] = self.sign;
+        rows[1][(self.axis + 1) % 3] = 1.0;
+        rows[2][(self.axis + 2) % 3] = self.sign;
+        rows
+    }
+    /// As `[columns.axes]` has it.
+    fn words(self) -> String {
+        let name = |row: &[f64; 3]| {
+            let axis = row.iter().position(|x| x.abs() > 0.5).unwrap_or(0);
+            format!("\"{}{}\"", if row[axis] < 0.0 { "-" } else { "" }, ["x", "y", "z"][axis])
+        };
+        format!("[{}]", self.rows().each_ref().map(name).join(", "))
+    }
+    fn name(self) -> String {
+        format!("{}{}", if self.sign < 0.0 { "-" } else { "" }, ["x", "y", "z"][self.axis])
+    }
+}
+
+/// Whether angles pass near the attitude at which they are not defined, so that they jump without the body's doing so.
+pub(super) fn is_singular(runs: &[(&str, &Record)]) -> bool {
+    runs.iter().any(|(_, r)| quantile(r.attitude_rad[1].iter().map(|y| y.sin().abs()).collect(), 0.99) > SINGULAR)
+}
+
+/// Other readings of the axes of room and body together, with the motion that each gives.
+pub(super) fn readings(runs: &[(&str, &Record)]) -> Vec<(Change, Vec<MotionSample>)> {
+    let middle = medians(runs);
+    let mut all = Vec::new();
+    for (room, body) in (0..9).map(|k| (k / 3, k % 3)).filter(|(a, b)| middle[*a][*b].abs() > NEAR) {
+        for sign in [1.0, -1.0] {
+            let room = Signed { axis: room, sign };
+            let body = Signed { axis: body, sign: sign * middle[room.axis][body].signum() };
+            let as_it_is = |s: Signed| s.axis == 0 && s.sign > 0.0;
+            if !(as_it_is(room) && as_it_is(body)) {
+                let turned: Vec<(&str, Record)> = runs.iter().map(|(n, r)| (*n, turned(r, room, body))).collect();
+                let by_name: Vec<(&str, &Record)> = turned.iter().map(|(n, r)| (*n, r)).collect();
+                all.push((change(room, body), instants(&by_name)));
+            }
+        }
+    }
+    all
+}
+
+fn change(room: Signed, body: Signed) -> Change {
+    Change {
+        cause: format!(
+            "axes of room and body are others: down is {} of the room, and {} of the body is out of the nose",
+            room.name(),
+            body.name()
+        ),
+        words: format!("[columns.axes] tunnel = {}, body = {} of the axes as they are read now", room.words(), body.words()),
+        act: Act::Frames,
+    }
+}
+
+/// Median of every element of the attitude over all samples.
+fn medians(runs: &[(&str, &Record)]) -> Matrix {
+    let attitudes: Vec<Matrix> = runs.iter().flat_map(|(_, r)| (0..r.len()).map(|i| attitude(r, i))).collect();
+    std::array::from_fn(|i| std::array::from_fn(|j| median(&attitudes.iter().map(|t| t[i][j]).collect::<Vec<_>>())))
+}
+
+fn attitude(r: &Record, i: usize) -> Matrix {
+    t_bef([0, 1, 2].map(|k| r.attitude_rad[k][i]))
+}
+
+/// The record along other axes: positions P p and attitudes P T Qᵀ, angles without whole turns between samples.
+fn turned(r: &Record, room: Signed, body: Signed) -> Record {
+    let (p, q) = (room.rows(), body.rows());
+    let mut out = r.clone();
+    for i in 0..r.len() {
+        let t = attitude(r, i);
+        let element = |a: usize, b: usize| (0..9).map(|k| p[a][k / 3] * t[k / 3][k % 3] * q[b][k % 3]).sum::<f64>();
+        let y = element(0, 2).clamp(-1.0, 1.0).asin();
+        let angles = [(-element(1, 2)).atan2(element(2, 2)), y, (-element(0, 1)).atan2(element(0, 0))];
+        for k in 0..3 {
+            let before = if i > 0 { out.attitude_rad[k][i - 1] } else { angles[k] };
+            let turns = ((before - angles[k]) / std::f64::consts::TAU).round();
+            out.attitude_rad[k][i] = angles[k] + turns * std::f64::consts::TAU;
+            out.position_m[k][i] = (0..3).map(|j| p[k][j] * r.position_m[j][i]).sum();
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record() -> Record {
+        let n = 60;
+        let of = |f: &dyn Fn(f64) -> f64| (0..n).map(|i| f(f64::from(i) * 0.01)).collect::<Vec<f64>>();
+        Record {
+            t_s: of(&|t| t),
+            position_m: [of(&|t| 0.1 * t), of(&|t| 0.2 + t), of(&|t| -t * t)],
+            attitude_rad: [of(&|t| 2.0 + 9.0 * t), of(&|t| 0.1 * t.sin()), of(&|t| 0.2 - 0.1 * t)],
+            vw_m_s: vec![6.0; 60],
+            ps_pa: vec![1e5; 60],
+            ts_k: vec![290.0; 60],
+            qw_pa: None,
+            bridged: Vec::new(),
+        }
+    }
+
+    /// Axes read otherwise and back again are the record, whole turns of the roll apart.
+    #[test]
+    fn law_there_and_back() {
+        let sound = record();
+        for axis in 0..3 {
+            for sign in [1.0, -1.0] {
+                let to = Signed { axis, sign };
+                // Rows of the inverse of a signed cyclic turn are its columns.
+                let rows = to.rows();
+                let first = Signed { axis: (3 - axis) % 3, sign: rows[(3 - axis) % 3][0] };
+                let there = turned(&sound, to, to);
+                let columns: Matrix = std::array::from_fn(|i| std::array::from_fn(|j| rows[j][i]));
+                if first.rows() != columns {
+                    continue;
+                }
+                let back = turned(&there, first, first);
+                for k in 0..3 {
+                    for i in 0..sound.len() {
+                        assert!((back.position_m[k][i] - sound.position_m[k][i]).abs() < 1e-12);
+                        let apart = (back.attitude_rad[k][i] - sound.attitude_rad[k][i]).rem_euclid(std::f64::consts::TAU);
+                        assert!(apart.min(std::f64::consts::TAU - apart) < 1e-9, "{axis} {sign} {k} {i}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// A model that turns about its nose: of a sound record the only other reading is half a turn of both.
+    #[test]
+    fn law_few_readings_of_a_spinning_model() {
+        let sound =
+            Record { attitude_rad: [(0..60).map(|i| 0.3 * f64::from(i)).collect(), vec![0.05; 60], vec![0.0; 60]], ..record() };
+        let found = readings(&[("r", &sound)]);
+        assert_eq!(found.len(), 1, "{:?}", found.iter().map(|f| &f.0.words).collect::<Vec<_>>());
+        assert!(
+            found[0].0.words.contains("tunnel = [\"-x\", \"y\", \"-z\"], body = [\"-x\", \"y\", \"-z\"]"),
+            "{}",
+            found[0].0.words
+        );
+    }
+}
