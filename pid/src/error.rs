@@ -88,9 +88,10 @@ pub enum PidError {
         /// Campaign name.
         campaign: String,
     },
-    /// The campaign's runs have no attitude.
+    /// The campaign's runs are tracks of a body without attitude, or of a rigid one in free flight.
     #[error(
-        "campaign {campaign}, run {run}: a point-mass track has no attitude, so it has no coefficients to regress: use the trajectory fit"
+        "campaign {campaign}, run {run}: a track of a body without attitude, or of a rigid one in free flight, is not identified by itself; \
+         try: windfall close, which fits the declared parameters too (`after` in close.json)"
     )]
     PointMass {
         /// Campaign name.

@@ -2,7 +2,7 @@
 //!
 //! Sets are fitted in full and weighed by their log marginal likelihood (Laplace's approximation, normal priors), grown, pruned and
 //! swapped one family at a time until none is better. What every run has of its own - its initial state, a slow push, the drift of its
-//! tracker - is part of the covariance, so that an effect must repeat from run to run. A strength beyond what any body can have explains
+//! tracker - is part of the covariance, so that an effect must repeat from run to run; of one run alone what a steady push replaces is not named (`own_push`). A strength beyond what any body can have explains
 //! nothing. Of runs held out nothing is used.
 
 use super::chance::{p_least, p_value, p_value_of_best};
@@ -17,6 +17,7 @@ use windfall_model::{Acts, Campaign, Measured, Use};
 use windfall_pid::StopReason;
 
 mod contest;
+mod own_push;
 mod settings;
 
 use contest::{ScoredSet, TrackContest};
@@ -41,7 +42,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, V
         (!runs.is_empty()).then(|| TrackEvidence::new(&own, &runs, &own.plant)).transpose()
     };
     let (held, select) = (other(Use::HoldOut)?, other(Use::Select)?);
-    let found = TrackContest::new(&own, &settings, &indices, select.as_ref())?.run()?;
+    let (found, aside) = own_push::set_aside(TrackContest::new(&own, &settings, &indices, select.as_ref())?.run()?);
     let (start, best) = (&found.declared.fit, &found.best.fit);
     let unexplained_of = |left: &[ChannelResidual], fit: &TrackFit| {
         let beyond = p_least(left) < options.false_alarm;
@@ -49,10 +50,11 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, V
     };
     let residual = found.channels(start);
     let left = found.channels(best);
-    let unexplained = unexplained_of(&left, best);
+    let mut unexplained = unexplained_of(&left, best);
     let effects: Vec<EffectLine> = (0..found.best.families.len())
         .map(|k| effect_line(&found, &settings, k, unexplained.is_empty(), held.as_ref(), p_least(&left)))
         .collect();
+    unexplained.extend(own_push::described(&aside, &left));
     let verdict = match (effects.is_empty(), unexplained.is_empty()) {
         (false, _) => Verdict::Effect,
         (true, false) => Verdict::Unexplained,

@@ -1,6 +1,8 @@
 //! verify: fits to tracks of bodies without attitude, and of rigid ones in free flight. In: tracks, a declared plant, effects. Out: estimates, covariance, likelihood.
 
 mod bins;
+mod blocks;
+mod components;
 mod drift;
 mod evidence;
 mod fit;

@@ -119,6 +119,12 @@ impl<'a> TrackContest<'a> {
         Ok(self)
     }
 
+    /// Takes another set for the best, and weighs what is next to it on the evidence as it lies.
+    pub(super) fn stand_at(&mut self, set: ScoredSet) {
+        self.best = set;
+        self.weigh();
+    }
+
     /// Fits the declared model, the best set and all its neighbours to the evidence as it lies.
     fn weigh(&mut self) {
         let h = declared(self.campaign, self.settings, self.evidence.components());
