@@ -340,6 +340,18 @@ def test_law_many_campaigns_give_the_programs_bytes(tmp_path):
     assert windfall.report(tmp_path / "two").encode() == (tmp_path / "two/report.html").read_bytes()
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="SIGINT cannot be sent to one process")
+def test_law_many_interrupted_raise_soon_and_resume(tmp_path):
+    found = campaigns(tmp_path, 6)
+    out = tmp_path / "stopped"
+    script = f"import windfall; windfall.many('close', {str(found)!r}, {str(out)!r}, threads=1)"
+    # 0.7 s are waited for the campaign in flight; the rest is for a busy machine.
+    assert interrupted(script, lambda _: len(list(out.glob("results/*/outcome.json"))) >= 2) < 2.0
+    assert not (out / "many.json").exists()
+    assert windfall.many("close", found, out, resume=True) == windfall.many("close", found, tmp_path / "whole")
+    assert tree(out) == tree(tmp_path / "whole")
+
+
 def test_law_first_minutes_are_the_programs(tmp_path):
     flown = program("simulate", "sage-perturbed", "--out", tmp_path)
     assert flown.returncode == 0
