@@ -6,9 +6,15 @@ check:
 keys:
     WINDFALL_WRITE_REFERENCE=1 cargo test -p windfall-scenarios reference
 
-# Python's keywords and the list of flags, after a change of a request.
+# Python's keywords and types and the lists of flags, after a change of a request or a result.
 stubs:
     WINDFALL_WRITE_REFERENCE=1 cargo test -p windfall-cli --lib stubs
+    scripts/result-types
+    cd python && WINDFALL_WRITE_REFERENCE=1 pytest -q tests/test_program.py -k every_verb_and_flag
+
+# Wheel, static program, manual pages, completions and crates, each tried where nothing else is.
+release:
+    scripts/release
 
 # Benches print their own ratios.
 bench:

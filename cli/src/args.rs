@@ -58,6 +58,11 @@ pub(crate) enum Command {
     Init(InitArgs),
     /// What a family of effects, a key or a warning means, and where that is from
     Explain(ExplainArgs),
+    /// Write the manual pages, windfall.1 and one for each command
+    Manual {
+        /// Folder for the pages, made if missing
+        folder: PathBuf,
+    },
     /// Print a shell's completion script
     Completions {
         /// The shell
@@ -83,7 +88,7 @@ impl Command {
             Self::Check(a) => Some(&a.common),
             Self::Init(a) => Some(&a.common),
             Self::Explain(a) => Some(&a.common),
-            Self::Completions { .. } => None,
+            Self::Manual { .. } | Self::Completions { .. } => None,
         }
     }
 }
@@ -270,12 +275,10 @@ pub(crate) struct ReportArgs {
     pub(crate) common: Common,
 }
 
-/// Narrowest and widest figure, mm: labels need the one, no sheet holds more than the other.
-const WIDTHS_MM: [f64; 2] = [60.0, 400.0];
-
 fn width(word: &str) -> Result<f64, String> {
-    let what = || format!("allowed: {} to {} mm", WIDTHS_MM[0], WIDTHS_MM[1]);
-    word.parse().ok().filter(|w| (WIDTHS_MM[0]..=WIDTHS_MM[1]).contains(w)).ok_or_else(what)
+    let [least, most] = windfall::FIGURE_WIDTHS_MM;
+    let what = || format!("allowed: {least} to {most} mm");
+    word.parse().ok().filter(|w| (least..=most).contains(w)).ok_or_else(what)
 }
 
 /// `verify`.
@@ -323,13 +326,14 @@ mod tests {
     use super::*;
     use clap::CommandFactory as _;
 
-    /// A verb without its function in Python is a verb forgotten there. Completions are a shell's alone.
+    /// A verb without its function in Python is a verb forgotten there. Completions and manual pages are a shell's alone.
     #[test]
     fn law_python_has_every_verb() {
         let python = include_str!("../../python/py/windfall/__init__.py");
         let all = python.split_once("__all__ = [").and_then(|(_, rest)| rest.split_once(']')).expect("a list of names").0;
         let command = Cli::command();
-        let verbs: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).filter(|v| *v != "completions").collect();
+        let verbs: Vec<&str> =
+            command.get_subcommands().map(clap::Command::get_name).filter(|v| !["completions", "manual"].contains(v)).collect();
         assert!(verbs.len() > 10, "{verbs:?}");
         for verb in verbs {
             let there = python.contains(&format!("\ndef {verb}(")) && all.contains(&format!("\"{verb}\""));

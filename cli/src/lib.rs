@@ -25,6 +25,7 @@ mod stubs;
 mod study;
 mod verify;
 
+use anyhow::Context as _;
 use args::{Cli, Command};
 use clap::{CommandFactory as _, Parser as _};
 use session::{Failure, Session};
@@ -82,6 +83,12 @@ fn dispatch(command: &Command, session: &mut Session<'_>) -> Result<bool, Failur
         Command::Check(a) => check::run(a, session),
         Command::Init(a) => first::init(a, session),
         Command::Explain(a) => first::explain(a, session),
+        Command::Manual { folder } => {
+            std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be made a folder", folder.display()))?;
+            clap_mangen::generate_to(Cli::command(), folder)
+                .with_context(|| format!("{}: cannot be written", folder.display()))?;
+            Ok(true)
+        }
         Command::Completions { shell } => {
             clap_complete::generate(*shell, &mut Cli::command(), "windfall", session.out);
             Ok(true)

@@ -10,10 +10,10 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::PathBuf;
 use std::sync::Arc;
-use windfall::Scenario;
 use windfall::files::json_text;
-use windfall::model::{Data, Record, Run, Use};
+use windfall::model::{Record, Use};
 use windfall::results::{Identification, Truth};
+use windfall::{RunColumns, Scenario};
 
 fn read<T: DeserializeOwned>(json: &str) -> Result<T, Raised> {
     Ok(serde_json::from_str(json)?)
@@ -99,16 +99,21 @@ pub(crate) struct PyCampaign {
 impl PyCampaign {
     /// Reads a campaign file; or flies a scenario (file or bundled), whose effects its campaign does not declare.
     #[new]
-    #[pyo3(signature = (word, request="{}"))]
-    fn new(py: Python<'_>, word: PathBuf, request: &str) -> PyResult<Self> {
+    /// Where files stand for what was in memory, warnings do not name their `folder`.
+    #[pyo3(signature = (word, request="{}", folder=None))]
+    fn new(py: Python<'_>, word: PathBuf, request: &str, folder: Option<&str>) -> PyResult<Self> {
         let request = read(request)?;
-        let inner = on_threads(py, 0, move || Ok(windfall::Campaign::find(&word, &request)?))?;
+        let mut inner = on_threads(py, 0, move || Ok(windfall::Campaign::find(&word, &request)?))?;
+        if let Some(folder) = folder {
+            inner.warnings.iter_mut().for_each(|w| *w = w.replace(folder, ""));
+        }
         Ok(Self { inner: Arc::new(inner) })
     }
-    /// The same declared model with these runs: (name, kind, use, columns of the run file).
-    fn with_runs(&self, runs: Vec<(String, String, String, Bound<'_, PyDict>)>) -> PyResult<Self> {
-        let runs = runs.into_iter().map(run_of).collect::<PyResult<_>>()?;
-        Ok(Self { inner: Arc::new(self.inner.with_runs(runs).map_err(Raised::from)?) })
+    /// The same declared model with these runs: (name, kind, use, columns of the run file, names of columns without numbers).
+    fn with_runs(&self, py: Python<'_>, runs: Vec<GivenRun<'_>>) -> PyResult<Self> {
+        let runs = runs.into_iter().map(run_of).collect::<PyResult<Vec<_>>>()?;
+        let inner = py.detach(|| self.inner.with_runs(runs)).map_err(Raised::from)?;
+        Ok(Self { inner: Arc::new(inner) })
     }
     #[getter]
     fn name(&self) -> &str {
@@ -167,27 +172,19 @@ impl PyCampaign {
     }
 }
 
-fn run_of((name, kind, used, columns): (String, String, String, Bound<'_, PyDict>)) -> PyResult<Run> {
+/// Name, kind, use, columns, and the names of columns that hold no numbers.
+type GivenRun<'py> = (String, String, String, Bound<'py, PyDict>, Vec<String>);
+
+fn run_of((name, kind, used, columns, left_out): GivenRun<'_>) -> PyResult<RunColumns> {
     let wrong = |what: String| PyErr::from(Raised::Argument(format!("run {name}: {what}")));
     let used = Use::of_name(&used)
         .ok_or_else(|| wrong(format!("use {used:?} must be one of {}", Use::ALL.map(Use::name).join(", "))))?;
-    let series = |key: &str| -> PyResult<Option<Vec<f64>>> {
-        let Some(at) = columns.get_item(key)? else { return Ok(None) };
+    let series = |(key, at): (Bound<'_, PyAny>, Bound<'_, PyAny>)| -> PyResult<(String, Vec<f64>)> {
+        let key: String = key.extract()?;
         let array: PyReadonlyArray1<'_, f64> =
             at.extract().map_err(|_| wrong(format!("column {key} must be a one-dimensional array of float64")))?;
-        Ok(Some(array.as_array().to_vec()))
+        Ok((key, array.as_array().to_vec()))
     };
-    let needed = |key: &str| series(key)?.ok_or_else(|| wrong(format!("column {key} is missing")));
-    let radians = |key: &str| Ok::<_, PyErr>(needed(key)?.into_iter().map(f64::to_radians).collect::<Vec<f64>>());
-    let record = Record {
-        t_s: needed("t_s")?,
-        position_m: [needed("X_m")?, needed("Y_m")?, needed("Z_m")?],
-        attitude_rad: [radians("Rx_deg")?, radians("Ry_deg")?, radians("Rz_deg")?],
-        vw_m_s: needed("VW_m_s")?,
-        ps_pa: needed("ps_Pa")?,
-        ts_k: needed("Ts_K")?,
-        qw_pa: series("qW_Pa")?,
-        bridged: Vec::new(),
-    };
-    Ok(Run { name, kind, used, inputs: Vec::new(), data: Data::Tunnel(record), notes: Vec::new() })
+    let columns = columns.iter().map(series).collect::<PyResult<_>>()?;
+    Ok(RunColumns { name, kind, used, columns, left_out })
 }

@@ -1,11 +1,13 @@
 //! python: verbs on files alone: check, verify, closing against statistics, descents, the page of a folder, a first campaign file,
-//! what a word means. In: paths, words. Out: JSON, HTML, text.
+//! what a word or key means, a table as a file. In: paths, words, columns. Out: JSON, HTML, text.
 
 use crate::errors::Raised;
 use crate::threads::on_threads;
+use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use std::path::PathBuf;
-use windfall::files::json_text;
+use windfall::files::{json_text, write_columns_csv};
 use windfall::results::Identification;
 
 /// Kind of a file and what a reader wants said of it; every fault is an exception.
@@ -55,10 +57,48 @@ pub(crate) fn descend(
     })
 }
 
-/// Page of a folder of results, as HTML in one piece.
+/// Page of a folder of results, as HTML in one piece; with a second folder its figures there.
 #[pyfunction]
-pub(crate) fn page(py: Python<'_>, folder: PathBuf) -> PyResult<String> {
-    on_threads(py, 1, move || Ok(windfall::ResultsFolder::read(&folder)?.page()))
+#[pyo3(signature = (folder, figures=None, width=None, force=false))]
+pub(crate) fn page(
+    py: Python<'_>,
+    folder: PathBuf,
+    figures: Option<PathBuf>,
+    width: Option<f64>,
+    force: bool,
+) -> PyResult<String> {
+    on_threads(py, 1, move || {
+        let results = windfall::ResultsFolder::read(&folder)?;
+        if let Some(figures) = figures {
+            results.write_figures(&figures, width.unwrap_or(windfall::report::WIDTH_MM), force)?;
+        }
+        Ok(results.page())
+    })
+}
+
+/// Every key of the files.
+#[pyfunction]
+pub(crate) fn keys() -> String {
+    windfall::files::key_reference()
+}
+
+/// Columns of one length as a run file (CSV), for tables that stand where a file does.
+#[pyfunction]
+pub(crate) fn write_columns(py: Python<'_>, path: PathBuf, columns: &Bound<'_, PyDict>) -> PyResult<()> {
+    let of = |(name, values): (Bound<'_, PyAny>, Bound<'_, PyAny>)| -> PyResult<(String, Vec<f64>)> {
+        let values: PyReadonlyArray1<'_, f64> = values.extract()?;
+        Ok((name.extract()?, values.as_array().to_vec()))
+    };
+    let columns = columns.iter().map(of).collect::<PyResult<Vec<_>>>()?;
+    let quoted: Vec<String> = columns.iter().map(|(n, _)| quoted(n)).collect();
+    let all: Vec<(&str, &[f64])> = quoted.iter().zip(&columns).map(|(n, (_, c))| (n.as_str(), c.as_slice())).collect();
+    Ok(py.detach(|| write_columns_csv(&path, &all)).map_err(windfall::Error::from).map_err(Raised::from)?)
+}
+
+/// A name as a cell of CSV.
+fn quoted(name: &str) -> String {
+    let plain = !name.contains([',', '"', '\n', '\r']);
+    if plain { name.to_owned() } else { format!("\"{}\"", name.replace('"', "\"\"")) }
 }
 
 /// A commented campaign for a run file, as TOML.

@@ -1,4 +1,5 @@
-//! python: the facade for Python. In: paths, numbers, NumPy arrays. Out: NumPy arrays and JSON; every error as an exception of its own.
+//! python: the facade for Python, and the program. In: paths, numbers, NumPy arrays, arguments. Out: NumPy arrays and JSON; every error
+//! as an exception of its own; the program's exit code.
 //!
 //! Private: `python/py/windfall/__init__.py` is what users see. The interpreter's lock is released while the rooms work, and
 //! Ctrl-C is listened for.
@@ -7,6 +8,7 @@ mod campaign;
 mod errors;
 mod files;
 mod many;
+mod program;
 mod study;
 mod threads;
 
@@ -26,7 +28,10 @@ fn _windfall(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(files::close_statistics, m)?)?;
     m.add_function(wrap_pyfunction!(files::descend, m)?)?;
     m.add_function(wrap_pyfunction!(files::page, m)?)?;
+    m.add_function(wrap_pyfunction!(files::keys, m)?)?;
+    m.add_function(wrap_pyfunction!(files::write_columns, m)?)?;
     m.add_function(wrap_pyfunction!(files::init, m)?)?;
     m.add_function(wrap_pyfunction!(files::explain, m)?)?;
+    m.add_function(wrap_pyfunction!(program::run_program, m)?)?;
     m.add_function(wrap_pyfunction!(study::read_runs, m)?)
 }

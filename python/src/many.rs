@@ -1,11 +1,12 @@
 //! python: many campaigns, in whole and one by one. In: paths, verb and request as JSON. Out: what each gave, the folder's results.
 
 use crate::errors::Raised;
-use crate::threads::{on_threads, on_threads_until};
+use crate::threads::{Stop, on_threads, on_threads_until};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 use windfall::files::{CampaignStore, json_text};
 use windfall::results::CampaignOutcome;
 use windfall::{CampaignDone, Campaigns};
@@ -91,12 +92,13 @@ impl PyMany {
         let done = CampaignDone { input, outcome, result };
         Ok(py.detach(|| self.inner.with_open(|campaigns, store| Ok(campaigns.put(store, number, &done)?)))?)
     }
-    /// Does here what the folder lacks of its share. Ctrl-C ends it after the campaigns in flight, which are kept.
+    /// Does here what the folder lacks of its share. Ctrl-C ends it: campaigns in flight may take minutes, so they are waited for no longer
+    /// than is noticed. What they still put into the folder is what would be put there again.
     #[pyo3(signature = (threads=0))]
     fn work(&self, py: Python<'_>, threads: usize) -> PyResult<()> {
         let (inner, stop) = (Arc::clone(&self.inner), Arc::new(AtomicBool::new(false)));
         let asked = Arc::clone(&stop);
-        on_threads_until(py, threads, Some(&stop), move || {
+        on_threads_until(py, threads, Some(Stop { flag: &stop, patience: Duration::from_millis(700) }), move || {
             let go_on = |_: &CampaignOutcome| !asked.load(Ordering::Relaxed);
             inner.with_open(|campaigns, store| Ok(campaigns.work(store, campaigns.missing(store), go_on)?))
         })

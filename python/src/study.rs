@@ -1,13 +1,14 @@
 //! python: studies in whole and in parts. In: a study file. Out: bytes of parts, the folder's results, the summary as JSON.
 
 use crate::errors::Raised;
-use crate::threads::{on_threads, on_threads_until};
+use crate::threads::{Stop, on_threads, on_threads_until};
 use numpy::IntoPyArray as _;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 use windfall::files::{Store, read_runs as read};
 use windfall::model::study::{Cell, CellKind, Row};
 use windfall::{Drawing, PartRule};
@@ -91,13 +92,14 @@ impl PyStudy {
             })
         })?)
     }
-    /// Draws here what the folder lacks of its share. Ctrl-C ends it after the draws in flight, all of which are kept.
+    /// Draws here what the folder lacks of its share. Ctrl-C ends it after the draws in flight, all of which are kept; a second
+    /// one at once.
     #[pyo3(signature = (threads=0))]
     fn draw(&self, py: Python<'_>, threads: usize) -> PyResult<()> {
         let (inner, stop) = (Arc::clone(&self.inner), Arc::new(AtomicBool::new(false)));
         let asked = Arc::clone(&stop);
         let go_on = move |_: &Row| !asked.load(Ordering::Relaxed);
-        on_threads_until(py, threads, Some(&stop), move || {
+        on_threads_until(py, threads, Some(Stop { flag: &stop, patience: Duration::MAX }), move || {
             inner.with_open(|drawing, store, _, _| Ok(drawing.draw(store, &go_on)?))
         })
     }

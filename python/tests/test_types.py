@@ -20,12 +20,15 @@ c = windfall.campaign("sage-perturbed")
 found = windfall.identify(c, method="equation-error", hold={"Cl_0": 0.0125}, prior={"Cl_p": (-5.7, 0.3)})
 name: str = c.name
 again = windfall.resimulate(c, found, seeds=2)
+error: float = again.trajectory.attitude_rms_deg + found.data_sets[0].parameters[0].estimate
+flown = windfall.campaign({"campaign": {"name": "mine"}, "run": [{"file": flights[0].to_frame()}]})
 try:
     summary = windfall.study("study.toml", "out", shard=(1, 4))
 except windfall.ReadError as e:
     print(e.faults[0]["line"])
 '''
-WRONG = '''windfall.simulate("appendix-c", sed=3)
+WRONG = '''found.data_sets[0].parameter
+windfall.simulate("appendix-c", sed=3)
 windfall.identify(3)
 n: int = c.name
 summary["draws"]
@@ -39,7 +42,7 @@ def mypy(folder: Path, *arguments: str) -> str:
 
 
 def test_law_stubs_are_what_is_there(tmp_path):
-    assert mypy(tmp_path, "mypy.stubtest", "windfall").startswith("Success")
+    assert mypy(tmp_path, "mypy.stubtest", "windfall._windfall").startswith("Success")
 
 
 def test_law_right_use_passes_and_each_wrong_one_is_found(tmp_path):

@@ -2,6 +2,7 @@
 
 use crate::error::ReadError;
 use crate::free_flight;
+use crate::in_memory::named_pieces;
 use crate::keys;
 use crate::limits;
 use crate::open::text_of;
@@ -9,10 +10,9 @@ use crate::own::{self, Own};
 use crate::plant::{Declared, read_declared};
 use crate::point::{Asked, Down, read_own_track};
 use crate::point_body::{self, InputSource, RunOwn};
-use crate::record::read_own_pieces;
 use crate::scenario::{declared_effects, run_exists, used};
 use crate::table::{Source, Table, number};
-use crate::{units, wind_tunnel};
+use crate::wind_tunnel;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use windfall_model::{Acts, Campaign, Data, Effect, Knowledge, Measured, Role, Run, Use};
@@ -262,20 +262,9 @@ fn read_run(e: &RunEntry, declared: &Declared, down: Option<Down>, inputs: &[Str
         }
         return Ok(vec![run(&values, stem, Data::Point(track), notes)]);
     }
-    let pieces = read_own_pieces(&e.path, &e.columns, &declared.plant.sensors, e.window_s)?;
-    let faults: Vec<_> = pieces.iter().flat_map(|p| units::physics_faults(&e.path, &p.record, &declared.plant)).collect();
-    if !faults.is_empty() {
-        return Err(ReadError::Faults(faults));
-    }
-    let many = pieces.len() > 1;
-    Ok(pieces
-        .into_iter()
-        .enumerate()
-        .map(|(i, mut p)| {
-            p.notes.extend(units::warnings(&p.record));
-            run(&values, if many { format!("{stem}-{}", letters(i)) } else { stem.clone() }, Data::Tunnel(p.record), p.notes)
-        })
-        .collect())
+    let columns = crate::formats::read_columns(&e.path)?;
+    let pieces = named_pieces(&e.path, &stem, columns, &e.columns, &declared.plant, e.window_s)?;
+    Ok(pieces.into_iter().map(|(name, p)| run(&values, name, Data::Tunnel(p.record), p.notes)).collect())
 }
 
 /// What a run's file is read for.
@@ -297,12 +286,6 @@ fn asked<'a>(e: &'a RunEntry, declared: &Declared, down: Option<Down>, inputs: &
         window_s: e.window_s,
         inputs: inputs.iter().enumerate().filter_map(column).collect(),
     }
-}
-
-/// a, b, ..., z, aa, ab, ...
-fn letters(i: usize) -> String {
-    let last = char::from(b'a' + u8::try_from(i % 26).unwrap_or(0));
-    if i < 26 { last.to_string() } else { format!("{}{last}", letters(i / 26 - 1)) }
 }
 
 fn undeclared_warnings(source: &Source<'_>, file: &Table<'_>, declared: &Declared) -> Vec<String> {

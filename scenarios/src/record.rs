@@ -78,7 +78,18 @@ pub(crate) fn read_own_pieces(
     sensors: &Sensors,
     window_s: Option<[f64; 2]>,
 ) -> Result<Vec<Piece>, ReadError> {
-    let mut columns = own.apply(path, read_columns(path)?)?;
+    pieces_of(path, read_columns(path)?, own, sensors, window_s)
+}
+
+/// The same for columns that were read, or never were in a file; `path` is what faults name.
+pub(crate) fn pieces_of(
+    path: &Path,
+    columns: Columns,
+    own: &Own,
+    sensors: &Sensors,
+    window_s: Option<[f64; 2]>,
+) -> Result<Vec<Piece>, ReadError> {
+    let mut columns = own.apply(path, columns)?;
     let mut notes = std::mem::take(&mut columns.notes);
     has_columns(path, &columns, &NEEDED)?;
     let t = times(path, &mut columns, window_s, &mut notes)?;

@@ -4,13 +4,13 @@ use crate::scenario::is_bundled;
 use crate::{Close, Error, Fly, Identify, Plan, Resimulate, Result, Scenario, Structure};
 use serde::Serialize;
 use std::path::Path;
-use windfall_model::{Data, Plant, Record, Run};
+use windfall_model::Plant;
 use windfall_pid::compatibility::{Pressure, pressure};
 use windfall_pid::plan::{TestPlan as Targets, plan};
 use windfall_pid::smooth::Smoother;
 use windfall_pid::structure::{Choice, choose};
 use windfall_pid::{Identification, Method};
-use windfall_scenarios::{FEWEST_SAMPLES, FileKind, kind_of, read_campaign_with_warnings};
+use windfall_scenarios::{FileKind, RunColumns, kind_of, read_campaign_with_warnings, runs_of_columns};
 use windfall_verify::close::{
     Closing, Figure, Options, SignalTracks, SmoothingTracks, close, coefficient_tracks, figures, flight_tracks, smoothing, tracks,
 };
@@ -86,17 +86,28 @@ impl Campaign {
             CampaignSource::Campaign(campaign) => Ok(*campaign),
         }
     }
-    /// The same declared model with other tunnel runs.
+    /// The same declared model with these tunnel runs, which are held against all that run files are held against.
     ///
     /// # Errors
-    /// Series of different lengths, numbers that are not finite, fewer than 30 samples, or time that is not uniform to 1 %.
-    pub fn with_runs(&self, runs: Vec<Run>) -> Result<Self> {
+    /// A campaign of another kind of body; every fault of the runs: columns that are missing, units that cannot be, time that does not
+    /// increase, gaps, too few samples.
+    pub fn with_runs(&self, runs: Vec<RunColumns>) -> Result<Self> {
+        if !self.data.inputs.is_empty() || self.data.runs.iter().any(|r| matches!(r.data, windfall_model::Data::Point(_))) {
+            let what = "other runs are for tunnel campaigns without inputs; name these in a campaign of their own";
+            return Err(Error::Request(what.to_owned()));
+        }
         for run in &runs {
-            if let Data::Tunnel(record) = &run.data {
-                sound(record).map_err(|what| Error::Request(format!("run {}: {what}", run.name)))?;
+            let rows = run.columns.first().map_or(0, |(_, c)| c.len());
+            if let Some((name, c)) = run.columns.iter().find(|(_, c)| c.len() != rows) {
+                let what = format!("run {}: columns differ in length: {name} has {} rows, the first {rows}", run.name, c.len());
+                return Err(Error::Request(what));
+            }
+            if runs.iter().filter(|r| r.name == run.name).count() > 1 {
+                return Err(Error::Request(format!("run {}: appears twice; give each run a name of its own", run.name)));
             }
         }
-        Ok(Self { data: windfall_model::Campaign { runs, ..self.data.clone() }, warnings: Vec::new() })
+        let (runs, warnings) = runs_of_columns(runs, &self.data.plant)?;
+        Ok(Self { data: windfall_model::Campaign { runs, ..self.data.clone() }, warnings })
     }
     /// Parameters with intervals: the content of `identification.json`.
     ///
@@ -229,22 +240,4 @@ impl Planned {
             Self::Rivals(r) => r.is_within_reach(),
         }
     }
-}
-
-/// Whether a record can be identified on as it is.
-fn sound(record: &Record) -> std::result::Result<(), &'static str> {
-    let n = record.t_s.len();
-    let others = [&record.ps_pa, &record.ts_k].map(Vec::as_slice);
-    let all = || record.channels().into_iter().chain(others).chain(record.qw_pa.as_deref()).chain([record.t_s.as_slice()]);
-    if all().any(|c| c.len() != n) {
-        return Err("columns differ in length");
-    }
-    if all().any(|c| c.iter().any(|x| !x.is_finite())) {
-        return Err("holds NaN or infinity; write it as a run file and read that, which bridges dropouts");
-    }
-    let step = record.interval_s();
-    if record.t_s.windows(2).any(|w| ((w[1] - w[0]) / step - 1.0).abs() > 0.01) || n < FEWEST_SAMPLES {
-        return Err("needs 30 samples or more, uniform in time to 1 %");
-    }
-    Ok(())
 }

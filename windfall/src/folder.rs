@@ -4,7 +4,7 @@ use crate::{Error, Result};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use windfall_report::{FolderResults, PaperFigure, folder_figures, folder_page};
-use windfall_scenarios::read_json;
+use windfall_scenarios::{FileSet, WriteError, read_json};
 use windfall_verify::close::{Closing, Figure, SignalTracks, SmoothingTracks};
 use windfall_verify::descent::DescentSummary;
 use windfall_verify::many::ManySummary;
@@ -25,6 +25,11 @@ const STATISTICS: &[&str] = &["verdict", "name", "source", "options", "seed"];
 
 /// Files of descents: statistics, a row a draw, the page.
 pub const DESCENT_FILES: [&str; 3] = ["descent.json", "descents.parquet", "report.html"];
+
+/// What each figure is written as.
+pub const FIGURE_ENDINGS: [&str; 3] = ["svg", "pdf", "csv"];
+/// Narrowest and widest figure, mm: labels need the one, no sheet holds more than the other.
+pub const FIGURE_WIDTHS_MM: [f64; 2] = [60.0, 400.0];
 
 /// What a folder holds.
 ///
@@ -100,6 +105,28 @@ impl ResultsFolder {
     #[must_use]
     pub fn paper_figures(&self, width_mm: f64) -> Vec<PaperFigure> {
         folder_figures(&self.title, &self.results(), width_mm)
+    }
+    /// Writes those figures into a folder, which is made if missing: all of them, or none. Without `force` nothing is overwritten. Returns
+    /// their names without endings.
+    ///
+    /// # Errors
+    /// A width outside [`FIGURE_WIDTHS_MM`], a folder that cannot be written, figures that are there.
+    pub fn write_figures(&self, folder: &Path, width_mm: f64, force: bool) -> Result<Vec<String>> {
+        let [least, most] = FIGURE_WIDTHS_MM;
+        if !(least..=most).contains(&width_mm) {
+            return Err(Error::Request(format!("width = {width_mm} mm: allowed: {least} to {most} mm")));
+        }
+        std::fs::create_dir_all(folder).map_err(|reason| WriteError::Write { path: folder.to_owned(), reason })?;
+        let set = FileSet::new(folder)?;
+        let figures = self.paper_figures(width_mm);
+        for f in &figures {
+            for (ending, bytes) in FIGURE_ENDINGS.into_iter().zip([f.svg.as_bytes(), &f.pdf, f.csv.as_bytes()]) {
+                let path = set.stage().join(format!("{}.{ending}", f.name));
+                std::fs::write(&path, bytes).map_err(|reason| WriteError::Write { path, reason })?;
+            }
+        }
+        set.commit(force)?;
+        Ok(figures.into_iter().map(|f| f.name).collect())
     }
     fn results(&self) -> FolderResults<'_> {
         let [tracks, coefficients, flights] = self.tracks.each_ref().map(Option::as_ref);

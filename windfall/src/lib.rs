@@ -40,7 +40,7 @@ pub use check::{Checked, Verification, check, verify};
 pub use descend::{DescentScenario, put_descents, write_descents};
 pub use error::{Error, ErrorKind, Result};
 pub use explain::{Explain, explain, init};
-pub use folder::{DESCENT_FILES, ResultsFolder};
+pub use folder::{DESCENT_FILES, FIGURE_ENDINGS, FIGURE_WIDTHS_MM, ResultsFolder};
 pub use many::{CampaignDone, Campaigns, Each, Many};
 pub use published::Published;
 pub use requests::{Close, Descend, Fly, Identify, MOST_COPIES, MOST_DESCENTS, Plan, Resimulate, Structure, Study};
@@ -80,7 +80,7 @@ pub mod results {
 pub mod files {
     pub use windfall_scenarios::{
         BUNDLED, BUNDLED_FREE, BUNDLED_PLANETS, CampaignStore, FileSet, Piece, Store, json_text, key_reference, read_json,
-        read_runs, series_text, settle, text_atomically, write_json_atomically, write_structure,
+        read_runs, series_text, settle, text_atomically, write_columns_csv, write_json_atomically, write_structure,
     };
 }
 
@@ -88,7 +88,7 @@ pub use windfall_pid::output_error::Prior;
 pub use windfall_pid::plan::{Target, Wanted};
 pub use windfall_pid::structure::Criterion;
 pub use windfall_pid::{Held, Method, PidError};
-pub use windfall_scenarios::{FindError, ReadError, Shard, StoreError, WriteError};
+pub use windfall_scenarios::{FindError, ReadError, RunColumns, Shard, StoreError, WriteError};
 pub use windfall_sim::SimError;
 pub use windfall_verify::statistics::StatisticsError;
 pub use windfall_verify::{Tie, VerifyError};

@@ -1,16 +1,16 @@
 """Windfall: a tethered lander in a vertical wind tunnel, flown, identified, and compared with its measurement.
 
 >>> import windfall
->>> campaign = windfall.campaign("sage-perturbed")  # or the path of a campaign file
+>>> campaign = windfall.campaign("sage-perturbed")  # or a campaign file, or what such a file says as a dictionary
 >>> found = windfall.identify(campaign, method="output-error", combined=True)
 >>> again = windfall.resimulate(campaign, found)
->>> again["trajectory"]["attitude_rms_deg"] < 0.5
+>>> again.trajectory.attitude_rms_deg < 0.5
 True
->>> windfall.close(campaign)["verdict"]
+>>> windfall.close(campaign).verdict
 'consistent'
 
-Results are dictionaries in the words of the program's JSON files; series are NumPy arrays whose names carry their unit.
-Every error is a :class:`WindfallError`.
+Results are dictionaries in the words of the program's JSON files, whose keys are typed attributes too (:mod:`windfall.results`); series are
+NumPy arrays whose names carry their unit. Every error is a :class:`WindfallError`, every warning a :class:`WindfallWarning`.
 """
 
 from __future__ import annotations
@@ -18,14 +18,13 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypedDict, TypeVar, Unpack
+from typing import Any, TypeVar, Unpack
 
-import numpy as np
-import numpy.typing as npt
-
-from . import _requests, _windfall
+from . import _inputs, _requests, _windfall, results
+from ._campaign import Campaign
+from ._flight import Flight
+from ._inputs import WindfallWarning
 from ._windfall import (
-    Campaign,
     IdentifyError,
     LoopError,
     ReadError,
@@ -45,6 +44,7 @@ __all__ = [
     "SimulateError",
     "StudyError",
     "WindfallError",
+    "WindfallWarning",
     "WriteError",
     "__version__",
     "campaign",
@@ -55,31 +55,23 @@ __all__ = [
     "explain",
     "identify",
     "init",
+    "keys",
     "many",
     "plan",
     "read_runs",
     "report",
     "resimulate",
+    "results",
     "simulate",
     "structure",
     "study",
     "verify",
 ]
 
-Columns = dict[str, npt.NDArray[np.float64]]
 Path = str | os.PathLike[str]
-
-
-class Flight(TypedDict):
-    """One flight. `record` has the run file's columns, `truth` what really happened; n samples each."""
-
-    name: str
-    kind: str
-    use: str
-    end: str
-    end_t_s: float
-    record: Columns
-    truth: Columns
+_MOST_THREADS = 512
+#: A file by its path, or what it says: a mapping, or a dataclass.
+Document = Path | Mapping[str, Any] | _inputs.Dataclass
 
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -117,24 +109,40 @@ def _request(request: type, given: Mapping[str, Any]) -> str:
     return json.dumps(_fields(request, given))
 
 
-@_takes(_requests.Fly)
-def simulate(scenario: Path, *, threads: int = 0, **request: Unpack[_requests.Fly]) -> list[Flight]:
-    """Fly a scenario (file, or bundled name); record and truth of each flight apart."""
-    return _windfall.simulate(os.fspath(scenario), _request(_requests.Fly, request), threads)
+def _threads(number: int) -> int:
+    """A number of threads, 0 for one per processor."""
+    if isinstance(number, bool) or not isinstance(number, int):
+        raise TypeError(f"threads = {number!r}: must be a whole number")
+    if not 0 <= number <= _MOST_THREADS:
+        raise ValueError(f"threads = {number}: allowed: 1 to {_MOST_THREADS}, or 0 for one per processor")
+    return number
 
 
 @_takes(_requests.Fly)
-def campaign(source: Path, **request: Unpack[_requests.Fly]) -> Campaign:
-    """Read a campaign file; or fly a scenario, whose effects its campaign does not declare."""
-    return Campaign(os.fspath(source), _request(_requests.Fly, request))
+def simulate(scenario: Document, *, threads: int = 0, **request: Unpack[_requests.Fly]) -> list[Flight]:
+    """Fly a scenario (file, bundled name, or document); record and truth of each flight apart."""
+    with _inputs.document(scenario, "scenario") as (path, _):
+        return [Flight(f) for f in _windfall.simulate(path, _request(_requests.Fly, request), _threads(threads))]
 
 
-def _campaign(source: Campaign | Path) -> Campaign:
+@_takes(_requests.Fly)
+def campaign(source: Document, **request: Unpack[_requests.Fly]) -> Campaign:
+    """Read a campaign file, or a mapping or dataclass with what such a file says; or fly a scenario, whose effects its campaign does not
+    declare.
+
+    Where a campaign names a file, in place of the name may stand what the file would hold: a run's table of pandas, polars, Arrow, xarray
+    or plain lists, as in `{"name": "drop-1", "file": frame, "kind": "perturbed", "use": "identify"}`, or a structure's mapping. Tables pass
+    the same checks as run files.
+    """
+    return Campaign(source, _request(_requests.Fly, request))
+
+
+def _campaign(source: Campaign | Document) -> Campaign:
     return source if isinstance(source, Campaign) else campaign(source)
 
 
 @_takes(_requests.Identify)
-def identify(campaign: Campaign | Path, *, threads: int = 0, **request: Unpack[_requests.Identify]) -> dict[str, Any]:
+def identify(campaign: Campaign | Document, *, threads: int = 0, **request: Unpack[_requests.Identify]) -> results.Identification:
     """Parameters with intervals: the content of identification.json, as `windfall identify` writes it.
 
     Methods: thesis, equation-error, output-error, filter-error; without one, the one that is right for these data, with the reason.
@@ -142,37 +150,36 @@ def identify(campaign: Campaign | Path, *, threads: int = 0, **request: Unpack[_
     to another, `prior={"Cl_p": (-5.7, 0.3)}` is a mean and a standard deviation from elsewhere. `bootstrap=40` checks the stated errors
     by so many copies.
     """
-    found: dict[str, Any] = json.loads(_campaign(campaign).identify(_request(_requests.Identify, request), threads))
-    return found
+    asked = _request(_requests.Identify, request)
+    return results.Identification(json.loads(_campaign(campaign)._native.identify(asked, _threads(threads))))
 
 
 @_takes(_requests.Resimulate)
 def resimulate(
-    campaign: Campaign | Path,
+    campaign: Campaign | Document,
     identification: Mapping[str, Any],
     *,
     threads: int = 0,
     **request: Unpack[_requests.Resimulate],
-) -> dict[str, Any]:
+) -> results.Resimulation:
     """Fly an identified model against each run: the content of resimulation.json.
 
     With `draws=100` also so many models with parameters drawn from their covariance: bands, and intervals of the statistics.
     """
     model, asked = json.dumps(identification), _request(_requests.Resimulate, request)
-    found: dict[str, Any] = json.loads(_campaign(campaign).resimulate(model, asked, threads))
-    return found
+    return results.Resimulation(json.loads(_campaign(campaign)._native.resimulate(model, asked, _threads(threads))))
 
 
 @_takes(_requests.Descend)
 def descend(
-    scenario: Path,
+    scenario: Document,
     identification: Mapping[str, Any] | None = None,
     *,
     out: Path | None = None,
     force: bool = False,
     threads: int = 0,
     **request: Unpack[_requests.Descend],
-) -> dict[str, Any]:
+) -> results.Descent:
     """Fly an identified model down to the ground of a planet many times: the content of descent.json.
 
     `scenario` is a planet scenario of a rigid body; each of `draws` descents has parameters drawn from the identification's posterior,
@@ -181,57 +188,68 @@ def descend(
     model = None if identification is None else json.dumps(identification)
     folder = None if out is None else os.fspath(out)
     asked = _request(_requests.Descend, request)
-    found: dict[str, Any] = json.loads(_windfall.descend(os.fspath(scenario), model, asked, folder, force, threads))
-    return found
+    with _inputs.document(scenario, "scenario") as (path, _):
+        return results.Descent(json.loads(_windfall.descend(path, model, asked, folder, force, _threads(threads))))
 
 
 @_takes(_requests.Close)
-def close(campaign: Campaign | Path, *, threads: int = 0, **request: Unpack[_requests.Close]) -> dict[str, Any]:
+def close(campaign: Campaign | Document, *, threads: int = 0, **request: Unpack[_requests.Close]) -> results.Closing:
     """What the declared model lacks: the content of close.json."""
-    found: dict[str, Any] = json.loads(_campaign(campaign).close(_request(_requests.Close, request), threads))
-    return found
+    asked = _request(_requests.Close, request)
+    return results.Closing(json.loads(_campaign(campaign)._native.close(asked, _threads(threads))))
 
 
 @_takes(_requests.Close)
-def close_statistics(statistics: Path, *, threads: int = 0, **request: Unpack[_requests.Close]) -> dict[str, Any]:
+def close_statistics(
+    statistics: Document, *, threads: int = 0, **request: Unpack[_requests.Close]
+) -> results.StatisticsClosing:
     """What the declared model lacks beside published statistics (a file, or `table-5.6`): the content of close.json."""
     asked = _request(_requests.Close, request)
-    found: dict[str, Any] = json.loads(_windfall.close_statistics(os.fspath(statistics), asked, threads))
-    return found
+    with _inputs.document(statistics, "statistics") as (path, _):
+        return results.StatisticsClosing(json.loads(_windfall.close_statistics(path, asked, _threads(threads))))
 
 
-def check(path: Path) -> tuple[str, list[str]]:
-    """Kind of a file (or of a bundled scenario) and its reader's warnings; faults, and a record that is not what it says, raise."""
-    return _windfall.check(os.fspath(path))
+def check(path: Document) -> tuple[str, list[str]]:
+    """Kind of a file (or bundled scenario, or document) and its reader's warnings; faults, and a record that is not what it says, raise."""
+    with _inputs.document(path, "document") as (file, folder):
+        kind, said = _windfall.check(file)
+        return kind, [w.replace(folder, "") if folder else w for w in said]
 
 
-def verify(*, threads: int = 0) -> dict[str, Any]:
+def keys() -> str:
+    """Every key of the files, with unit and range, as Markdown."""
+    return _windfall.keys()
+
+
+def verify(*, threads: int = 0) -> results.Verification:
     """Every check of the program's own truth, figure beside bound: the content of verify.json."""
-    found: dict[str, Any] = json.loads(_windfall.verify(threads))
-    return found
+    return results.Verification(json.loads(_windfall.verify(_threads(threads))))
 
 
-def report(folder: Path) -> str:
-    """The page of a folder of results, as HTML in one piece."""
-    return _windfall.page(os.fspath(folder))
+def report(folder: Path, *, figures: Path | None = None, width: float | None = None, force: bool = False) -> str:
+    """The page of a folder of results, as HTML in one piece.
+
+    With `figures` also every figure of it in that folder as SVG, PDF and CSV, `width` mm wide (60 to 400, 86 when not said).
+    """
+    return _windfall.page(os.fspath(folder), None if figures is None else os.fspath(figures), width, force)
 
 
 @_takes(_requests.Structure)
-def structure(campaign: Campaign | Path, *, threads: int = 0, **request: Unpack[_requests.Structure]) -> dict[str, Any]:
+def structure(campaign: Campaign | Document, *, threads: int = 0, **request: Unpack[_requests.Structure]) -> results.Structure:
     """Which aerodynamic terms the runs carry, whatever is declared: the content of structure.json."""
-    found: dict[str, Any] = json.loads(_campaign(campaign).structure(_request(_requests.Structure, request), threads))
-    return found
+    asked = _request(_requests.Structure, request)
+    return results.Structure(json.loads(_campaign(campaign)._native.structure(asked, _threads(threads))))
 
 
 @_takes(_requests.Plan)
 def plan(
-    campaign: Campaign | Path,
+    campaign: Campaign | Document,
     *,
     percent: Mapping[str, float] | None = None,
     absolute: Mapping[str, float] | None = None,
     threads: int = 0,
     **request: Unpack[_requests.Plan],
-) -> dict[str, Any]:
+) -> results.Plan | results.Separation:
     """Tunnel time that brings wanted standard errors, or runs that part rivals: the content of plan.json.
 
     `percent={"Cm_2": 5}` of the estimate, `absolute={"Cm_2": 10}` in the parameter's unit; `separate=True` instead: the runs that part the
@@ -240,20 +258,22 @@ def plan(
     wanted = [("percent", percent or {}), ("absolute", absolute or {})]
     target = [{"parameter": name, "error": {kind: error}} for kind, errors in wanted for name, error in errors.items()]
     asked = json.dumps({"target": target, **_fields(_requests.Plan, request)})
-    found: dict[str, Any] = json.loads(_campaign(campaign).plan(asked, threads))
-    return found
+    found = json.loads(_campaign(campaign)._native.plan(asked, _threads(threads)))
+    return results.Separation(found) if "pairs" in found else results.Plan(found)
 
 
 @_takes(_requests.Study)
-def study(study: Path, out: Path, *, threads: int = 0, **request: Unpack[_requests.Study]) -> dict[str, Any] | None:
+def study(study: Document, out: Path, *, threads: int = 0, **request: Unpack[_requests.Study]) -> results.Study | None:
     """Draw a study into a folder: `runs.parquet` and `summary.json`, whose content is returned.
 
     With `shard=(i, n)`, i from 1 to n, only that share is drawn and nothing returned; `resume=True` without it joins all.
     """
-    order = _windfall.Study(os.fspath(study))
-    order.open(os.fspath(out), _request(_requests.Study, request))
-    order.draw(threads)
-    return None if request.get("shard") is not None else json.loads(order.finish())
+    with _inputs.document(study, "study") as (path, _):
+        order = _windfall.Study(path)
+        _inputs.warn(order.warnings)
+        order.open(os.fspath(out), _request(_requests.Study, request))
+        order.draw(_threads(threads))
+        return None if request.get("shard") is not None else results.Study(json.loads(order.finish()))
 
 
 _EACH = {"close": _requests.Close, "identify": _requests.Identify}
@@ -275,7 +295,7 @@ def _paths(campaigns: Path | Sequence[Path]) -> list[str]:
 @_takes(_requests.Many)
 def many(
     verb: str, campaigns: Path | Sequence[Path], out: Path, *, threads: int = 0, **request: Unpack[_ManyOf]
-) -> dict[str, Any] | None:
+) -> results.Many | None:
     """Do `close` or `identify` for every campaign of a folder, or of a list of folders and campaign files, into the folder `out`.
 
     Writes what `windfall many` writes: a result of each campaign, `campaigns.parquet`, `many.json`, whose content is returned, and
@@ -285,12 +305,10 @@ def many(
     """
     own = {name: value for name, value in request.items() if name in _requests.Many.__annotations__}
     order = _windfall.Many(_paths(campaigns), _each(verb, {n: v for n, v in request.items() if n not in own}))
+    _inputs.warn(order.warnings)
     order.open(os.fspath(out), _request(_requests.Many, own))
-    order.work(threads)
-    if own.get("shard") is not None:
-        return None
-    found: dict[str, Any] = json.loads(order.finish())
-    return found
+    order.work(_threads(threads))
+    return None if own.get("shard") is not None else results.Many(json.loads(order.finish()))
 
 
 def init(run: Path) -> str:
@@ -303,7 +321,7 @@ def explain(*words: str) -> str:
     return _windfall.explain(list(words))
 
 
-def read_runs(path: Path) -> dict[str, npt.NDArray[Any] | list[str]]:
+def read_runs(path: Path) -> dict[str, Any]:
     """Columns of a study's runs.parquet: float64 (NaN for nothing, flags 0 and 1), words as lists.
 
     `polars.read_parquet` and `pandas.read_parquet` read the file too.

@@ -1,22 +1,27 @@
 """Studies, and many campaigns, on a Dask cluster: pieces of work to workers, the same bytes as on one machine.
 
 A part of a study is a function of (study, part) alone, so a part whose worker died is simply drawn again elsewhere. The study's
-files travel with the work; workers need this package and nothing of the client's file system. Parts land in the client's folder
+files travel to each worker once; workers need this package and nothing of the client's file system. Parts land in the client's folder
 as they come: a client that dies goes on with `resume=True`. Campaigns are handed out in the same way, one at a time.
 """
 
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
+import math
 import os
 import tempfile
+import time
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import _each, _paths, _windfall
+from . import Document, _each, _inputs, _paths, _windfall
+from .results import Many, Study
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -26,29 +31,37 @@ __all__ = ["many", "run"]
 Pack = tuple[str, tuple[tuple[str, bytes], ...]]
 CampaignPack = tuple[str, str, tuple[tuple[str, bytes], ...]]
 
+#: On a worker: files of studies by name, and studies that were read.
+_packs: dict[str, Pack] = {}
 _ready: dict[str, tuple[_windfall.Study, tempfile.TemporaryDirectory[str]]] = {}
 
 
 def run(
-    study: str | os.PathLike[str],
+    study: Document,
     client: Client,
     out: str | os.PathLike[str],
     *,
     resume: bool = False,
     force: bool = False,
     ahead: int = 4,
-) -> dict[str, Any]:
+) -> Study:
     """Draw a study on the workers of `client` into the folder `out`; the content of summary.json.
 
-    `ahead` parts per thread are handed out at a time, so that neither scheduler nor client holds more than that.
+    `ahead` parts per thread are handed out at a time, so that neither scheduler nor client holds more than that; workers may come and go.
+    The study's files are sent to each worker once, also to those that come later. A worker with another build of this package is an error.
     """
-    order = _windfall.Study(os.fspath(study))
-    order.open(os.fspath(out), json.dumps({"resume": resume, "force": force}))
-    # Plain values in the task: a worker that is lost takes no data with it.
-    pack = _pack(Path(study))
-    _hand_out(client, iter(order.missing()), ahead, lambda part: (_draw, pack, part), order.put)
-    summary: dict[str, Any] = json.loads(order.finish())
-    return summary
+    with _inputs.document(study, "study") as (path, _):
+        order = _windfall.Study(path)
+        order.open(os.fspath(out), json.dumps({"resume": resume, "force": force}))
+        pack = _pack(Path(path))
+        files = _files_for_workers(pack)
+        client.register_plugin(files, name=files.name)
+        try:
+            task = (_draw, files.name, _build())
+            _hand_out(client, iter(order.missing()), ahead, lambda part: (*task, part), order.put)
+        finally:
+            client.unregister_worker_plugin(files.name)
+        return Study(json.loads(order.finish()))
 
 
 def many(
@@ -61,7 +74,7 @@ def many(
     force: bool = False,
     ahead: int = 2,
     **request: Any,
-) -> dict[str, Any]:
+) -> Many:
     """Do `close` or `identify` for many campaigns on the workers of `client`, as `windfall.many` does here; the content of many.json.
 
     `ahead` campaigns per thread are handed out at a time, with their files.
@@ -78,8 +91,7 @@ def many(
         order.put(number, *done)
 
     _hand_out(client, iter(order.missing()), ahead, task, put)
-    summary: dict[str, Any] = json.loads(order.finish())
-    return summary
+    return Many(json.loads(order.finish()))
 
 
 def _hand_out(
@@ -97,19 +109,58 @@ def _hand_out(
     def submit(number: int) -> Any:
         return client.submit(*task(number), pure=False, retries=3, key=f"windfall-{word}-{number}")
 
-    lanes = ahead * max(1, sum(client.nthreads().values()))
-    first = [submit(number) for _, number in zip(range(lanes), missing)]
-    under_way = set(first)
-    done = as_completed(first, with_results=True)
+    lanes = _Lanes(client, ahead)
+    under_way = {submit(number) for _, number in zip(range(lanes.count()), missing)}
+    done = as_completed(list(under_way), with_results=True)
     for future, (number, data) in done:
         under_way.discard(future)
         if put(number, data):
             client.cancel(list(under_way))
             break
-        if (number := next(missing, None)) is not None:
-            following = submit(number)
-            under_way.add(following)
-            done.add(following)
+        for following in itertools.islice(missing, max(0, lanes.count() - len(under_way))):
+            under_way.add(submitted := submit(following))
+            done.add(submitted)
+
+
+class _Lanes:
+    """How much is handed out at a time: so much per thread of the cluster, which is looked at again every second."""
+
+    def __init__(self, client: Client, ahead: int) -> None:
+        self.client, self.ahead, self.seen, self.threads = client, ahead, -math.inf, 0
+
+    def count(self) -> int:
+        if time.monotonic() - self.seen > 1.0:
+            self.seen, self.threads = time.monotonic(), sum(self.client.nthreads().values())
+        return self.ahead * max(1, self.threads)
+
+
+def _files_for_workers(pack: Pack) -> Any:
+    from distributed import WorkerPlugin
+
+    class Files(WorkerPlugin):
+        """Puts a study's files where the worker's tasks find them."""
+
+        name = f"windfall-{pack[0][:16]}-{os.urandom(4).hex()}"
+
+        # The class goes to workers by value: the module is looked up there.
+        def setup(self, worker: Any) -> None:
+            import windfall.distributed as there
+
+            there._packs[self.name] = pack
+
+        def teardown(self, worker: Any) -> None:
+            import windfall.distributed as there
+
+            there._packs.pop(self.name, None)
+            there._ready.pop(self.name, None)
+
+    return Files()
+
+
+@lru_cache(maxsize=1)
+def _build() -> str:
+    """What tells two builds apart, also those of one version."""
+    return hashlib.sha256(Path(_windfall.__file__).read_bytes()).hexdigest()
 
 
 def _one(each: str, pack: CampaignPack, number: int) -> tuple[int, tuple[str, str, tuple[str, str] | None]]:
@@ -126,53 +177,28 @@ def _one(each: str, pack: CampaignPack, number: int) -> tuple[int, tuple[str, st
 
 def _campaign_pack(root: Path, name: str) -> CampaignPack:
     """A campaign file and every file that it names, with paths below their common folder; the root within that."""
-    paths = _named(root / name)
+    paths = _inputs.files_of(root / name)
     # Not resolved: `..` in the file must lead to the same place on the worker.
     common = Path(os.path.commonpath([root, *(p.parent for p in paths)]))
     files = tuple((p.relative_to(common).as_posix(), p.read_bytes()) for p in paths)
     return root.relative_to(common).as_posix(), name, files
 
 
-def _named(file: Path) -> list[Path]:
-    """A file, and those that strings in it name if it is TOML, and so on."""
-    found = [file]
-    for path in found:
-        if path.suffix == ".toml":
-            try:
-                strings = _strings(tomllib.loads(path.read_text(encoding="utf-8")))
-            except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
-                continue  # the reader says what is wrong with it
-            below = (Path(os.path.normpath(path.parent / s)) for s in strings if "\0" not in s)
-            found += [p for p in dict.fromkeys(below) if p not in found and _is_file(p)]
-    return found
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except OSError:  # a text too long for a name
-        return False
-
-
-def _strings(value: Any) -> Iterator[str]:
-    if isinstance(value, str):
-        yield value
-    elif isinstance(value, (dict, list)):
-        for item in value.values() if isinstance(value, dict) else value:
-            yield from _strings(item)
-
-
-def _draw(pack: Pack, part: int) -> tuple[int, bytes]:
+def _draw(name: str, build: str, part: int) -> tuple[int, bytes]:
     """On a worker: one part, with the study read once per process."""
-    key, files = pack
-    if key not in _ready:
+    if build != _build():
+        from distributed import get_worker
+
+        raise _windfall.StudyError(f"worker {get_worker().address} has another build of windfall than the client; install the same on all")
+    if name not in _ready:
         folder = tempfile.TemporaryDirectory(prefix="windfall-")
-        for name, data in files:
-            path = Path(folder.name, name)
+        files = _packs[name][1]
+        for file, data in files:
+            path = Path(folder.name, file)
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(data)
-        _ready[key] = (_windfall.Study(str(Path(folder.name, files[0][0]))), folder)
-    return part, _ready[key][0].part(part)
+        _ready[name] = (_windfall.Study(str(Path(folder.name, files[0][0]))), folder)
+    return part, _ready[name][0].part(part)
 
 
 def _pack(study: Path) -> Pack:
