@@ -16,12 +16,12 @@ __all__ = [
     "DescentEnds", "DescentModel", "DescentReason", "DrawnParameter", "EffectBound", "EffectLine", "Estimate", "Estimated",
     "Explanation", "FailureKind", "FigureOver", "FigureSeparation", "FlownParameter", "Form", "FormCheck", "HeightLine", "Held",
     "HeldOut", "HeldOutTrajectory", "Identifiability", "Identification", "InnovationLine", "InnovationShape", "InstrumentError",
-    "Instruments", "Many", "NextRun", "NoiseLine", "NumberLine", "OutcomeParameter", "ParameterLine", "ParameterShare",
-    "ParameterSummary", "Plan", "PlanOption", "PooledParameter", "Pressure", "Quantile", "Rate", "Record", "RecoveredDraw",
-    "RecoveryLine", "ReliabilityPoint", "Residuals", "Resimulation", "Result", "RunComparison", "Screened", "Separated",
-    "Separation", "SetLine", "ShapeReport", "Sharpened", "Shift", "Statistic", "StatisticsClosing", "StatisticsOptions",
-    "SteadyFall", "Structure", "Study", "Tally", "TargetPlan", "TermEstimate", "TouchDownLine", "TrajectoryError", "Unexplained",
-    "Verification", "WordLine",
+    "Instruments", "LandingScatter", "Many", "NextRun", "NoiseLine", "NumberLine", "OutcomeParameter", "ParameterLine",
+    "ParameterShare", "ParameterSummary", "Plan", "PlanOption", "PooledParameter", "Pressure", "Quantile", "Rate", "Record",
+    "RecoveredDraw", "RecoveryLine", "ReliabilityPoint", "Residuals", "Resimulation", "Result", "RunComparison", "Screened",
+    "Separated", "Separation", "SetLine", "ShapeReport", "Sharpened", "Shift", "Statistic", "StatisticsClosing",
+    "StatisticsOptions", "SteadyFall", "Structure", "Study", "Tally", "TargetPlan", "TermEstimate", "TouchDownLine",
+    "TrajectoryError", "Unexplained", "VariedLine", "Verification", "WindTunnelLine", "WindTunnelModel", "WordLine",
 ]
 
 
@@ -165,6 +165,29 @@ class Bootstrap(Record):
     parameters: list[BootstrapLine]
 
 
+class WindTunnelModel(Record):
+    """A model at the points of a wind-tunnel test."""
+
+    model: str
+    value: list[float]
+    std: list[float]
+    rms: float
+    mean: float
+    beyond_runs: int
+    apart: int | None
+
+
+class WindTunnelLine(Record):
+    """One coefficient of one wind-tunnel test beside one or more models."""
+
+    test: str
+    quantity: str
+    angle_deg: list[float]
+    measured: list[float]
+    std: list[float]
+    models: list[WindTunnelModel]
+
+
 class Identification(Result):
     """The content of `identification.json`: an identification, and its check where one was asked for."""
 
@@ -175,6 +198,7 @@ class Identification(Result):
     data_sets: list[DataSet]
     warnings: list[str]
     bootstrap: Bootstrap | None
+    wind_tunnel: list[WindTunnelLine]
 
 
 class FlownParameter(Record):
@@ -429,6 +453,7 @@ class Closing(Result):
     shifts: list[Shift]
     before: After
     after: After
+    wind_tunnel: list[WindTunnelLine]
     false_alarm_rate: float
 
 
@@ -727,6 +752,17 @@ class TouchDownLine(Record):
     parameters: list[ParameterShare]
 
 
+class LandingScatter(Record):
+    """Places of touch-down from the start, in the horizontal plane of the start."""
+
+    mean_m: list[float]
+    half_axes95_m: list[float]
+    heading_deg: float
+    inside: float
+    half_within_m: float
+    places_m: list[list[float]]
+
+
 class HeightLine(Record):
     """A quantity over height."""
 
@@ -764,6 +800,7 @@ class Descent(Result):
     parameters: list[DrawnParameter]
     ends: DescentEnds
     touch_down: list[TouchDownLine]
+    landing: LandingScatter | None
     over_height: list[HeightLine]
     linear_theory: list[SteadyFall]
     warnings: list[str]
@@ -820,6 +857,7 @@ class CampaignOutcome(Record):
     worst_channel: str
     p_value: float | None
     parameters: list[OutcomeParameter]
+    page: str | None
 
 
 class Many(Result):
@@ -913,6 +951,7 @@ class RecoveredDraw(Record):
     truth: float
     estimate: float
     std_error: float
+    row: int
 
 
 class ReliabilityPoint(Record):
@@ -932,6 +971,13 @@ class RecoveryLine(Record):
     name: str
     draws: list[RecoveredDraw]
     reliability: list[ReliabilityPoint]
+
+
+class VariedLine(Record):
+    """A varied quantity of the first draws."""
+
+    name: str
+    values: list[float]
 
 
 class ConfusionLine(Record):
@@ -962,6 +1008,7 @@ class Study(Result):
     words: list[WordLine]
     numbers: list[NumberLine]
     recovery: list[RecoveryLine]
+    varied: list[VariedLine]
     closings: ClosingSummary | None
 
 
