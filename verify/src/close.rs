@@ -26,6 +26,7 @@ mod sides;
 mod signals;
 mod slope;
 mod smoothing;
+mod static_curves;
 mod track_shape;
 mod tracks;
 mod whitened;

@@ -6,8 +6,8 @@ pub mod close;
 pub mod descent;
 mod error;
 mod identify;
+mod joint_errors;
 pub mod many;
-mod posterior;
 mod quantile;
 mod recovery;
 mod residual;
@@ -22,7 +22,7 @@ pub use bootstrap::{Bootstrap, BootstrapLine, bootstrap};
 pub use checks::{Bound, Check, CheckKind, CheckVerdict, Setups, all_pass, checks};
 pub use error::VerifyError;
 pub use identify::{Identified, IdentifyOrder, Tie, identify};
-pub use posterior::drawn;
+pub use joint_errors::drawn;
 pub use recovery::{Reconstructed, Recovered, Recovery, TABLE_C_1, campaign_of, recover};
 pub use resimulate::{
     Band, FlownParameter, HoldOut, Initial, Replay, Resimulation, RunComparison, Statistic, Swing, TrajectoryError,

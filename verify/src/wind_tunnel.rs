@@ -1,14 +1,10 @@
 //! verify: identified static coefficients against points of a wind-tunnel balance (thesis figure 5.4). In: a campaign's points, curves.
-//! Out: differences at every point and their size; curves for the page. Nothing is fitted to the points.
+//! Out: differences at every point and their size. Nothing is fitted to the points.
 
-use crate::close::{Figure, Role, Series, Topic};
 use serde::{Deserialize, Serialize};
 use windfall_model::{Campaign, Data, Plant, StaticPoints};
 use windfall_pid::bands::{static_name, static_value, still_flow};
 use windfall_pid::{DataSet, NORMAL_95};
-
-/// Points of a curve.
-const CURVE: usize = 61;
 
 /// One coefficient of one wind-tunnel test beside one or more models.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -108,44 +104,8 @@ pub(crate) fn of_plants(campaign: &Campaign, plants: &[(&str, &Plant)], reached_
     lines(campaign, |s| plants.iter().filter_map(|p| of(s, p)).collect())
 }
 
-/// A figure of each line: curves of both sides up to the last angle, and the points with their 95 % uncertainty.
-pub(crate) fn figures(campaign: &Campaign, plants: &[(Role, &Plant)], reached_rad: f64) -> Vec<Figure> {
-    let speed = mean_speed_m_s(campaign);
-    let one = |s: &StaticPoints| {
-        let end = s.points.iter().map(|p| p.alpha_t_rad).fold(reached_rad, f64::max);
-        let angles: Vec<f64> = (0..CURVE).map(|k| end * k as f64 / (CURVE - 1) as f64).collect();
-        let curve = |(role, plant): &(Role, &Plant)| {
-            let y = angles.iter().map(|a| plant.aero.coefficients(&still_flow(*a, speed))[s.coefficient as usize]).collect();
-            Series { role: *role, x: angles.iter().map(|a| a.to_degrees()).collect(), y, ..Series::default() }
-        };
-        let name = static_name(s.coefficient)?;
-        Some(Figure {
-            topic: Topic::Static,
-            title: format!("{name} over α_T against {}", s.test),
-            x_label: "α_T (deg)".to_owned(),
-            y_label: format!("{name} (1)"),
-            marks: vec![reached_rad.to_degrees()],
-            series: plants.iter().map(curve).chain([points(s)]).collect(),
-            ..Figure::default()
-        })
-    };
-    campaign.knowledge.wind_tunnel.iter().filter_map(one).collect()
-}
-
-fn points(s: &StaticPoints) -> Series {
-    let end = |sign: f64| s.points.iter().map(|p| p.value + sign * NORMAL_95 * p.std.unwrap_or(0.0)).collect();
-    let stated = s.points.iter().any(|p| p.std.is_some());
-    Series {
-        role: Role::Measured,
-        x: s.points.iter().map(|p| p.alpha_t_rad.to_degrees()).collect(),
-        y: s.points.iter().map(|p| p.value).collect(),
-        band: stated.then(|| [end(-1.0), end(1.0)]),
-        points: true,
-    }
-}
-
 /// Mean tunnel speed of all runs, for terms that vary with it.
-fn mean_speed_m_s(campaign: &Campaign) -> f64 {
+pub(crate) fn mean_speed_m_s(campaign: &Campaign) -> f64 {
     let all = campaign.runs.iter().filter_map(|r| if let Data::Tunnel(t) = &r.data { Some(&t.vw_m_s) } else { None });
     let (sum, n) = all.flatten().fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
     if n > 0.0 { sum / n } else { 1.0 }

@@ -48,7 +48,7 @@ pub fn figures(campaign: &Campaign, closing: &Closing, options: &Options) -> Res
     all.extend(spectra(&balance, &sides));
     if !campaign.knowledge.wind_tunnel.is_empty() {
         let plants: Vec<(Role, &Plant)> = sides.each().collect();
-        all.extend(crate::wind_tunnel::figures(campaign, &plants, super::reached_rad(campaign)?));
+        all.extend(super::static_curves::figures(campaign, &plants, super::reached_rad(campaign)?));
     }
     Ok(all)
 }

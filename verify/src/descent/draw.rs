@@ -1,7 +1,7 @@
 //! verify: bodies drawn for descents. In: a scenario, an identification. Out: a body per draw, its uncertain numbers.
 
 use crate::VerifyError;
-use crate::posterior::Posterior;
+use crate::joint_errors::JointErrors;
 use nalgebra::DMatrix;
 use windfall_model::planet::{PlanetBody, PlanetScenario, UncertainNumber};
 use windfall_pid::{DataSet, PidError};
@@ -26,7 +26,7 @@ pub(super) struct Bodies {
     vehicle: Vec<UncertainNumber>,
     pub(super) drawn: Vec<Drawn>,
     /// Of all parameters of the structure.
-    posterior: Posterior,
+    errors: JointErrors,
     /// Of the identification: kept as declared by the scenario, and as held.
     pub(super) warnings: Vec<String>,
 }
@@ -62,7 +62,7 @@ impl Bodies {
             let nominal = *(v.lens)(&mut nominal.vehicle.clone());
             drawn.push(Drawn { name: v.name.to_owned(), nominal, std: v.std });
         }
-        Ok(Self { nominal, aero, vehicle, drawn, posterior: Posterior::new(covariance), warnings })
+        Ok(Self { nominal, aero, vehicle, drawn, errors: JointErrors::new(covariance), warnings })
     }
 
     /// True when draws differ.
@@ -73,7 +73,7 @@ impl Bodies {
     /// The body of a draw, and its numbers in the order of [`Bodies::drawn`].
     pub(super) fn draw(&self, seed: Seed) -> (PlanetBody, Vec<f64>) {
         let mut body = self.nominal.clone();
-        self.posterior.scatter(&mut body.aero.values, seed.normals(Channel::Varied(0)));
+        self.errors.scatter(&mut body.aero.values, seed.normals(Channel::Varied(0)));
         let mut normals = seed.normals(Channel::Varied(1));
         for v in &self.vehicle {
             *(v.lens)(&mut body.vehicle) += v.std * normals.next().unwrap_or(0.0);

@@ -7,7 +7,7 @@
 use super::statistics::{LINES, Swing, table};
 use super::{Initial, Replay, initial};
 use crate::VerifyError;
-use crate::posterior::Posterior;
+use crate::joint_errors::JointErrors;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use windfall_model::{Campaign, Data, Plant, Record};
@@ -46,8 +46,8 @@ pub(super) struct RunBands {
 
 /// Plants drawn from the data set's estimates. Draw i is a function of i alone.
 pub(super) fn drawn(plant: &Plant, set: &DataSet, draws: usize) -> Result<Vec<Plant>, VerifyError> {
-    let posterior = Posterior::of(set, &plant.aero.structure)?;
-    Ok((0..draws).map(|draw| posterior.plant(plant, Seed { campaign: draw as u64, run: 0 })).collect())
+    let errors = JointErrors::of(set, &plant.aero.structure)?;
+    Ok((0..draws).map(|draw| errors.plant(plant, Seed { campaign: draw as u64, run: 0 })).collect())
 }
 
 /// Flies every drawn plant in one run.

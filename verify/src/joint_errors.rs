@@ -10,11 +10,11 @@ use windfall_sim::{Channel, Seed};
 /// Joint normal distribution of a structure's parameters about their estimates. Parameters that were held or not identified do not
 /// scatter.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Posterior {
+pub(crate) struct JointErrors {
     root: DMatrix<f64>,
 }
 
-impl Posterior {
+impl JointErrors {
     /// Of the estimates of a data set.
     pub(crate) fn of(set: &DataSet, structure: &Structure) -> Result<Self, VerifyError> {
         set.covariance_of(structure).map(Self::new).ok_or(VerifyError::NoCovariance)
@@ -43,8 +43,8 @@ impl Posterior {
 /// [`VerifyError::NoCovariance`] for a set without covariance; an estimate that the plant has no place for.
 pub fn drawn(declared: &Plant, set: &DataSet, n: usize, seed: u64) -> Result<Vec<Plant>, VerifyError> {
     let estimated = set.plant(declared)?;
-    let posterior = Posterior::of(set, &declared.aero.structure)?;
-    Ok((0..n).map(|i| posterior.plant(&estimated, Seed { campaign: seed, run: i as u64 })).collect())
+    let errors = JointErrors::of(set, &declared.aero.structure)?;
+    Ok((0..n).map(|i| errors.plant(&estimated, Seed { campaign: seed, run: i as u64 })).collect())
 }
 
 /// Symmetric root of a covariance that may be singular: parameters of unequal size are scaled to unit variance first.
