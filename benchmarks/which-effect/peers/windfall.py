@@ -10,6 +10,8 @@ from lander import PARAMETERS
 from problem import Problem
 
 RANDOM = ("turbulence", "wake-shedding")
+# Exit code of a record that is refused; not being done in time flags nothing.
+REFUSED = 2
 
 
 def close(exe, path, folder, limit_s, threads=1):
@@ -75,7 +77,7 @@ class Windfall:
     def __call__(self, case, problem: Problem):
         result, meta = close(self.exe, case.path, self.folder / case.name, self.limit_s)
         if result is None:
-            return Answer([], {}, True, meta["seconds"], note=f"exit {meta['code']}: {meta['words'].strip().replace(str(case.path), case.name)}")
+            return Answer([], {}, meta["code"] == REFUSED, meta["seconds"], note=f"exit {meta['code']}: {meta['words'].strip().replace(str(case.path), case.name)}")
         form = any((e.get("form") or {}).get("ok") is False for e in result["effects"])
         flagged = result["verdict"] == "unexplained" or bool(result.get("unexplained")) or form
         named = [e["family"] for e in result["effects"]]
