@@ -5,6 +5,8 @@ use crate::legend::key;
 use crate::plot::Plots;
 use windfall_verify::close::{Figure, Role, RunTracks, Series, SignalTracks, Topic};
 
+/// Ends of a run that are left out, s: derivatives hang on one side there.
+const EDGE_S: f64 = 0.5;
 /// Most points of a figure's series.
 const POINTS: usize = 400;
 
@@ -24,7 +26,8 @@ pub(crate) fn one_to_one(t: &SignalTracks, plots: &mut Plots) -> String {
     }
     marks.push(("noise", "model as measured"));
     let lead = "Look for a cloud along the dashed line, as narrow at its ends as in its middle: a cloud that bends or turns away from it is a term that the \
-                structure lacks, one that is only wide is noise of the record. Each point an instant.";
+                structure lacks, one that is only wide is noise of the record. Each point an instant; the first and \
+                last half second of a run, where derivatives hang on one side, are left out.";
     section("Model over measurement", lead, &format!("{}<div class=\"grid\">{drawn}</div>\n", key(&marks)))
 }
 
@@ -33,7 +36,10 @@ fn figure(t: &SignalTracks, name: &str, unit: &str) -> Figure {
         let own = |r: &&RunTracks| (r.used == "hold-out") == held;
         let pairs = |r: &RunTracks| -> Vec<[f64; 2]> {
             let Some(c) = r.channels.iter().find(|c| c.name == name) else { return Vec::new() };
-            c.measured.iter().zip(&c.after).map(|(m, a)| [*m, *a]).filter(|p| p.iter().all(|x| x.is_finite())).collect()
+            let end_s = r.t_s.last().copied().unwrap_or(0.0) - EDGE_S;
+            let inside = |t: &f64| (EDGE_S..=end_s).contains(t);
+            let all = r.t_s.iter().zip(c.measured.iter().zip(&c.after)).filter(|(t, _)| inside(t)).map(|(_, (m, a))| [*m, *a]);
+            all.filter(|p| p.iter().all(|x| x.is_finite())).collect()
         };
         t.runs.iter().filter(own).flat_map(pairs).collect()
     };
@@ -75,7 +81,7 @@ mod tests {
             name: used.to_owned(),
             kind: String::new(),
             used: used.to_owned(),
-            t_s: vec![0.0, 1.0],
+            t_s: vec![0.0, 1.0, 2.0, 3.0],
             channels: vec![TrackSignal {
                 name: "Cm".to_owned(),
                 unit: String::new(),
@@ -86,7 +92,10 @@ mod tests {
             }],
             notes: Vec::new(),
         };
-        let runs = vec![run("identify", vec![0.3, 0.1], vec![0.25, 0.1]), run("hold-out", vec![-0.2, 0.0], vec![-0.4, 0.0])];
+        let runs = vec![
+            run("identify", vec![9.0, 0.3, 0.1, 9.0], vec![0.0, 0.25, 0.1, 0.0]),
+            run("hold-out", vec![9.0, -0.2, 0.0, 9.0], vec![0.0, -0.4, 0.0, 0.0]),
+        ];
         let mut plots = Plots::default();
         let html = one_to_one(&SignalTracks { runs, ..SignalTracks::default() }, &mut plots);
         assert!(html.contains("runs held out") && html.contains("model Cm (1)"));

@@ -128,7 +128,7 @@ fn faults(path: &Path, columns: &Columns) -> Vec<Fault> {
         }
     }
     let measured = |name: &&str| columns.get(name).is_some_and(|c| c.iter().any(|x| x.is_finite()));
-    if !COEFFICIENTS.iter().map(|(_, name, _)| name).any(|n| measured(&n)) {
+    if !COEFFICIENTS.iter().map(|(_, name, _)| name).any(measured) {
         say(columns.header, "columns", String::new(), "have no coefficient", &list);
     }
     faults
