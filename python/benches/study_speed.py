@@ -66,6 +66,7 @@ def main(draws: int, rounds: int) -> None:
                 draw(folder / f"out-{r}-{i}")
                 took, used = time.perf_counter() - begin, cpu_s(others) - before
                 rows.setdefault(way, []).append((draws / took, draws / used))
+                print(f"round {r + 1}: {way}: {took:.1f} s", file=sys.stderr, flush=True)
         assert len({(folder / f"out-0-{i}/runs.parquet").read_bytes() for i in (2, 3, 4)}) == 1
     first = max(c for _, c in rows["by hand, numba"])
     print(f"{draws} draws, best of {rounds} rounds; the last three: the same bytes")

@@ -44,11 +44,13 @@ def run(
     resume: bool = False,
     force: bool = False,
     ahead: int = 4,
+    direct: bool = True,
 ) -> Study:
     """Draw a study on the workers of `client` into the folder `out`; the content of summary.json.
 
     `ahead` parts per thread are handed out at a time, so that neither scheduler nor client holds more than that; workers may come and go.
     The study's files are sent to each worker once, also to those that come later. A worker with another build of this package is an error.
+    What is drawn comes straight from the workers; `direct=False` where the client cannot reach them, and it goes through the scheduler.
     """
     with _inputs.document(study, "study") as (path, _):
         order = _windfall.Study(path)
@@ -58,7 +60,7 @@ def run(
         client.register_plugin(files, name=files.name)
         try:
             task = (_draw, files.name, _build())
-            _hand_out(client, iter(order.missing()), ahead, lambda part: (*task, part), order.put)
+            _hand_out(client, iter(order.missing()), ahead, direct, lambda part: (*task, part), order.put)
         finally:
             client.unregister_worker_plugin(files.name)
         return Study(json.loads(order.finish()))
@@ -73,6 +75,7 @@ def many(
     resume: bool = False,
     force: bool = False,
     ahead: int = 2,
+    direct: bool = True,
     **request: Any,
 ) -> Many:
     """Do `close` or `identify` for many campaigns on the workers of `client`, as `windfall.many` does here; the content of many.json.
@@ -90,7 +93,7 @@ def many(
     def put(number: int, done: tuple[str, str, tuple[str, str] | None]) -> None:
         order.put(number, *done)
 
-    _hand_out(client, iter(order.missing()), ahead, task, put)
+    _hand_out(client, iter(order.missing()), ahead, direct, task, put)
     return Many(json.loads(order.finish()))
 
 
@@ -98,6 +101,7 @@ def _hand_out(
     client: Client,
     missing: Iterator[int],
     ahead: int,
+    direct: bool,
     task: Callable[[int], tuple[Any, ...]],
     put: Callable[[int, Any], bool | None],
 ) -> None:
@@ -111,10 +115,15 @@ def _hand_out(
 
     lanes = _Lanes(client, ahead)
     under_way = {submit(number) for _, number in zip(range(lanes.count()), missing)}
-    done = as_completed(list(under_way), with_results=True)
-    for future, (number, data) in done:
-        under_way.discard(future)
-        if put(number, data):
+    done = as_completed(list(under_way))
+    for batch in done.batches():
+        arrived = list(batch)
+        under_way.difference_update(arrived)
+        pieces = client.gather(arrived, direct=direct)
+        enough = [number for number, data in pieces if put(number, data)]
+        # What a worker keeps for a future goes with the future.
+        del arrived, batch, pieces
+        if enough:
             client.cancel(list(under_way))
             break
         for following in itertools.islice(missing, max(0, lanes.count() - len(under_way))):
