@@ -102,7 +102,7 @@ pub fn descend(
         parameters: bodies.drawn.iter().map(of).collect(),
         ends: summary::ends(&all),
         touch_down: summary::touch_down(&all, nominal.as_ref().ok(), &names, [paired, chance]),
-        landing: landing::landing(&all),
+        landing: landing::scatter(&summary::places_m(&all)),
         over_height: summary::over_height(&all, nominal.as_ref().ok(), &heights_m),
         linear_theory,
         warnings: warnings(&bodies, nominal.as_ref().err(), chance),

@@ -68,10 +68,11 @@ mod tests {
         let (s, c) = 10.0_f64.to_radians().sin_cos();
         let position: Vec<[f64; 3]> = t.iter().map(|t| [3.0 * c * t, 0.0, 3.0 * s * t]).collect();
         let all = rates(&t, &position, &attitude);
-        for i in 0..t.len() {
-            assert!((all[0][i] - 40.0).abs() < 1e-6 && all[1][i].abs() < 1e-6 && all[2][i].abs() < 1e-6);
-            assert!((all[3][i] - 3.0).abs() < 1e-9);
-            let total = (all[4][i].to_radians().cos() * all[5][i].to_radians().cos()).acos().to_degrees();
+        let [p, q, r, speed, alpha, beta] = &all;
+        assert!(p.iter().all(|p| (p - 40.0).abs() < 1e-6) && q.iter().chain(r).all(|w| w.abs() < 1e-6));
+        assert!(speed.iter().all(|v| (v - 3.0).abs() < 1e-9));
+        for (a, b) in alpha.iter().zip(beta) {
+            let total = (a.to_radians().cos() * b.to_radians().cos()).acos().to_degrees();
             assert!((total - 10.0).abs() < 1e-6, "{total}");
         }
         assert!((all[4][0] - 10.0).abs() < 1e-9 && all[5][0].abs() < 1e-9, "from below at first");

@@ -1,6 +1,5 @@
 //! verify: where descents come down. In: ways over the ground. Out: the scatter's ellipse, and some of the places.
 
-use super::summary::FlownDraw;
 use nalgebra::{Matrix2, SymmetricEigen, Vector2};
 use serde::{Deserialize, Serialize};
 
@@ -26,13 +25,8 @@ pub struct LandingScatter {
     pub places_m: Vec<[f64; 2]>,
 }
 
-/// The scatter of the descents that landed; none of fewer than three.
-pub(super) fn landing(all: &[FlownDraw]) -> Option<LandingScatter> {
-    let places: Vec<[f64; 2]> = all.iter().filter_map(|f| Some(f.flown.as_ref().ok()?.touch_down.as_ref()?.drift_m)).collect();
-    scatter(&places)
-}
-
-fn scatter(places: &[[f64; 2]]) -> Option<LandingScatter> {
+/// The scatter of places of touch-down (way toward north and east, m); none of fewer than three.
+pub(super) fn scatter(places: &[[f64; 2]]) -> Option<LandingScatter> {
     let n = places.len() as f64;
     if places.len() < 3 {
         return None;

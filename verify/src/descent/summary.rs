@@ -154,6 +154,11 @@ pub(super) fn columns(names: &[String]) -> Vec<Column> {
     all
 }
 
+/// Ways over the ground of the descents that landed, toward north and east, m.
+pub(super) fn places_m(all: &[FlownDraw]) -> Vec<[f64; 2]> {
+    all.iter().filter_map(|f| Some(f.flown.as_ref().ok()?.touch_down.as_ref()?.drift_m)).collect()
+}
+
 /// A row a draw.
 pub(super) fn rows(all: &[FlownDraw]) -> Vec<Row> {
     let row = |(draw, f): (usize, &FlownDraw)| {
