@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
+use windfall::MOST_THREADS;
 
 /// Verification-first simulator of a tethered lander in a vertical wind tunnel, and identifier of its aerodynamics.
 ///
@@ -112,9 +113,6 @@ pub(crate) struct Common {
     #[arg(long, value_name = "N", value_parser = threads)]
     pub(crate) threads: Option<u16>,
 }
-
-/// Threads at most: more than any one machine has processors for, and few enough to start.
-const MOST_THREADS: u16 = 512;
 
 fn threads(word: &str) -> Result<u16, String> {
     let what = || format!("allowed: a whole number from 1 to {MOST_THREADS}; try: leave it out, which takes one per processor");

@@ -90,15 +90,8 @@ pub(crate) fn write_columns(py: Python<'_>, path: PathBuf, columns: &Bound<'_, P
         Ok((name.extract()?, values.as_array().to_vec()))
     };
     let columns = columns.iter().map(of).collect::<PyResult<Vec<_>>>()?;
-    let quoted: Vec<String> = columns.iter().map(|(n, _)| quoted(n)).collect();
-    let all: Vec<(&str, &[f64])> = quoted.iter().zip(&columns).map(|(n, (_, c))| (n.as_str(), c.as_slice())).collect();
+    let all: Vec<(&str, &[f64])> = columns.iter().map(|(n, c)| (n.as_str(), c.as_slice())).collect();
     Ok(py.detach(|| write_columns_csv(&path, &all)).map_err(windfall::Error::from).map_err(Raised::from)?)
-}
-
-/// A name as a cell of CSV.
-fn quoted(name: &str) -> String {
-    let plain = !name.contains([',', '"', '\n', '\r']);
-    if plain { name.to_owned() } else { format!("\"{}\"", name.replace('"', "\"\"")) }
 }
 
 /// A commented campaign for a run file, as TOML.

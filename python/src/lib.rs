@@ -18,6 +18,7 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _windfall(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    m.add("MOST_THREADS", windfall::MOST_THREADS)?;
     errors::register(m)?;
     m.add_class::<campaign::PyCampaign>()?;
     m.add_class::<study::PyStudy>()?;

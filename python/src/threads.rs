@@ -7,12 +7,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::{Duration, Instant};
+use windfall::MOST_THREADS;
 
 /// Time between two looks for signals.
 const LOOK: Duration = Duration::from_millis(50);
-
-/// Threads at most, as of the program.
-const MOST_THREADS: usize = 512;
 
 /// How work is asked to end.
 pub(crate) struct Stop<'a> {
@@ -40,7 +38,7 @@ pub(crate) fn on_threads_until<T: Send + 'static>(
     stop: Option<Stop<'_>>,
     work: impl FnOnce() -> Result<T, Raised> + Send + 'static,
 ) -> PyResult<T> {
-    if threads > MOST_THREADS {
+    if threads > MOST_THREADS.into() {
         let what = format!("threads = {threads}: allowed: 1 to {MOST_THREADS}, or 0 for one per processor");
         return Err(Raised::Argument(what).into());
     }

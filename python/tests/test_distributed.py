@@ -8,7 +8,8 @@ import time
 import pytest
 import windfall
 from test_windfall import campaigns, files, study_file, tree
-from windfall.distributed import _campaign_pack, _pack, many, run
+from windfall._inputs import Packed
+from windfall.distributed import many, run
 
 distributed = pytest.importorskip("distributed")
 pytestmark = pytest.mark.filterwarnings("default")
@@ -66,8 +67,9 @@ def test_law_a_pack_has_every_file_that_the_study_reads(tmp_path):
     (tmp_path / "below").mkdir()
     moved = tmp_path / "below" / "study.toml"
     moved.write_text(path.read_text().replace("short.toml", "../short.toml"))
-    _, packed = _pack(moved)
-    assert [name for name, _ in packed] == ["below/study.toml", "short.toml"]
+    packed = Packed(moved)
+    assert packed.name == "below/study.toml"
+    assert list(packed.files) == ["below/study.toml", "short.toml"]
 
 
 def test_law_many_campaigns_on_a_cluster(tmp_path, client):
@@ -93,6 +95,6 @@ def test_law_a_campaigns_pack_has_every_file_that_it_names(tmp_path):
     (tmp_path / "shared/terms.toml").write_text('other = "run.csv"\n')
     text = '[aero.x]\nstructure = "../../shared/terms.toml"\n[[run]]\nfile = "../../shared/run.csv"\nnote = "no file"\n'
     (tmp_path / "all/a/campaign.toml").write_text(text)
-    root, name, files = _campaign_pack(tmp_path / "all", "a/campaign.toml")
-    assert (root, name) == ("all", "a/campaign.toml")
-    assert [path for path, _ in files] == ["all/a/campaign.toml", "shared/terms.toml", "shared/run.csv"]
+    packed = Packed(tmp_path / "all/a/campaign.toml", tmp_path / "all")
+    assert (packed.root, packed.name) == ("all", "all/a/campaign.toml")
+    assert list(packed.files) == ["all/a/campaign.toml", "shared/terms.toml", "shared/run.csv"]

@@ -1,6 +1,7 @@
 //! scenarios: named columns of numbers. In: what a run file holds. Out: the columns, and CSV.
 
 use crate::error::{Fault, WriteError};
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -92,6 +93,12 @@ pub(crate) fn fault(path: &Path, line: Option<usize>, key: &str, value: &str, al
     }
 }
 
+/// A name as a cell of CSV (RFC 4180).
+fn head(name: &str) -> Cow<'_, str> {
+    let plain = !name.contains([',', '"', '\n', '\r']);
+    if plain { name.into() } else { format!("\"{}\"", name.replace('"', "\"\"")).into() }
+}
+
 /// Writes columns of one length as CSV, each number with the digits that give it back exactly; a new file replaces an old one
 /// whole or not at all.
 ///
@@ -102,7 +109,7 @@ pub fn write_columns_csv(path: &Path, columns: &[(&str, &[f64])]) -> Result<(), 
     if let Some((name, c)) = columns.iter().find(|(_, c)| c.len() != rows) {
         return Err(WriteError::Length { path: path.to_owned(), column: (*name).to_owned(), found: c.len(), expected: rows });
     }
-    let mut text = columns.iter().map(|(n, _)| *n).collect::<Vec<_>>().join(",");
+    let mut text = columns.iter().map(|(n, _)| head(n)).collect::<Vec<_>>().join(",");
     text.push('\n');
     for i in 0..rows {
         for (k, (_, column)) in columns.iter().enumerate() {

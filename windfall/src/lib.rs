@@ -43,7 +43,7 @@ pub use explain::{Explain, explain, init};
 pub use folder::{DESCENT_FILES, FIGURE_ENDINGS, FIGURE_WIDTHS_MM, ResultsFolder};
 pub use many::{CampaignDone, Campaigns, Each, Many};
 pub use published::Published;
-pub use requests::{Close, Descend, Fly, Identify, MOST_COPIES, MOST_DESCENTS, Plan, Resimulate, Structure, Study};
+pub use requests::{Close, Descend, Fly, Identify, MOST_COPIES, MOST_DESCENTS, MOST_THREADS, Plan, Resimulate, Structure, Study};
 pub use scenario::{FlightSummary, Flights, Scenario, Simulation};
 pub use study::{Drawing, PartRule, SUMMARY};
 pub use windfall_model as model;

@@ -11,6 +11,9 @@ use windfall_pid::{Held, Method};
 use windfall_scenarios::{Opening, Shard};
 use windfall_verify::Tie;
 
+/// Threads at most: more than any one machine has processors for, and few enough to start.
+pub const MOST_THREADS: u16 = 512;
+
 /// Copies, seeds or draws at most: each is a campaign flown again, and their scatter is known to 1 % by then.
 pub const MOST_COPIES: u16 = 10_000;
 

@@ -65,14 +65,15 @@ pub fn fault(campaign: &Campaign) -> Option<GrossFault> {
     let instants = motion::instants(&runs);
     let on_balance = || contest::fault(campaign, &instants, frames::readings(&runs));
     // Angles about the wrong axes jump where they are not defined; the body does not.
-    let first = if frames::is_singular(&runs) { on_balance() } else { None };
+    let singular = frames::is_singular(&runs);
+    let first = if singular { on_balance() } else { None };
     first
         .or_else(|| runs.iter().find_map(|(name, r)| frozen::fault(name, r).or_else(|| jump::fault(name, r))))
         .or_else(|| twice::fault(&runs))
         .or_else(|| line::fault(campaign, &runs))
         .or_else(|| constants::celsius(&instants))
         .or_else(|| constants::gravity(campaign, &instants))
-        .or_else(on_balance)
+        .or_else(|| if singular { None } else { on_balance() })
         .or_else(|| constants::fault(campaign, &instants))
         .or_else(|| size::fault(campaign))
 }

@@ -69,7 +69,6 @@ __all__ = [
 ]
 
 Path = str | os.PathLike[str]
-_MOST_THREADS = 512
 #: A file by its path, or what it says: a mapping, or a dataclass.
 Document = Path | Mapping[str, Any] | _inputs.Dataclass
 
@@ -113,8 +112,8 @@ def _threads(number: int) -> int:
     """A number of threads, 0 for one per processor."""
     if isinstance(number, bool) or not isinstance(number, int):
         raise TypeError(f"threads = {number!r}: must be a whole number")
-    if not 0 <= number <= _MOST_THREADS:
-        raise ValueError(f"threads = {number}: allowed: 1 to {_MOST_THREADS}, or 0 for one per processor")
+    if not 0 <= number <= _windfall.MOST_THREADS:
+        raise ValueError(f"threads = {number}: allowed: 1 to {_windfall.MOST_THREADS}, or 0 for one per processor")
     return number
 
 

@@ -63,31 +63,14 @@ class Campaign:
     def __reduce__(self) -> tuple[Any, ...]:
         source, request, *runs = self._made_of
         if isinstance(source, (str, os.PathLike)) and os.path.isfile(source):
-            source = _Packed(FilePath(os.path.abspath(source)))
+            source = _inputs.Packed(FilePath(os.path.abspath(source)))
         return _again, (source, request, *runs)
-
-
-class _Packed:
-    """A file and those that it names, with their paths below a common folder."""
-
-    def __init__(self, file: FilePath) -> None:
-        paths = _inputs.files_of(file)
-        common = FilePath(os.path.commonpath([p.parent for p in paths]))
-        self.name = file.relative_to(common).as_posix()
-        self.files = {p.relative_to(common).as_posix(): p.read_bytes() for p in paths}
-
-    def write(self, folder: str) -> str:
-        """Writes them there; the path of the first."""
-        for name, data in self.files.items():
-            FilePath(folder, name).parent.mkdir(parents=True, exist_ok=True)
-            FilePath(folder, name).write_bytes(data)
-        return str(FilePath(folder, self.name))
 
 
 def _again(source: Any, request: str, runs: Any = None) -> Campaign:
     """A pickled campaign."""
     made = Campaign.__new__(Campaign)
-    if isinstance(source, _Packed):
+    if isinstance(source, _inputs.Packed):
         with tempfile.TemporaryDirectory(prefix="windfall-") as folder:
             native = _windfall.Campaign(source.write(folder), request, f"{folder}{os.sep}")
     else:

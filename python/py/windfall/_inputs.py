@@ -25,7 +25,7 @@ import numpy.typing as npt
 from . import _windfall
 from ._windfall import ReadError
 
-__all__ = ["Columns", "Dataclass", "WindfallWarning", "columns_of", "document", "files_of", "run_of", "warn"]
+__all__ = ["Columns", "Dataclass", "Packed", "WindfallWarning", "columns_of", "document", "files_of", "run_of", "warn"]
 
 _HERE = (os.path.dirname(__file__), contextlib.__file__)
 
@@ -302,6 +302,28 @@ def files_of(file: FilePath) -> list[FilePath]:
             below = (FilePath(os.path.normpath(path.parent / s)) for s in strings if "\0" not in s)
             found += [p for p in dict.fromkeys(below) if p not in found and _is_file(p)]
     return found
+
+
+class Packed:
+    """A file and all that it names, with their paths below a common folder: to be written elsewhere, where the first names the others still.
+
+    With `root` that folder holds `root` too.
+    """
+
+    def __init__(self, file: FilePath, root: FilePath | None = None) -> None:
+        # Not resolved: `..` in a file must lead to the same place elsewhere.
+        paths = files_of(file)
+        common = FilePath(os.path.commonpath([*([] if root is None else [root]), *(p.parent for p in paths)]))
+        self.name = file.relative_to(common).as_posix()
+        self.root = "." if root is None else root.relative_to(common).as_posix()
+        self.files = {p.relative_to(common).as_posix(): p.read_bytes() for p in paths}
+
+    def write(self, folder: str) -> str:
+        """Writes them there; the path of the first."""
+        for name, data in self.files.items():
+            FilePath(folder, name).parent.mkdir(parents=True, exist_ok=True)
+            FilePath(folder, name).write_bytes(data)
+        return str(FilePath(folder, self.name))
 
 
 def _is_file(path: FilePath) -> bool:

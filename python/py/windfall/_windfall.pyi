@@ -8,6 +8,7 @@ __all__ = [
     "Campaign",
     "IdentifyError",
     "LoopError",
+    "MOST_THREADS",
     "Many",
     "ReadError",
     "SimulateError",
@@ -31,6 +32,7 @@ __all__ = [
 ]
 
 __version__: str
+MOST_THREADS: int
 
 class WindfallError(Exception): ...
 

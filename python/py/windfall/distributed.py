@@ -14,7 +14,6 @@ import math
 import os
 import tempfile
 import time
-import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -28,11 +27,8 @@ if TYPE_CHECKING:
 
 __all__ = ["many", "run"]
 
-Pack = tuple[str, tuple[tuple[str, bytes], ...]]
-CampaignPack = tuple[str, str, tuple[tuple[str, bytes], ...]]
-
 #: On a worker: files of studies by name, and studies that were read.
-_packs: dict[str, Pack] = {}
+_packs: dict[str, _inputs.Packed] = {}
 _ready: dict[str, tuple[_windfall.Study, tempfile.TemporaryDirectory[str]]] = {}
 
 
@@ -55,8 +51,7 @@ def run(
     with _inputs.document(study, "study") as (path, _):
         order = _windfall.Study(path)
         order.open(os.fspath(out), json.dumps({"resume": resume, "force": force}))
-        pack = _pack(Path(path))
-        files = _files_for_workers(pack)
+        files = _files_for_workers(_inputs.Packed(Path(os.path.abspath(path))))
         client.register_plugin(files, name=files.name)
         try:
             task = (_draw, files.name, _build())
@@ -88,7 +83,7 @@ def many(
     root, names = order.root, order.campaigns
 
     def task(number: int) -> tuple[Any, ...]:
-        return _one, each, _campaign_pack(root, names[number]), number
+        return _one, each, names[number], _inputs.Packed(root / names[number], root), number
 
     def put(number: int, done: tuple[str, str, tuple[str, str] | None]) -> None:
         order.put(number, *done)
@@ -143,13 +138,13 @@ class _Lanes:
         return self.ahead * max(1, self.threads)
 
 
-def _files_for_workers(pack: Pack) -> Any:
+def _files_for_workers(pack: _inputs.Packed) -> Any:
     from distributed import WorkerPlugin
 
     class Files(WorkerPlugin):
         """Puts a study's files where the worker's tasks find them."""
 
-        name = f"windfall-{pack[0][:16]}-{os.urandom(4).hex()}"
+        name = f"windfall-{os.urandom(8).hex()}"
 
         # The class goes to workers by value: the module is looked up there.
         def setup(self, worker: Any) -> None:
@@ -172,25 +167,13 @@ def _build() -> str:
     return hashlib.sha256(Path(_windfall.__file__).read_bytes()).hexdigest()
 
 
-def _one(each: str, pack: CampaignPack, number: int) -> tuple[int, tuple[str, str, tuple[str, str] | None]]:
+def _one(each: str, name: str, pack: _inputs.Packed, number: int) -> tuple[int, tuple[str, str, tuple[str, str] | None]]:
     """On a worker: one campaign, in a folder of its own."""
-    root, name, files = pack
     with tempfile.TemporaryDirectory(prefix="windfall-") as folder:
-        for path, data in files:
-            Path(folder, path).parent.mkdir(parents=True, exist_ok=True)
-            Path(folder, path).write_bytes(data)
-        below = Path(folder, root)
+        pack.write(folder)
+        below = Path(folder, pack.root)
         below.mkdir(parents=True, exist_ok=True)
         return number, _windfall.Many.at(str(below), [name], each).one(0)
-
-
-def _campaign_pack(root: Path, name: str) -> CampaignPack:
-    """A campaign file and every file that it names, with paths below their common folder; the root within that."""
-    paths = _inputs.files_of(root / name)
-    # Not resolved: `..` in the file must lead to the same place on the worker.
-    common = Path(os.path.commonpath([root, *(p.parent for p in paths)]))
-    files = tuple((p.relative_to(common).as_posix(), p.read_bytes()) for p in paths)
-    return root.relative_to(common).as_posix(), name, files
 
 
 def _draw(name: str, build: str, part: int) -> tuple[int, bytes]:
@@ -201,35 +184,5 @@ def _draw(name: str, build: str, part: int) -> tuple[int, bytes]:
         raise _windfall.StudyError(f"worker {get_worker().address} has another build of windfall than the client; install the same on all")
     if name not in _ready:
         folder = tempfile.TemporaryDirectory(prefix="windfall-")
-        files = _packs[name][1]
-        for file, data in files:
-            path = Path(folder.name, file)
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(data)
-        _ready[name] = (_windfall.Study(str(Path(folder.name, files[0][0]))), folder)
+        _ready[name] = (_windfall.Study(_packs[name].write(folder.name)), folder)
     return part, _ready[name][0].part(part)
-
-
-def _pack(study: Path) -> Pack:
-    """The study file first, then every file that it names, with paths below their common folder."""
-    paths = _files(study.resolve())
-    root = Path(os.path.commonpath([p.parent for p in paths]))
-    files = tuple((p.relative_to(root).as_posix(), p.read_bytes()) for p in paths)
-    return hashlib.sha256(repr(files).encode()).hexdigest(), files
-
-
-def _files(study: Path) -> list[Path]:
-    text = tomllib.loads(study.read_text(encoding="utf-8"))
-    head, here, paths = text.get("study", {}), study.parent, [study]
-    scenario = head.get("scenario")
-    base = [scenario] if scenario and any(c in scenario for c in "/\\.") else []
-    for name in base + [head[k] for k in ("campaign", "model") if k in head]:
-        path = (here / name).resolve()
-        paths.append(path)
-        if path.suffix == ".toml":
-            inner = tomllib.loads(path.read_text(encoding="utf-8"))
-            named = [run["file"] for run in inner.get("run", [])]
-            named += [aero["structure"] for aero in inner.get("aero", {}).values() if "structure" in aero]
-            paths += [(path.parent / n).resolve() for n in named]
-    paths += [(here / name).resolve() for name in text.get("histories", {}).get("files", [])]
-    return list(dict.fromkeys(paths))
