@@ -4,6 +4,7 @@
 //! (α̇, apparent mass) feels a finite one; that of a band has one without. A narrow-band moment is an oscillator.
 
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector};
+use std::f64::consts::SQRT_2;
 use windfall_model::{Disturbance, Entry, Plant, Shape};
 
 /// Most states of one random input: a band needs four, Dryden's form three, an oscillator two.
@@ -171,17 +172,18 @@ fn gust(time_s: f64, zeta: f64) -> (Rates, States, States) {
     (a, States::z(), States::y() + zeta * States::z())
 }
 
-/// `(b s / (s² + b s + 1))²`, s in units of the centre: two band-pass sections in a row.
+/// Butterworth's band-pass filter `b² s² / ((s² + 1)² + √2 b s (s² + 1) + b² s²)`, s in units of the centre.
 fn band(centre_rad_s: f64, b: f64) -> (Rates, States, States) {
-    // Output, its integral, the first section's output, its integral.
+    let damped = SQRT_2 * b;
+    // Output, its rate, its second integral, its first.
     #[rustfmt::skip]
     let a = Rates::new(
-        -b, -1.0, b, 0.0,
+        0.0, 1.0, 0.0, 0.0,
+        -2.0 - b * b, -damped, -1.0, -damped,
+        0.0, 0.0, 0.0, 1.0,
         1.0, 0.0, 0.0, 0.0,
-        0.0, 0.0, -b, -1.0,
-        0.0, 0.0, 1.0, 0.0,
     ) * centre_rad_s;
-    (a, States::z(), States::x())
+    (a, States::y(), States::x())
 }
 
 /// Stationary covariance: `A P + P Aᵀ + b bᵀ = 0`.
@@ -238,7 +240,7 @@ mod tests {
         let (a, b, _) = band(centre_rad_s, bandwidth_rad_s / centre_rad_s);
         let of = |m: &Block| Rates::from_fn(|r, c| m[r][c]);
         let left = a * of(&i.stationary) + of(&i.stationary) * a.transpose();
-        let driven = left[(2, 2)];
+        let driven = left[(1, 1)];
         assert!(b[0].abs() < 1e-300 && driven < 0.0 && (left - b * b.transpose() * driven).amax() < 1e-9 * driven.abs());
         for w in [3.0, 12.0, 40.0] {
             let m = nalgebra::Matrix4::<nalgebra::Complex<f64>>::from_fn(|r, c| {

@@ -2,7 +2,7 @@
 //!
 //! The simulator draws them, the tracer uses their cross-spectra; both read the same few numbers.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, SQRT_2};
 
 /// Gusts of the tunnel, of Dryden's form (MIL-F-8785C 1980; Dryden, NACA TR 342, 1930) or limited to a band. Zero rms in a declared model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -52,12 +52,12 @@ pub enum Shape {
         /// Time scale T, s.
         time_s: f64,
     },
-    /// White noise through two equal band-pass sections: S(ω) = σ² (4b³/π) ω⁴ / ((ω₀² − ω²)² + b²ω²)², each section's half power b (rad/s)
-    /// wide about ω₀ (rad/s).
+    /// White noise through a maximally flat band-pass filter of second order (Butterworth 1930):
+    /// S(ω) = σ² (2√2/(πb)) (bω)⁴ / ((bω)⁴ + (ω₀² − ω²)⁴), half power b (rad/s) wide about ω₀ (rad/s).
     Band {
-        /// Centre, rad/s.
+        /// Geometric centre, rad/s.
         centre_rad_s: f64,
-        /// Half-power bandwidth of a section, rad/s.
+        /// Half-power bandwidth, rad/s.
         bandwidth_rad_s: f64,
     },
     /// Response of a damped oscillator to white noise, centre ω₀ (rad/s), half-power bandwidth b (rad/s).
@@ -89,8 +89,8 @@ impl Disturbance {
             Shape::DrydenLongitudinal { time_s: t } => (2.0 * t / PI) / (1.0 + t * t * w2),
             Shape::DrydenLateral { time_s: t } => (t / PI) * (1.0 + 3.0 * t * t * w2) / (1.0 + t * t * w2).powi(2),
             Shape::Band { centre_rad_s: c, bandwidth_rad_s: b } => {
-                let section = b * b * w2 / ((c * c - w2).powi(2) + b * b * w2);
-                4.0 / (PI * b) * section * section
+                let pass = (b * b * w2).powi(2);
+                2.0 * SQRT_2 / (PI * b) * pass / (pass + (c * c - w2).powi(4))
             }
             Shape::Narrow { centre_rad_s: c, bandwidth_rad_s: b } => {
                 let c2 = c * c;
@@ -115,10 +115,11 @@ impl Disturbance {
                 ([[0.0, 1.0], [-w0 * w0, -bw]], [0.0, self.rms * w0 * (2.0 * bw).sqrt()], [1.0, 0.0])
             }
             Shape::Band { centre_rad_s: w, bandwidth_rad_s: b } => {
-                // Output, its integral, the first section's output, its integral.
+                // The output, its rate, its second integral and its first, time in units of 1/ω₀.
+                let (wide, damped) = (b / w, SQRT_2 * b);
                 return StateForm::Four(ShapingFilter {
-                    a: [[-b, -w, b, 0.0], [w, 0.0, 0.0, 0.0], [0.0, 0.0, -b, -w], [0.0, 0.0, w, 0.0]],
-                    b: [0.0, 0.0, 2.0 * b.sqrt() * self.rms, 0.0],
+                    a: [[0.0, w, 0.0, 0.0], [-w * (2.0 + wide * wide), -damped, -w, -damped], [0.0, 0.0, 0.0, w], [w, 0.0, 0.0, 0.0]],
+                    b: [0.0, self.rms * (2.0 * SQRT_2 * b).sqrt() * wide, 0.0, 0.0],
                     c: [1.0, 0.0, 0.0, 0.0],
                 });
             }
@@ -144,7 +145,7 @@ pub struct ShapingFilter<const N: usize> {
 pub enum StateForm {
     /// Dryden's forms and a narrow band.
     Two(ShapingFilter<2>),
-    /// Two band-pass sections.
+    /// A band-pass filter of second order.
     Four(ShapingFilter<4>),
 }
 
