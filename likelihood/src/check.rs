@@ -1,7 +1,7 @@
 //! likelihood: what would say that a form is wrong. In: a fitted model. Out: what generic alternatives would still gain, beside the effects of
 //! the catalogue in one contest, and lines in the innovations' spectra.
 //!
-//! Generic alternatives are smooth functions of time, run, speed, height, angle, roll angle and the sign of rates in every force and moment
+//! Generic alternatives are smooth functions of time, run, speed, height, angle, roll angle, the rate across and the sign of rates in every force and moment
 //! coefficient, and drifts of every channel of the instruments. They have priors and cost like effects; one that is in the best set says that no
 //! effect of the catalogue accounts for what it does.
 
@@ -70,6 +70,12 @@ pub(crate) fn alternatives(engine: &Engine) -> Vec<Alternative> {
             // Normal force and pitch moment in the plane of α, side force and yaw moment in that of β, and across.
             1 | 5 => add(vec![Basis::Angle(2, true), Basis::Angle(5, true), Basis::Angle(1, false), Basis::Angle(3, false)]),
             _ => add(vec![Basis::Angle(2, false), Basis::Angle(5, false), Basis::Angle(1, true), Basis::Angle(3, true)]),
+        }
+        // A spinning part inside turns pitching into yawing.
+        match place {
+            1 | 5 => add(vec![Basis::Rate(1)]),
+            2 | 4 => add(vec![Basis::Rate(2)]),
+            _ => {}
         }
         let axis = match place {
             0 | 3 => 0,

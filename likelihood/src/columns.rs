@@ -37,6 +37,8 @@ pub(crate) enum Basis {
     Roll(u8, bool),
     /// Sign of a body rate: 0 roll, 1 pitch, 2 yaw; and the same times the angle in its plane, of 0.3 rad.
     Hysteresis(usize, bool),
+    /// A body rate: 0 roll, 1 pitch, 2 yaw; rad/s.
+    Rate(usize),
     /// Straight line over time in every run, from -1 to 1.
     Drift,
     /// The slope over an angle (1 angle of attack, 2 sideslip, of 0.3 rad; 0 none) in proportion to a variable.
@@ -109,6 +111,7 @@ impl Basis {
                 let angle = if axis == 2 { v.beta_rad } else { v.alpha_rad };
                 if by_angle { sign * angle.abs() / 0.3 } else { sign }
             }
+            Self::Rate(axis) => v.rates_rad_s[axis],
             Self::Drift => 2.0 * v.t_s / v.duration_s.max(1e-9) - 1.0,
             Self::Slope(plane, along) => along.basis().value(v) * [1.0, v.alpha_rad / 0.3, v.beta_rad / 0.3][plane],
             Self::Damping(axis, along) => along.basis().value(v) * v.rates_rad_s[axis],
@@ -124,6 +127,7 @@ impl Basis {
             Self::Height(_) => "height X".to_owned(),
             Self::Angle(..) | Self::TotalAngle(_) => "angle of attack".to_owned(),
             Self::Roll(..) => "roll angle".to_owned(),
+            Self::Rate(_) => "body rates across".to_owned(),
             Self::Hysteresis(..) => "sign of the body rates (hysteresis)".to_owned(),
             Self::Drift => "time (a drift)".to_owned(),
             Self::Slope(_, along) | Self::Damping(_, along) => along.basis().words(),

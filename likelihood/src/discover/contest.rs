@@ -134,7 +134,7 @@ pub(super) fn against_gusts(
     let Some(other) = outcome(&beside, &all) else { return (fit, weighed, contest, Vec::new()) };
     let here = score(engine, &fit);
     let there = beside.total - random_cost(&still.model, engine) - engine.random_price(&still.model);
-    log.push(format!("without gusts {there:.1} for {here:.1}, {:?}", other.leads));
+    log.push(format!("without gusts {there:.1} for {here:.1} (chi {:.2}), {:?}", still.chi, other.leads));
     if still.chi < NEAR
         && !other.leads.is_empty()
         && there > here + SURE
