@@ -303,8 +303,11 @@ fn bounds(found: &Discovery) -> Vec<EffectBound> {
 
 /// Generic alternatives that are in the best set, lines in the innovations, and what is left whatever it varies with.
 fn unexplained(found: &Discovery, engine: &Engine) -> Vec<Unexplained> {
-    let contested = found.contest.iter().flat_map(|c| &c.leads);
-    let leads = contested.chain(&found.faint).chain(found.lines.iter().find(|l| !l.of_instrument));
+    let contested: &[Lead] = found.contest.as_ref().map_or(&[], |c| &c.leads);
+    // Without faint gusts the same may stand out again.
+    let said = |l: &Lead| contested.iter().any(|c| (&c.channel, &c.variable) == (&l.channel, &l.variable));
+    let faint = found.faint.iter().filter(|l| !said(l));
+    let leads = contested.iter().chain(faint).chain(found.lines.iter().find(|l| !l.of_instrument));
     let words = |l: &Lead| {
         let what = match l.line_hz {
             Some(hz) => format!("{} at {hz:.2} Hz, log-likelihood {:.0} above noise", l.variable, l.gain),
