@@ -9,7 +9,7 @@ import pytest
 import windfall
 from test_windfall import campaigns, files, study_file, tree
 from windfall._inputs import Packed
-from windfall.distributed import many, run
+from windfall.distributed import many, partition, run
 
 distributed = pytest.importorskip("distributed")
 pytestmark = pytest.mark.filterwarnings("default")
@@ -158,3 +158,34 @@ def test_law_a_file_by_an_absolute_path_must_say_the_same_elsewhere(tmp_path):
     moved.unlink()
     with pytest.raises(windfall.ReadError, match=r"study.toml: .*short.toml is not on .*; try: its path relative"):
         packed.write(elsewhere)
+
+
+def test_law_a_bar_counts_parts_and_campaigns(tmp_path, client, capfd):
+    pytest.importorskip("tqdm")
+    run(study_file(tmp_path, draws=40, part=8), client, tmp_path / "out", progress=True)
+    assert "5/5" in capfd.readouterr().err
+    many("identify", campaigns(tmp_path, 3), client, tmp_path / "many", progress=True, method="equation-error")
+    assert "4/4" in capfd.readouterr().err
+
+
+def test_law_parts_are_one_table_for_others(tmp_path):
+    """Polars reads the folder as it is, Arrow another store; both have every draw, in order, to the bit."""
+    fsspec, polars = pytest.importorskip("fsspec"), pytest.importorskip("polars")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    windfall.study(study_file(tmp_path, draws=40, part=8), tmp_path / "out")
+    whole = polars.read_parquet(tmp_path / "out/runs.parquet")
+    # Row groups of another size, as a study of many draws has.
+    parquet.write_table(parquet.read_table(tmp_path / "out/runs.parquet"), tmp_path / "out/runs.parquet", row_group_size=8)
+    names = partition(tmp_path / "out", tmp_path / "parts", rows=20)
+    assert [name.rpartition("/")[2] for name in names] == [f"part-{n:06}.parquet" for n in range(3)]
+    assert polars.scan_parquet(tmp_path / "parts").collect().equals(whole)
+    assert polars.scan_parquet(tmp_path / "parts/*.parquet").collect().equals(whole)
+    with pytest.raises(windfall.WriteError, match="is not empty"):
+        partition(tmp_path / "out", tmp_path / "parts")
+    assert len(partition(tmp_path / "out", tmp_path / "parts", force=True)) == 1
+    assert polars.scan_parquet(tmp_path / "parts").collect().equals(whole)
+    for address in ("memory://studies/one", f"file://{tmp_path}/apart"):
+        partition(tmp_path / "out", address, rows=8)
+        store, root = fsspec.core.url_to_fs(address)
+        assert len(store.ls(root)) == 5
+        assert polars.from_arrow(parquet.read_table(root, filesystem=store)).equals(whole)

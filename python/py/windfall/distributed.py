@@ -12,20 +12,21 @@ import itertools
 import json
 import math
 import os
+import re
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import Document, _each, _inputs, _paths, _windfall
+from . import Document, _each, _inputs, _paths, _progress, _windfall
 from .results import Many, Study
 
 if TYPE_CHECKING:
     from distributed import Client
 
-__all__ = ["many", "run"]
+__all__ = ["many", "partition", "run"]
 
 #: On a worker: files of studies by name, and studies that were read.
 _packs: dict[str, _inputs.Packed] = {}
@@ -41,13 +42,14 @@ def run(
     force: bool = False,
     ahead: int = 4,
     direct: bool = True,
+    progress: bool = False,
 ) -> Study:
     """Draw a study on the workers of `client` into the folder `out`; the content of summary.json.
 
     `ahead` parts per thread are handed out at a time, so that neither scheduler nor client holds more than that; workers may come and go.
     The study's files are sent to each worker once, also to those that come later; a file that one of them names by an absolute path must be there on the worker and say the same.
     A worker on which a part fails, as one with another build of this package does, is retired and named in a warning, and others draw its
-    parts. A part that fails on three workers or on all is an error.
+    parts. A part that fails on three workers or on all is an error. `progress=True` shows a bar by tqdm.
     What is drawn comes straight from the workers; `direct=False` where the client cannot reach them, and it goes through the scheduler.
     """
     with _inputs.document(study, "study") as (path, _):
@@ -56,7 +58,9 @@ def run(
         files = _files_for_workers(_inputs.Packed(Path(os.path.abspath(path))))
         client.register_plugin(files, name=files.name)
         try:
-            _hand_out(client, iter(order.missing()), ahead, direct, lambda part: (_draw, files.name, part), order.put)
+            work = _Work(order.missing(), lambda part: (_draw, files.name, part), order.put)
+            with _progress.shown(progress, "part", lambda: work.done, work.all):
+                _hand_out(client, work, ahead, direct)
         finally:
             client.unregister_worker_plugin(files.name)
         return Study(json.loads(order.finish()))
@@ -73,6 +77,7 @@ def many(
     ahead: int = 2,
     direct: bool = True,
     shared: str | os.PathLike[str] | None = None,
+    progress: bool = False,
     **request: Any,
 ) -> Many:
     """Do `close` or `identify` for many campaigns on the workers of `client`, as `windfall.many` does here; the content of many.json.
@@ -93,19 +98,66 @@ def many(
     def put(number: int, done: tuple[str, str, tuple[str, str] | None]) -> None:
         order.put(number, *done)
 
-    _hand_out(client, iter(order.missing()), ahead, direct, task, put)
+    work = _Work(order.missing(), task, put)
+    with _progress.shown(progress, "campaign", lambda: work.done, work.all):
+        _hand_out(client, work, ahead, direct)
     return Many(json.loads(order.finish()))
 
 
-def _hand_out(
-    client: Client,
-    missing: Iterator[int],
-    ahead: int,
-    direct: bool,
-    task: Callable[[int], tuple[Any, ...]],
-    put: Callable[[int, Any], bool | None],
-) -> None:
-    """Hands out pieces of work by number and puts what comes back; ends early when `put` says that it is enough."""
+def partition(
+    out: str | os.PathLike[str], address: str | os.PathLike[str], *, rows: int = 65_536, force: bool = False
+) -> list[str]:
+    """Write a finished study's `runs.parquet` of the folder `out` as files of about so many rows each; their names.
+
+    `address` is a folder or what fsspec takes (`s3://bucket/study`): polars, DuckDB, Spark and Dask read it as one table. Files are
+    `part-000000.parquet` and so on, in the order of draws, with whole row groups of `runs.parquet` (4096 rows, or a part of the study).
+    What is there already is an error; with `force` parts are written over. Needs pyarrow and fsspec.
+    """
+    import fsspec  # type: ignore[import-untyped, unused-ignore]
+    import pyarrow.parquet as parquet  # type: ignore[import-untyped, unused-ignore]
+
+    if rows < 1:
+        raise ValueError(f"rows = {rows}: must be at least 1")
+    store, root = fsspec.core.url_to_fs(os.fspath(address))
+    there = store.ls(root, detail=False) if store.exists(root) else []
+    if there and not force:
+        raise _windfall.WriteError(f"{address}: is not empty; try: another address, or force=True")
+    store.makedirs(root, exist_ok=True)
+    with parquet.ParquetFile(Path(out, "runs.parquet")) as runs:
+        files: list[list[int]] = []
+        space = 0
+        for group in range(runs.num_row_groups):
+            size = runs.metadata.row_group(group).num_rows
+            if space < size:
+                files.append([])
+                space = max(rows, size)
+            files[-1].append(group)
+            space -= size
+        names = [f"{root}/part-{number:06}.parquet" for number in range(len(files))]
+        for name, groups in zip(names, files):
+            with store.open(name, "wb") as file:
+                parquet.write_table(runs.read_row_groups(groups), file)
+    for name in there:
+        if re.fullmatch(r"part-\d{6,}\.parquet", name.rpartition("/")[2]) and name not in names:
+            store.rm(name)
+    return names
+
+
+class _Work:
+    """Pieces of work by number: what a worker does for each, and what is done with what comes back, which says when it is enough."""
+
+    def __init__(
+        self, missing: Sequence[int], task: Callable[[int], tuple[Any, ...]], put: Callable[[int, Any], bool | None]
+    ) -> None:
+        self.missing, self.task, self._put, self.all, self.done = iter(missing), task, put, len(missing), 0
+
+    def put(self, number: int, data: Any) -> bool:
+        self.done += 1
+        return bool(self._put(number, data))
+
+
+def _hand_out(client: Client, work: _Work, ahead: int, direct: bool) -> None:
+    """Hands out pieces of work and puts what comes back, until it is enough."""
     from distributed import as_completed
 
     word, count, build = os.urandom(8).hex(), itertools.count(), _build()
@@ -115,10 +167,10 @@ def _hand_out(
     def submit(number: int) -> Any:
         key = f"windfall-{word}-{number}-{next(count)}"
         numbers[key] = number
-        return client.submit(_with_build, build, *task(number), pure=False, retries=0, key=key)
+        return client.submit(_with_build, build, *work.task(number), pure=False, retries=0, key=key)
 
     lanes = _Lanes(client, ahead)
-    under_way = {submit(number) for _, number in zip(range(lanes.count()), missing)}
+    under_way = {submit(number) for _, number in zip(range(lanes.count()), work.missing)}
     done = as_completed(list(under_way))
     for batch in done.batches():
         arrived = list(batch)
@@ -126,14 +178,14 @@ def _hand_out(
         failed = [future for future in arrived if future.status == "error"]
         fine = [future for future in arrived if future.status != "error"]
         pieces = dict(zip([numbers.pop(future.key) for future in fine], client.gather(fine, direct=direct)))
-        enough = [number for number, data in pieces.items() if put(number, data)]
+        enough = [number for number, data in pieces.items() if work.put(number, data)]
         again = [] if enough else [troubles.elsewhere(numbers.pop(future.key), future) for future in failed]
         # What a worker keeps for a future goes with the future.
         del arrived, batch, failed, fine, pieces
         if enough:
             client.cancel(list(under_way))
             break
-        more = itertools.islice(missing, max(0, lanes.count() - len(under_way) - len(again)))
+        more = itertools.islice(work.missing, max(0, lanes.count() - len(under_way) - len(again)))
         for following in itertools.chain(again, more):
             under_way.add(submitted := submit(following))
             done.add(submitted)
