@@ -9,7 +9,7 @@ import pytest
 import windfall
 from test_windfall import campaigns, files, study_file, tree
 from windfall._inputs import Packed
-from windfall.distributed import many, run
+from windfall.distributed import many, partition, run
 
 distributed = pytest.importorskip("distributed")
 pytestmark = pytest.mark.filterwarnings("default")
@@ -98,3 +98,94 @@ def test_law_a_campaigns_pack_has_every_file_that_it_names(tmp_path):
     packed = Packed(tmp_path / "all/a/campaign.toml", tmp_path / "all")
     assert (packed.root, packed.name) == ("all", "all/a/campaign.toml")
     assert list(packed.files) == ["all/a/campaign.toml", "shared/terms.toml", "shared/run.csv"]
+
+
+def spoil_build():
+    import windfall.distributed as there
+
+    there._build = lambda: "another"
+
+
+def spoil_disk():
+    import tempfile
+
+    tempfile.tempdir = "/no/such/folder"
+
+
+@pytest.mark.parametrize(("spoil", "words"), [(spoil_build, "another build"), (spoil_disk, "FileNotFoundError")])
+def test_law_a_bad_worker_is_retired_and_named(tmp_path, client, spoil, words):
+    path = study_file(tmp_path, draws=160, part=8)
+    windfall.study(path, tmp_path / "one")
+    bad, *_ = client.nthreads()
+    client.run(spoil, workers=[bad])
+    with pytest.warns(windfall.WindfallWarning, match=f"worker {bad} is retired.*{words}"):
+        run(path, client, tmp_path / "many")
+    assert files(tmp_path / "many") == files(tmp_path / "one")
+    assert bad not in client.nthreads() and client.nthreads()
+
+
+def test_law_an_error_of_all_workers_is_an_error(tmp_path, client):
+    path = study_file(tmp_path, draws=160, part=8)
+    client.run(spoil_build)
+    with pytest.raises(windfall.StudyError, match="another build"), pytest.warns(windfall.WindfallWarning, match="is retired"):
+        run(path, client, tmp_path / "many")
+    assert client.nthreads()
+
+
+def test_law_many_read_where_they_lie_on_a_shared_store(tmp_path, client):
+    found = campaigns(tmp_path, 6)
+    request = {"method": "equation-error"}
+    summary = windfall.many("identify", found, tmp_path / "one", **request)
+    os.symlink(found, tmp_path / "mounted")
+    bad, *_ = client.nthreads()
+    client.run(spoil_build, workers=[bad])
+    with pytest.warns(windfall.WindfallWarning, match=f"worker {bad} is retired"):
+        assert many("identify", found, client, tmp_path / "many", shared=tmp_path / "mounted", **request) == summary
+    assert tree(tmp_path / "many") == tree(tmp_path / "one")
+
+
+def test_law_a_file_by_an_absolute_path_must_say_the_same_elsewhere(tmp_path):
+    path = study_file(tmp_path)
+    (tmp_path / "apart").mkdir()
+    moved = (tmp_path / "short.toml").rename(tmp_path / "apart/short.toml")
+    path.write_text(path.read_text().replace('"short.toml"', f'"{moved}"'))
+    packed = Packed(path)
+    assert list(packed.files) == ["study.toml"] and list(packed.fixed) == [str(moved)]
+    assert windfall._windfall.Study(packed.write(elsewhere := str(tmp_path / "elsewhere"))).parts == 5
+    moved.write_text(moved.read_text() + "# changed\n")
+    with pytest.raises(windfall.ReadError, match="says something else on"):
+        packed.write(elsewhere)
+    moved.unlink()
+    with pytest.raises(windfall.ReadError, match=r"study.toml: .*short.toml is not on .*; try: its path relative"):
+        packed.write(elsewhere)
+
+
+def test_law_a_bar_counts_parts_and_campaigns(tmp_path, client, capfd):
+    pytest.importorskip("tqdm")
+    run(study_file(tmp_path, draws=40, part=8), client, tmp_path / "out", progress=True)
+    assert "5/5" in capfd.readouterr().err
+    many("identify", campaigns(tmp_path, 3), client, tmp_path / "many", progress=True, method="equation-error")
+    assert "4/4" in capfd.readouterr().err
+
+
+def test_law_parts_are_one_table_for_others(tmp_path):
+    """Polars reads the folder as it is, Arrow another store; both have every draw, in order, to the bit."""
+    fsspec, polars = pytest.importorskip("fsspec"), pytest.importorskip("polars")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    windfall.study(study_file(tmp_path, draws=40, part=8), tmp_path / "out")
+    whole = polars.read_parquet(tmp_path / "out/runs.parquet")
+    # Row groups of another size, as a study of many draws has.
+    parquet.write_table(parquet.read_table(tmp_path / "out/runs.parquet"), tmp_path / "out/runs.parquet", row_group_size=8)
+    names = partition(tmp_path / "out", tmp_path / "parts", rows=20)
+    assert [name.rpartition("/")[2] for name in names] == [f"part-{n:06}.parquet" for n in range(3)]
+    assert polars.scan_parquet(tmp_path / "parts").collect().equals(whole)
+    assert polars.scan_parquet(tmp_path / "parts/*.parquet").collect().equals(whole)
+    with pytest.raises(windfall.WriteError, match="is not empty"):
+        partition(tmp_path / "out", tmp_path / "parts")
+    assert len(partition(tmp_path / "out", tmp_path / "parts", force=True)) == 1
+    assert polars.scan_parquet(tmp_path / "parts").collect().equals(whole)
+    for address in ("memory://studies/one", f"file://{tmp_path}/apart"):
+        partition(tmp_path / "out", address, rows=8)
+        store, root = fsspec.core.url_to_fs(address)
+        assert len(store.ls(root)) == 5
+        assert polars.from_arrow(parquet.read_table(root, filesystem=store)).equals(whole)

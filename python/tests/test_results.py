@@ -146,3 +146,9 @@ def test_law_what_is_left_out_is_none_or_empty():
     assert found.reason is None and found.warnings == [] and found.data_sets[0].covariance == []
     with pytest.raises(AttributeError):
         found.estimates
+
+
+def test_law_a_field_named_like_a_method_of_dictionaries_is_the_field():
+    found = results.Study({"varied": [{"name": "mass_kg", "values": [0.7, 0.8]}]})
+    again = pickle.loads(pickle.dumps(found))
+    assert found.varied[0].values == again.varied[0].values == again["varied"][0]["values"] == [0.7, 0.8]

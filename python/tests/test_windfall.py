@@ -364,3 +364,11 @@ def test_law_first_minutes_are_the_programs(tmp_path):
         windfall.explain("nothing-of-ours")
     with pytest.raises(windfall.ReadError):
         windfall.init(tmp_path / "none.csv")
+
+
+def test_law_a_bar_counts_parts_and_campaigns(tmp_path, capfd):
+    pytest.importorskip("tqdm")
+    windfall.study(study_file(tmp_path), tmp_path / "out", progress=True)
+    assert "5/5" in capfd.readouterr().err
+    windfall.many("identify", campaigns(tmp_path, 3), tmp_path / "many", progress=True, method="equation-error")
+    assert "4/4" in capfd.readouterr().err

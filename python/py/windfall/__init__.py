@@ -20,7 +20,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar, Unpack
 
-from . import _inputs, _requests, _windfall, results
+from . import _inputs, _progress, _requests, _windfall, results
 from ._campaign import Campaign
 from ._flight import Flight
 from ._inputs import WindfallWarning
@@ -262,16 +262,20 @@ def plan(
 
 
 @_takes(_requests.Study)
-def study(study: Document, out: Path, *, threads: int = 0, **request: Unpack[_requests.Study]) -> results.Study | None:
+def study(
+    study: Document, out: Path, *, threads: int = 0, progress: bool = False, **request: Unpack[_requests.Study]
+) -> results.Study | None:
     """Draw a study into a folder: `runs.parquet` and `summary.json`, whose content is returned.
 
-    With `shard=(i, n)`, i from 1 to n, only that share is drawn and nothing returned; `resume=True` without it joins all.
+    With `shard=(i, n)`, i from 1 to n, only that share is drawn and nothing returned; `resume=True` without it joins all. `progress=True`
+    shows a bar by tqdm: how much of all is in the folder.
     """
     with _inputs.document(study, "study") as (path, _):
         order = _windfall.Study(path)
         _inputs.warn(order.warnings)
         order.open(os.fspath(out), _request(_requests.Study, request))
-        order.draw(_threads(threads))
+        with _progress.shown(progress, "part", _progress.files(out, "parts", ".parquet"), order.parts):
+            order.draw(_threads(threads))
         return None if request.get("shard") is not None else results.Study(json.loads(order.finish()))
 
 
@@ -293,20 +297,27 @@ def _paths(campaigns: Path | Sequence[Path]) -> list[str]:
 
 @_takes(_requests.Many)
 def many(
-    verb: str, campaigns: Path | Sequence[Path], out: Path, *, threads: int = 0, **request: Unpack[_ManyOf]
+    verb: str,
+    campaigns: Path | Sequence[Path],
+    out: Path,
+    *,
+    threads: int = 0,
+    progress: bool = False,
+    **request: Unpack[_ManyOf],
 ) -> results.Many | None:
     """Do `close` or `identify` for every campaign of a folder, or of a list of folders and campaign files, into the folder `out`.
 
     Writes what `windfall many` writes: a result of each campaign, `campaigns.parquet`, `many.json`, whose content is returned, and
     `report.html`. A campaign that fails is a row with its reason. The verb takes what it takes alone, as in `many("identify", ...,
     method="equation-error")`. With `shard=(i, n)`, i from 1 to n, only that share is done and nothing returned; `resume=True` without it
-    does what is missing and joins all.
+    does what is missing and joins all. `progress=True` shows a bar by tqdm: how much of all is in the folder.
     """
     own = {name: value for name, value in request.items() if name in _requests.Many.__annotations__}
     order = _windfall.Many(_paths(campaigns), _each(verb, {n: v for n, v in request.items() if n not in own}))
     _inputs.warn(order.warnings)
     order.open(os.fspath(out), _request(_requests.Many, own))
-    order.work(_threads(threads))
+    with _progress.shown(progress, "campaign", _progress.files(out, "results", "outcome.json"), len(order.campaigns)):
+        order.work(_threads(threads))
     return None if own.get("shard") is not None else results.Many(json.loads(order.finish()))
 
 

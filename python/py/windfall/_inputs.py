@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import hashlib
 import json
 import os
 import re
+import socket
 import sys
 import tempfile
 import tomllib
@@ -28,6 +30,9 @@ from ._windfall import ReadError
 __all__ = ["Columns", "Dataclass", "Packed", "WindfallWarning", "columns_of", "document", "files_of", "run_of", "warn"]
 
 _HERE = (os.path.dirname(__file__), contextlib.__file__)
+
+#: What to do about a file that is only here.
+_REMEDY = "try: its path relative to the file that names it, or a folder that all machines see"
 
 Columns = dict[str, npt.NDArray[np.float64]]
 
@@ -290,36 +295,52 @@ def _inline(value: Any) -> str:
     )
 
 
-def files_of(file: FilePath) -> list[FilePath]:
-    """A file, and those that strings in it name if it is TOML, and so on."""
-    found = [file]
-    for path in found:
+def files_of(file: FilePath) -> tuple[list[FilePath], list[FilePath]]:
+    """A file and those that strings in it name if it is TOML, and so on; apart from them what is reached by an absolute path."""
+    found, fixed = [file], list[FilePath]()
+    for path, into in _growing(found, fixed):
         if path.suffix == ".toml":
             try:
                 strings = _strings(tomllib.loads(path.read_text(encoding="utf-8")))
             except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
                 continue  # the reader says what is wrong with it
-            below = (FilePath(os.path.normpath(path.parent / s)) for s in strings if "\0" not in s)
-            found += [p for p in dict.fromkeys(below) if p not in found and _is_file(p)]
-    return found
+            for word in dict.fromkeys(s for s in strings if "\0" not in s):
+                named, among = FilePath(os.path.normpath(path.parent / word)), fixed if os.path.isabs(word) else into
+                if named not in among and _is_file(named):
+                    among.append(named)
+    return found, fixed
+
+
+def _growing(*lists: list[FilePath]) -> Iterator[tuple[FilePath, list[FilePath]]]:
+    """Each file with its list, also those that are added on the way to this list or a later one."""
+    for each in lists:
+        for path in each:
+            yield path, each
 
 
 class Packed:
     """A file and all that it names, with their paths below a common folder: to be written elsewhere, where the first names the others still.
 
-    With `root` that folder holds `root` too.
+    What is named by an absolute path stays where it is, and must be there and say the same where this is written. With `root` the common
+    folder holds `root` too.
     """
 
     def __init__(self, file: FilePath, root: FilePath | None = None) -> None:
         # Not resolved: `..` in a file must lead to the same place elsewhere.
-        paths = files_of(file)
+        paths, fixed = files_of(file)
         common = FilePath(os.path.commonpath([*([] if root is None else [root]), *(p.parent for p in paths)]))
         self.name = file.relative_to(common).as_posix()
         self.root = "." if root is None else root.relative_to(common).as_posix()
         self.files = {p.relative_to(common).as_posix(): p.read_bytes() for p in paths}
+        self.fixed = {str(p): hashlib.sha256(p.read_bytes()).hexdigest() for p in fixed}
 
     def write(self, folder: str) -> str:
         """Writes them there; the path of the first."""
+        for path, digest in self.fixed.items():
+            if not _is_file(FilePath(path)):
+                raise ReadError(f"{self.name}: {path} is not on {socket.gethostname()}; {_REMEDY}")
+            if hashlib.sha256(FilePath(path).read_bytes()).hexdigest() != digest:
+                raise ReadError(f"{self.name}: {path} says something else on {socket.gethostname()}; {_REMEDY}")
         for name, data in self.files.items():
             FilePath(folder, name).parent.mkdir(parents=True, exist_ok=True)
             FilePath(folder, name).write_bytes(data)

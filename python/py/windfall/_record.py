@@ -41,6 +41,8 @@ class Record(dict[str, Any]):
     def __init__(self, data: Mapping[str, Any]) -> None:
         hints = _hints(type(self))
         super().__init__({name: _typed(hints.get(name), value) for name, value in data.items()})
+        # A field that is called like a method of dictionaries (`values`) is the field.
+        vars(self).update({name: self[name] for name in self if hasattr(dict, name)})
 
     if not TYPE_CHECKING:  # the annotations say which attributes there are
 

@@ -977,7 +977,7 @@ class VariedLine(Record):
     """A varied quantity of the first draws."""
 
     name: str
-    values: list[float]
+    values: list[float]  # type: ignore[assignment]
 
 
 class ConfusionLine(Record):
