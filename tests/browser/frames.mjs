@@ -54,6 +54,7 @@ function large(page) {
 async function measured(page, session, name, n, act) {
   await page.evaluate(() => {
     window.frames = [];
+    window.drawn = 0;
     const tick = (t) => { window.frames.push(t); window.ticking = requestAnimationFrame(tick); };
     window.ticking = requestAnimationFrame(tick);
   });
@@ -61,14 +62,14 @@ async function measured(page, session, name, n, act) {
   const before = await of();
   for (let k = 0; k < n; k += 1) await act(k, n);
   const after = await of();
-  const times = await page.evaluate(() => { cancelAnimationFrame(window.ticking); return window.frames; });
+  const [times, drawn] = await page.evaluate(() => { cancelAnimationFrame(window.ticking); return [window.frames, window.drawn]; });
   const steps = times.slice(1).map((t, i) => t - times[i]).sort((a, b) => a - b);
   const frames = steps.length;
   const busy = (1000 * (after.TaskDuration - before.TaskDuration)) / frames;
   const script = (1000 * (after.ScriptDuration - before.ScriptDuration)) / frames;
   const at = (p) => steps[Math.min(frames - 1, Math.floor(p * frames))];
   const rate = (1000 * frames) / (times[times.length - 1] - times[0]);
-  console.log(`${name.padEnd(8)} ${String(frames).padStart(4)} frames  ${busy.toFixed(1).padStart(5)} ms of processor a frame (script ${script.toFixed(1)})` +
+  console.log(`${name.padEnd(8)} ${String(frames).padStart(4)} frames  ${busy.toFixed(1).padStart(5)} ms of processor a frame (script ${script.toFixed(1)}), ${(drawn / frames).toFixed(1)} plots drawn` +
     `  ${rate.toFixed(0).padStart(3)} frames/s by the clock, step median ${at(0.5).toFixed(1)} ms, 95 % ${at(0.95).toFixed(1)} ms`);
   return { name, busy, rate };
 }
@@ -96,6 +97,7 @@ try {
   const at = (f) => box.x + f * box.width;
   const y = box.y + 60;
   const frame = () => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => done())));
+  await page.evaluate(() => Object.values(Windfall.views)[0].plots.forEach((u) => { (u.hooks.draw ??= []).push(() => { window.drawn += 1; }); }));
   const all = [];
   all.push(await measured(page, session, "cursor", 90, async (k, n) => { await page.mouse.move(at(0.05 + (0.9 * k) / n), y); await frame(); }));
   await page.mouse.move(at(0.3), y);

@@ -41,7 +41,8 @@ async function interaction(page, name) {
   const id = await page.evaluate(() => Object.keys(Windfall.views)[0]);
   if (!id) return;
   const range = async () => {
-    await page.waitForTimeout(200);
+    // Plots follow a few a frame.
+    await page.waitForFunction((k) => { const v = Windfall.views[k]; return v.plots.every((u) => !u.stale && !u.coarse); }, id, { timeout: 10000 });
     return page.evaluate((k) => Windfall.views[k].plots.map((u) => [u.scales.x.min, u.scales.x.max]), id);
   };
   const plot = page.locator(`[data-tracks="${id}"] .channel .u-over`).first();
@@ -80,13 +81,26 @@ async function interaction(page, name) {
     await page.locator(`.tracks[data-tracks="${id}"] select`).first().selectOption(String(runs - 1));
     hold(`${name}: another run`, (await page.evaluate((k) => Windfall.views[k].run, id)) === runs - 1);
   }
+  if (runs > 1) {
+    const lines = () => page.evaluate((k) => Windfall.views[k].plots[0].series.length, id);
+    const alone = await lines();
+    await page.getByLabel("Second run, dashed").first().selectOption("0");
+    const both = await page.evaluate((k) => {
+      const { plots, beside } = Windfall.views[k];
+      return [beside, plots[0].series.length, plots[0].data.slice(1).every((y) => y.some((v) => Number.isFinite(v)))];
+    }, id);
+    hold(`${name}: a second run lies over the first`, both[0] === 0 && both[1] > alone && both[2], [alone, both]);
+    hold(`${name}: the address holds the second run`, await page.waitForFunction(() => location.href.includes("with="), null, { timeout: 10000 }).then(() => true, () => false));
+    await page.getByLabel("Second run, dashed").first().selectOption("-1");
+    hold(`${name}: and is taken away`, (await lines()) === alone);
+  }
   await replay(page, name, id);
   return link;
 }
 
 /** The view as spectra: every channel draws, and the line of a swing that is put in stands at its frequency. */
 async function spectra(page, name, id) {
-  const pick = page.locator(`.tracks[data-tracks="${id}"] select`).nth(1);
+  const pick = page.locator(`.tracks[data-tracks="${id}"]`).getByLabel("Over time, or as spectra");
   await pick.selectOption("spectra");
   const drawn = await page.evaluate((k) => [Windfall.views[k].still.length, Windfall.views[k].shown.size], id);
   hold(`${name}: spectra of every channel`, drawn[0] >= drawn[1] && drawn[1] > 0, drawn);
@@ -207,7 +221,8 @@ async function widths(browser, file, name) {
 }
 
 const browser = await playwright.chromium.launch({ executablePath: chromium,
-  args: ["--no-sandbox", "--disable-gpu-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"] });
+  // WebGL in software, the page itself without: to put a hundred plots on the screen by a software card takes seconds a frame.
+  args: ["--no-sandbox", "--disable-gpu-sandbox", "--enable-unsafe-swiftshader"] });
 for (const file of words) await look(browser, file);
 await browser.close();
 console.log(failed ? `${failed} failed` : `${words.length} pages: all hold`);

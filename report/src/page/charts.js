@@ -11,6 +11,16 @@
   }
   /** Labels of a logarithmic axis, short: 1e−5. */
   const decades = (u, all) => all.map((v) => (v == null ? "" : v !== 0 && (v < 1e-3 || v >= 1e5) ? v.toExponential(0).replace("e-", "e−").replace("e+", "e") : number(v)));
+  /** Labels of an even axis with the digits that its step needs, small and large ones with their power of ten. */
+  const even = (u, all, axis, space, step) => {
+    const most = Math.max(...all.map((v) => Math.abs(v ?? 0)));
+    const places = (x) => Math.max(0, Math.ceil(-Math.log10(x) - 1e-9));
+    const power = Math.floor(Math.log10(most || 1));
+    const one = most && (most < 1e-3 || most >= 1e6)
+      ? (v) => (v === 0 ? "0" : `${(v / 10 ** power).toFixed(places(step / 10 ** power))}e${power}`)
+      : (v) => v.toFixed(places(step));
+    return all.map((v) => (v == null ? "" : one(Math.abs(v) < 1e-9 * step ? 0 : v).replaceAll("-", "−")));
+  };
   /** Lines of a grid at powers of ten alone. */
   const powers = (u, all) => all.map((v) => (v != null && Math.abs(Math.log10(v) - Math.round(Math.log10(v))) < 1e-6 ? v : null));
   const strokes = { measured: 3, before: 1.5, after: 1.5, noise: 1.2 };
@@ -22,7 +32,7 @@
     const common = { stroke: colour("soft"), grid: { stroke: colour("line"), width: 1 }, ticks: { stroke: colour("line"), width: 1 },
       font: "11px system-ui, sans-serif", labelFont: "11px system-ui, sans-serif", labelSize: 16, labelGap: 0 };
     const grid = (is) => (is ? { grid: { ...common.grid, filter: powers }, ticks: { ...common.ticks, filter: powers } } : {});
-    return [{ ...common, ...grid(logX), label: x || undefined, size: 30, labelSize: 20, space: 60, values: logX ? decades : undefined }, { ...common, ...grid(log), label: y || undefined, size: 58, labelSize: 18, space: 24, values: log ? decades : undefined }];
+    return [{ ...common, ...grid(logX), label: x || undefined, size: 30, labelSize: 20, space: 60, values: logX ? decades : even }, { ...common, ...grid(log), label: y || undefined, size: 58, labelSize: 18, space: 24, values: log ? decades : even }];
   };
 
   /** All abscissae of some series, ascending, and each series on them, joined over what it lacks. */

@@ -6,7 +6,10 @@
   /** Pixels a bucket while the view moves, and how long it rests before all is drawn, ms: without a graphics card wide lines take most of a
    *  frame (70 ms for 18 plots; hairlines of a quarter of the points 12 ms). */
   const COARSE_PX = 4;
-  const REST_MS = 120;
+  const REST_MS = 250;
+  /** Time of a frame that drawing may take, ms (as much again goes into putting it on the screen), and plots that are drawn whatever it takes. */
+  const FRAME_MS = 4;
+  const LEAST = 6;
   /** Height of a channel with its residual, about. */
   const HEIGHT_PX = 330;
   /** A constant line. */
@@ -53,9 +56,21 @@
     return y;
   }
 
+  /** A series of another clock at these times, on straight lines between its samples; it ends where it ends. */
+  function onto(t, from, y) {
+    const n = Math.min(from.length, y.length);
+    const at = new Float32Array(t.length);
+    let [k, count] = [0, 0];
+    for (; count < t.length && n > 1 && t[count] <= from[n - 1]; count += 1) {
+      while (k < n - 2 && from[k + 1] < t[count]) k += 1;
+      at[count] = y[k] + ((y[k + 1] - y[k]) * (t[count] - from[k])) / (from[k + 1] - from[k]);
+    }
+    return at.subarray(0, count);
+  }
+
   Windfall.Tracks = class {
     constructor(place, tracks) {
-      Object.assign(this, { place, tracks, plots: [], range: null, t: 0, listeners: [], busy: false });
+      Object.assign(this, { place, tracks, plots: [], range: null, t: 0, listeners: [], busy: false, last: -1 });
       const asked = view.read();
       const mine = asked.of === tracks.id ? asked : {};
       const held = tracks.runs.findIndex((r) => r.use === "hold-out");
@@ -66,6 +81,8 @@
       const first = tracks.body.free ? names : names.filter((n) => !["p", "q", "r", "airspeed", "tether pull"].includes(n));
       const shown = (mine.ch || "").split(",").filter((n) => names.includes(n));
       this.shown = new Set(shown.length ? shown : first);
+      this.beside = tracks.runs.findIndex((r) => r.name === mine.with);
+      if (this.beside === this.run) this.beside = -1;
       if (mine.x) this.range = mine.x.split("_").map(Number).slice(0, 2);
       if (this.range && !(this.range[1] > this.range[0])) this.range = null;
       if (mine.t) this.t = Number(mine.t) || 0;
@@ -78,6 +95,8 @@
       const near = new IntersectionObserver((all) => { if (all.some((e) => e.isIntersecting)) this.make(); }, { rootMargin: "600px" });
       near.observe(place);
       this.near = near;
+      // To ask each plot for its place would lay the page out again between every two of them.
+      this.sight = new IntersectionObserver((all) => all.forEach((e) => { e.target.plot.seen = e.isIntersecting; }));
       themed.push(() => this.draw());
       let last = innerWidth;
       let timer = 0;
@@ -92,6 +111,11 @@
       const options = tracks.runs.map((r, i) => make("option", { value: i, selected: i === this.run }, `${r.name} (${r.use})`));
       const pick = make("select", { "aria-label": "Run", onchange: (e) => this.choose(Number(e.target.value)) }, ...options);
       this.pick = pick;
+      // A second run, dashed over the first.
+      const others = tracks.runs.map((r, i) => make("option", { value: i, selected: i === this.beside }, r.name));
+      this.second = make("select", { "aria-label": "Second run, dashed", onchange: (e) => this.compare(Number(e.target.value)) },
+        make("option", { value: -1 }, "no other"), ...others);
+      this.dashed = make("span", { class: "legend" });
       const boxes = names.map((n) => make("label", { class: "chip" },
         make("input", { type: "checkbox", checked: this.shown.has(n), onchange: (e) => {
           if (e.target.checked) this.shown.add(n); else this.shown.delete(n);
@@ -111,7 +135,8 @@
       this.grid = make("div", { class: "channels", tabindex: 0, role: "group",
         "aria-label": "Signals over time. Arrow keys move the cursor, plus and minus zoom, brackets move the span, zero shows the whole run." });
       this.grid.addEventListener("keydown", (e) => this.key(e));
-      const row = make("div", { class: "controls" }, make("label", {}, "Run ", pick), as, all, ...keys, this.said);
+      const row = make("div", { class: "controls" }, make("label", {}, "Run ", pick),
+        ...(tracks.runs.length > 1 ? [make("label", {}, "beside ", this.second)] : []), as, all, ...keys, this.dashed, this.said);
       const chips = make("fieldset", { class: "chips" }, make("legend", {}, "Channels"), ...boxes);
       this.place.replaceChildren(row, chips, this.grid);
     }
@@ -146,8 +171,16 @@
     runNow() { return this.tracks.runs[this.run]; }
     end() { const t = this.runNow().t; return t[t.length - 1] || 1; }
     shownRange() { return this.range || [0, this.end()]; }
+    other() { return this.tracks.runs[this.beside]; }
+    compare(run) {
+      this.beside = run === this.run ? -1 : run;
+      this.second.value = this.beside;
+      this.draw();
+      this.save();
+    }
     choose(run) {
       this.run = run;
+      if (this.beside === run) this.second.value = this.beside = -1;
       this.pick.value = run;
       this.range = null;
       this.draw();
@@ -159,7 +192,7 @@
       clearTimeout(this.saving);
       this.saving = setTimeout(() => {
         const [a, b] = this.range || [];
-        view.write(this.tracks.id, { run: this.runNow().name, ch: [...this.shown].join(","),
+        view.write(this.tracks.id, { run: this.runNow().name, ...(this.other() ? { with: this.other().name } : {}), ch: [...this.shown].join(","),
           ...(this.range ? { x: `${a.toFixed(3)}_${b.toFixed(3)}` } : {}), ...(this.spectra ? { as: "spectra" } : {}), t: this.t.toFixed(3) });
       }, 120);
     }
@@ -171,22 +204,37 @@
         const b = Math.min(this.end(), range[1]);
         this.range = b - a > 1e-3 && (a > 0 || b < this.end()) ? [a, b] : null;
       } else this.range = null;
-      const [a, b] = this.shownRange();
-      this.busy = true;
-      // What is in sight at once, in hairlines; all of it when the range rests.
-      for (const u of this.plots) {
-        const { top, bottom } = u.root.getBoundingClientRect();
-        if (bottom > 0 && top < innerHeight) this.show(u, [a, b], true);
-      }
-      clearTimeout(this.later);
-      this.later = setTimeout(() => this.plots.forEach((u) => this.show(u, this.shownRange(), false)), REST_MS);
-      this.busy = false;
+      this.moved = performance.now();
+      for (const u of this.plots) u.stale = true;
+      this.follow();
       if (spectra) this.draw();
       this.save();
+    }
+    /** Draws the plots whose range is not the view's: those in sight in hairlines while the view moves, all of them as they are once it rests.
+     *  A frame has so many of them as its time holds; the next goes on where it stopped. */
+    follow() {
+      if (this.following) return;
+      this.following = true;
+      requestAnimationFrame((now) => {
+        this.following = false;
+        const moving = performance.now() - this.moved < REST_MS;
+        const due = this.plots.filter((u) => (u.stale && (u.seen || !moving)) || (u.coarse && !moving));
+        const range = this.shownRange();
+        this.busy = true;
+        const next = [...due.filter((u) => u.order > this.last), ...due.filter((u) => u.order <= this.last)];
+        next.every((u, k) => {
+          this.show(u, range, moving);
+          this.last = u.order;
+          return k + 1 < LEAST || performance.now() - now < FRAME_MS;
+        });
+        this.busy = false;
+        if (this.plots.some((u) => u.stale || u.coarse)) this.follow();
+      });
     }
     /** A plot between two times; `moving`: in hairlines, and a bucket for some pixels. */
     show(u, [a, b], moving) {
       u.series.forEach((s, k) => { if (k) s.width = moving ? 1 : u.strokes[k - 1]; });
+      Object.assign(u, { stale: false, coarse: moving });
       u.batch(() => {
         u.setData(reduced(u.full.t, u.full.series, [a, b], moving ? u.width / COARSE_PX : u.width), false);
         u.setScale("x", { min: a, max: b });
@@ -229,9 +277,12 @@
     }
     draw() {
       if (!this.made) return;
+      this.sight.disconnect();
       this.plots.concat(this.still || []).forEach((u) => u.destroy());
       Object.assign(this, { plots: [], cells: [], still: [] });
       const run = this.runNow();
+      const other = this.spectra ? null : this.other();
+      this.dashed.replaceChildren(...(other ? [make("span", { class: "key noise" }), `dashed: ${other.name}`] : []));
       const channels = run.channels.filter((c) => this.shown.has(c.name));
       const places = channels.map((c) => {
         const out = make("span", { class: "values" });
@@ -253,14 +304,26 @@
     channel(run, c, place) {
       const sides = SIDES.filter((s) => c[s].length);
       const lines = sides.map((s) => ({ ...Windfall.stroke(s), width: s === "measured" ? 3 : 1.4 }));
-      this.plot(place, c.name, 150, run.t, sides.map((s) => ({ of: c[s] })), lines, "", c.unit);
+      const d = this.besideOf(run, c);
+      const dashes = d.sides.map((s) => ({ ...Windfall.stroke(s), width: 1.4, dash: [6, 4] }));
       const models = sides.filter((s) => s !== "measured");
-      if (!c.measured.length || !models.length) return;
-      const left = models.map((s) => ({ of: c.measured, less: c[s] }));
+      const alone = !c.measured.length || !models.length;
+      const drawn = [...sides.map((s) => ({ of: c[s] })), ...d.sides.map((s) => ({ of: d[s] }))];
+      this.plot(place, c.name, alone ? 172 : 150, run.t, drawn, [...lines, ...dashes], alone ? "time in the run (s)" : "", c.unit);
+      if (alone) return;
+      const pairs = [[c, models], [d, d.measured ? d.sides.filter((s) => s !== "measured") : []]];
+      const left = pairs.flatMap(([of, all]) => all.map((s) => ({ of: of.measured, less: of[s] })));
       const noise = c.noise ? [-2, 2].map((k) => level(k * c.noise)) : [];
-      const strokes = [...models.map((s) => ({ ...Windfall.stroke(s), width: 1.1 })), ...noise.map(() => Windfall.stroke("noise"))];
+      const strokes = [...pairs.flatMap(([of, all]) => all.map((s) => ({ ...Windfall.stroke(s), width: 1.1, dash: of === d ? [6, 4] : undefined }))), ...noise.map(() => Windfall.stroke("noise"))];
       const unit = `residual${c.unit ? ` (${c.unit})` : ""}`;
-      this.plot(place, `residual of ${c.name}`, 125, run.t, [...left, ...noise], strokes, "time in the run (s)", unit);
+      this.plot(place, `residual of ${c.name}`, 130, run.t, [...left, ...noise], strokes, "time in the run (s)", unit);
+    }
+    /** The same channel of the second run, on the first one's clock. */
+    besideOf(run, c) {
+      const other = this.other();
+      const own = other?.channels.find((k) => k.name === c.name);
+      const sides = own ? SIDES.filter((s) => own[s].length) : [];
+      return { sides, ...Object.fromEntries(sides.map((s) => [s, onto(run.t, other.t, own[s])])) };
     }
     /** Amplitude spectra of a channel and of its residuals, of the span shown. */
     densities(run, c, place) {
@@ -317,10 +380,13 @@
           }],
         },
       };
-      if (!x) options.axes[0].values = (u, all) => all.map(() => "");
-      if (!x) options.axes[0].size = 8;
+      if (!x) Object.assign(options.axes[0], { values: (u, all) => all.map(() => ""), size: 8 });
+      options.axes[1].space = 18;
       const u = new uPlot(options, reduced(t, series, [a, b], options.width), holder);
       u.full = { t, series };
+      u.order = this.plots.length;
+      u.root.plot = u;
+      this.sight.observe(u.root);
       u.strokes = lines.map((l) => l.width);
       this.hand(u);
       this.plots.push(u);
