@@ -2,8 +2,9 @@
 
 use windfall_model::frames::Vec3;
 use windfall_model::{
-    Acts, Aero, ApparentMass, CATALOGUE, Environment, FreeFlight, FroudeScale, Given, Inertia, LooseMass, MeanFlow,
-    PLANT_NUMBERS, Pivot, Plant, PlantNumber, PointMass, Sensors, Structure, Tether, Turbulence, Vehicle, WakeShedding, effects,
+    Acts, Aero, ApparentMass, CATALOGUE, Contact, Environment, Flight, FreeFlight, FroudeScale, Given, Inertia, LooseMass,
+    MeanFlow, Numerics, Operator, PLANT_NUMBERS, Pivot, Plant, PlantNumber, PointMass, Release, Sensors, Structure, TestSection,
+    Tether, TunnelSpeed, Turbulence, Use, Vehicle, WakeShedding, effects,
 };
 
 /// A plant that has every part.
@@ -117,4 +118,114 @@ fn exact_instrument_mass_and_swivel_effects_add_to_what_is_there() {
     assert!((heavier.mass_kg - 0.85).abs() < 1e-15);
     assert_eq!(heavier.inertia, plant().vehicle.inertia);
     assert_eq!(apply("swivel-friction", 0.02).tether.map(|t| t.swivel_n_m), Some(0.02));
+}
+
+/// One strength of an effect after the other: what it does to the numbers of a plant that has them all. Most are added; some multiply what is
+/// there, or a displaced mass. Sizes of gusts add as squares and are left out.
+#[test]
+fn exact_strengths_add_to_the_numbers_of_the_plant() {
+    const STRENGTH: f64 = 0.25;
+    let mut base = plant();
+    for (i, n) in PLANT_NUMBERS.iter().enumerate() {
+        *(n.lens)(&mut base).expect("the plant has every part") = 1.0 + i as f64;
+    }
+    let displaced_kg = base.free_flight.as_ref().map_or(0.0, |f| f.buoyancy_kg);
+    let (mut added, mut multiplied) = (0, Vec::new());
+    for e in CATALOGUE {
+        let parameters = (e.parameters)(&["spin".to_owned()]);
+        let with = |strong: Option<usize>| {
+            let null = |p: &effects::Parameter| if p.role == effects::Role::Strength { 0.0 } else { p.null };
+            let mut values: Vec<f64> = parameters.iter().map(null).collect();
+            strong.into_iter().for_each(|k| values[k] = STRENGTH);
+            let mut plant = base.clone();
+            (e.apply)(&mut plant, &values);
+            plant
+        };
+        for k in (0..parameters.len()).filter(|&k| parameters[k].role == effects::Role::Strength) {
+            let (mut without, mut strong) = (with(None), with(Some(k)));
+            for n in PLANT_NUMBERS.iter().filter(|n| !n.key.starts_with("turbulence.")) {
+                let before = (n.lens)(&mut without).map_or(0.0, |x| *x);
+                let change = (n.lens)(&mut strong).map_or(0.0, |x| *x) - before;
+                let is = |expected: f64| (change - expected).abs() < 1e-12;
+                if is(STRENGTH) {
+                    added += 1;
+                } else if !is(0.0) {
+                    let of_another = is(STRENGTH * before) || is(STRENGTH * displaced_kg);
+                    assert!(of_another, "{} {}: {} changes by {change}", e.family, parameters[k].name, n.name());
+                    multiplied.push(n.name());
+                }
+            }
+        }
+    }
+    assert_eq!(added, 59, "numbers to which a strength is added; a new effect adds its own");
+    let apparent = ["x", "y", "z"].map(|axis| format!("free_flight.apparent_kg.{axis}"));
+    let others = ["free_flight.buoyancy_kg", "tether.drag_area_m2", "tether.effective_weight_n"].map(str::to_owned);
+    assert_eq!(multiplied, [&apparent[..], &others[..]].concat());
+}
+
+/// Eight times as long, under twice the gravity, in air three times as dense: time doubles, speed is four times as high.
+#[test]
+fn exact_a_flight_scales_by_hand() {
+    let scale = FroudeScale { length: 8.0, density: 3.0, gravity: 2.0 };
+    let order = |speed: TunnelSpeed| Flight {
+        name: "flight".into(),
+        kind: "perturbed".into(),
+        used: Use::Identify,
+        duration_s: 10.0,
+        rate_hz: 100.0,
+        release: Release {
+            position_m: [1.0, 2.0, 3.0],
+            velocity_m_s: [4.0, 5.0, 6.0],
+            attitude_rad: [0.1, 0.2, 0.3],
+            rates_rad_s: [2.0, 4.0, 6.0],
+        },
+        speed,
+        ps_pa: 100.0,
+        ts_k: 300.0,
+        section: Some(TestSection { radius_m: 1.5, top_x_m: -2.0, bottom_x_m: 3.0 }),
+        numerics: Numerics::default(),
+        sensor_noise: true,
+    };
+    let large = scale.flight(&order(TunnelSpeed::Constant(7.0)));
+    assert_eq!((large.duration_s, large.rate_hz, large.ps_pa, large.ts_k), (20.0, 50.0, 300.0, 300.0));
+    assert_eq!((large.release.position_m, large.release.velocity_m_s), ([8.0, 16.0, 24.0], [16.0, 20.0, 24.0]));
+    assert_eq!((large.release.attitude_rad, large.release.rates_rad_s), ([0.1, 0.2, 0.3], [1.0, 2.0, 3.0]));
+    assert_eq!(large.section.map(|s| [s.radius_m, s.top_x_m, s.bottom_x_m]), Some([12.0, -16.0, 24.0]));
+    assert_eq!(large.speed, TunnelSpeed::Constant(28.0));
+    let history = TunnelSpeed::History { interval_s: 0.1, vw_m_s: vec![7.0, 8.0] };
+    assert_eq!(scale.flight(&order(history)).speed, TunnelSpeed::History { interval_s: 0.2, vw_m_s: vec![28.0, 32.0] });
+    let hand = Operator {
+        trim_m_s: Some(7.0),
+        height_gain_per_s: 0.5,
+        rate_gain: 0.4,
+        integral_gain_per_s2: 0.08,
+        lag_s: 0.4,
+        unsteady_rms_m_s: 0.05,
+        unsteady_time_s: 1.0,
+        hold_x_m: 0.25,
+    };
+    let larger = Operator {
+        trim_m_s: Some(28.0),
+        height_gain_per_s: 0.25,
+        rate_gain: 0.4,
+        integral_gain_per_s2: 0.02,
+        lag_s: 0.8,
+        unsteady_rms_m_s: 0.2,
+        unsteady_time_s: 2.0,
+        hold_x_m: 2.0,
+    };
+    assert_eq!(scale.flight(&order(TunnelSpeed::Operator(hand))).speed, TunnelSpeed::Operator(larger));
+    // Mass 3 · 8³ = 1536, force twice that, impulse for twice the time, about an arm of eight times the length.
+    let mut touched = plant();
+    touched.contacts = vec![Contact {
+        run: 0,
+        start_s: 1.0,
+        duration_s: 0.5,
+        impulse: Vec3::new(1.0, 2.0, 3.0),
+        angular_impulse: Vec3::new(1.0, 0.0, -1.0),
+    }];
+    let contact = scale.plant(&touched).contacts[0];
+    assert_eq!((contact.start_s, contact.duration_s), (2.0, 1.0));
+    assert_eq!(contact.impulse.to_array(), [6144.0, 12288.0, 18432.0]);
+    assert_eq!(contact.angular_impulse.to_array(), [49152.0, 0.0, -49152.0]);
 }

@@ -36,6 +36,7 @@ proptest! {
         let again = r.to_quaternion();
         let sign = q.iter().zip(again).map(|(a, b)| a * b).sum::<f64>().signum();
         prop_assert!(q.iter().zip(again).all(|(a, b)| (a - sign * b).abs() < ROUNDING), "q or -q");
+        prop_assert!(again[0] >= 0.0, "of the two the one of the smaller angle");
         let e = EulerXyz { rx_rad: rx, ry_rad: ry, rz_rad: rz };
         let back = EulerXyz::from_rotation(e.r_tunnel_body());
         // Away from |R_y| = 90 deg by 0.07 rad, angles lose a factor of 1/cos R_y = 14.

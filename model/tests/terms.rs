@@ -6,8 +6,8 @@
 use windfall_model::frames::{Body, EulerXyz, Rotation, Tunnel, Vec3};
 use windfall_model::{
     Aero, AirState, ApparentMass, Coefficient as C, Contact, Environment, Factor, FlowState, Inertia, LooseMass, MeanFlow,
-    Motion, Plant, PointAir, PointMass, Sensors, Structure, Tether, Turbulence, Variable as V, Vehicle, WakeShedding, Wrench,
-    dynamic_pressure_pa, wrench_at_cm,
+    Motion, Pivot, Plant, PointAir, PointMass, Sensors, Structure, Tether, Turbulence, Variable as V, Vehicle, WakeShedding,
+    Wrench, dynamic_pressure_pa, wrench_at_cm,
 };
 
 const H: f64 = 1e-5;
@@ -377,6 +377,33 @@ fn exact_loose_part_oscillates_and_pushes_back() {
     let first = LooseMass { in_full: 0.0, ..part };
     same(first.carried(state, vec(w), vec(w_rate)).to_array(), [0.0; 3], 0.0);
     same(first.wrench(state, [3.0, -2.0], vec(push), Vec3::zero()).f.to_array(), [0.0, -0.15, 0.1], 1e-12);
+}
+
+/// A body on a pivot, turning either way, at a rate where dry friction has not yet its full size.
+#[test]
+fn exact_moments_about_a_pivot() {
+    let mut plant = plant();
+    let (m, g, arm, inertia, viscous, dry, density) = (0.8, 9.80665, 0.7, 0.02, 0.03, 0.004, 1.2);
+    plant.vehicle.mass_kg = m;
+    plant.environment.gravity_m_s2 = g;
+    plant.aero = Aero::new(Structure::point_mass(), vec![0.45]);
+    plant.aero.add(C::CA, 0.05, 1.0, &[]);
+    plant.point = PointMass {
+        pivot: Some(Pivot { arm_m: arm, inertia_kg_m2: inertia, viscous_n_m_s: viscous, dry_n_m: dry }),
+        drag_per_input: vec![0.03, 0.04],
+        inputs: vec![2.0, 3.0],
+        air_density_kg_m3: density,
+        ..PointMass::default()
+    };
+    let cd = 0.45 + 0.05 + 0.03 * 2.0 + 0.04 * 3.0;
+    let area = std::f64::consts::PI * plant.vehicle.diameter_m * plant.vehicle.diameter_m / 4.0;
+    for (angle, rate) in [(0.4, 0.9), (-0.3, -1.2), (0.2, 5e-4_f64)] {
+        let weight = -m * g * arm * f64::sin(angle);
+        let friction = -viscous * rate - dry * (rate / 1e-3).tanh();
+        let air = -rate.signum() * 0.5 * density * (arm * rate).powi(2) * area * cd * arm;
+        let expected = (weight + friction + air) / (inertia + m * arm * arm);
+        close(plant.pivot_acceleration_rad_s2(angle, rate), expected, 1e-12);
+    }
 }
 
 /// A ball with everything that acts on balls; vectors and triple products instead of components.

@@ -85,17 +85,6 @@ fn sine(t: f64) -> [f64; 3] {
 }
 
 #[test]
-fn order_spline_converges_with_orders_eight_seven_and_six() {
-    let error =
-        |knot: f64| errors(&smooth(&record(601, |t| sine(t)[0]), &Smoother::Spline { knot_s: knot * DT }).expect("good"), sine);
-    let (coarse, fine) = (error(6.0), error(3.0));
-    for (k, order) in [8.0, 7.0, 6.0].into_iter().enumerate() {
-        let measured = (coarse[k] / fine[k]).log2();
-        assert!((measured - order).abs() < 0.7, "derivative {k}: order {measured}, theory {order}");
-    }
-}
-
-#[test]
 fn exact_thesis_series_of_a_trend_and_its_own_sines_comes_back_with_derivatives() {
     let n = 301;
     let length = (n - 1) as f64 * DT;

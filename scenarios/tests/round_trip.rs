@@ -11,6 +11,11 @@ use windfall_scenarios::{
 
 mod common;
 
+/// So many cases of a property, or as many as `PROPTEST_CASES` asks for.
+fn cases(few: u32) -> ProptestConfig {
+    if std::env::var_os("PROPTEST_CASES").is_some() { ProptestConfig::default() } else { ProptestConfig::with_cases(few) }
+}
+
 /// Numbers of any size that a parameter may have, some of them short.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![-1e3_f64..1e3, (-9.0_f64..9.0).prop_map(|p| 10.0_f64.powf(p)), Just(0.0), Just(-0.1), Just(1e-300)]
@@ -33,7 +38,7 @@ fn term() -> impl Strategy<Value = (usize, usize, f64, Vec<Factor>)> {
 
 proptest! {
     // Each case writes and reads files.
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn law_structures(terms in prop::collection::vec(term(), 3..8)) {

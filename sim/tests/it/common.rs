@@ -1,6 +1,8 @@
 //! sim tests: flights of the lander and readers of shared data. In: nothing. Out: plants, flights, tables.
 
 pub(crate) use crate::sage::lander;
+use proptest::prelude::ProptestConfig;
+use std::io::Write as _;
 use std::path::PathBuf;
 use windfall_model::{Flight, Inertia, Numerics, Plant, Release, TunnelSpeed};
 use windfall_sim::{End, Seed, Truth, fly_truth};
@@ -48,6 +50,11 @@ pub(crate) fn flown(plant: &Plant, flight: &Flight) -> Truth {
     truth
 }
 
+/// So many cases of a property, or as many as `PROPTEST_CASES` asks for.
+pub(crate) fn cases(few: u32) -> ProptestConfig {
+    if std::env::var_os("PROPTEST_CASES").is_some() { ProptestConfig::default() } else { ProptestConfig::with_cases(few) }
+}
+
 /// Folder of shared data, if there is one; otherwise says that the named test is skipped.
 pub(crate) fn shared(test: &str) -> Option<PathBuf> {
     let root = std::env::var_os("WINDFALL_SHARED")
@@ -55,7 +62,8 @@ pub(crate) fn shared(test: &str) -> Option<PathBuf> {
     if root.is_dir() {
         return Some(root);
     }
-    eprintln!("skipped: {test}: no shared data");
+    // Past the harness, which keeps to itself what a passing test prints.
+    let _ = writeln!(std::io::stderr(), "skipped: {test}: no shared data");
     None
 }
 

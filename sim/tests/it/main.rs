@@ -11,6 +11,7 @@ mod instruments;
 mod lander;
 mod nothing;
 mod planet;
+mod properties;
 mod rigid;
 mod sage;
 mod scaling;

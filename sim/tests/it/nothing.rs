@@ -1,6 +1,6 @@
 //! sim tests: effects that are put in with no strength. In: any effect, seed and release. Out: the flight without it, bit by bit.
 
-use crate::common::{REST, flight, lander};
+use crate::common::{REST, cases, flight, lander};
 use proptest::prelude::*;
 use windfall_model::effects::{Acts, Role};
 use windfall_model::{CATALOGUE, Effect, Release};
@@ -18,7 +18,7 @@ fn quiet() -> impl Strategy<Value = &'static Effect> {
 
 proptest! {
     // Each case is two flights of a second.
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(cases(64))]
     #[test]
     fn law_an_effect_without_strength_changes_no_bit(effect in quiet(), campaign in 0_u64..1000, tilt in -0.5_f64..0.5, rate in -1.0_f64..1.0) {
         let plain = lander();

@@ -28,7 +28,7 @@ fn pub_table_2_2() {
     }
 }
 
-fn coincide(plant: &Plant, order: &Flight, scale: FroudeScale) {
+pub(crate) fn coincide(plant: &Plant, order: &Flight, scale: FroudeScale) {
     let seed = Seed { campaign: 9, run: 1 };
     let small = fly(plant, order, seed).expect("flies");
     let large = fly(&scale.plant(plant), &scale.flight(order), seed).expect("flies");
