@@ -226,6 +226,6 @@ fn exact_a_flight_scales_by_hand() {
     }];
     let contact = scale.plant(&touched).contacts[0];
     assert_eq!((contact.start_s, contact.duration_s), (2.0, 1.0));
-    assert_eq!(contact.impulse.to_array(), [6144.0, 12288.0, 18432.0]);
-    assert_eq!(contact.angular_impulse.to_array(), [49152.0, 0.0, -49152.0]);
+    assert_eq!(contact.impulse, Vec3::new(6144.0, 12288.0, 18432.0));
+    assert_eq!(contact.angular_impulse, Vec3::new(49152.0, 0.0, -49152.0));
 }
