@@ -2,9 +2,9 @@
 
 use windfall_model::frames::Vec3;
 use windfall_model::{
-    Acts, Aero, ApparentMass, CATALOGUE, Contact, Environment, Flight, FreeFlight, FroudeScale, Given, Inertia, LooseMass,
-    MeanFlow, Numerics, Operator, PLANT_NUMBERS, Pivot, Plant, PlantNumber, PointMass, Release, Sensors, Structure, TestSection,
-    Tether, TunnelSpeed, Turbulence, Use, Vehicle, WakeShedding, effects,
+    Acts, Aero, ApparentMass, CATALOGUE, Coefficient, Contact, Environment, Factor, Flight, FlowState, FreeFlight, FroudeScale,
+    Given, Inertia, LooseMass, MeanFlow, Numerics, Operator, PLANT_NUMBERS, Pivot, Plant, PlantNumber, PointMass, Release,
+    Sensors, Structure, Term, TestSection, Tether, TunnelSpeed, Turbulence, Use, Variable, Vehicle, WakeShedding, effects,
 };
 
 /// A plant that has every part.
@@ -226,6 +226,57 @@ fn exact_a_flight_scales_by_hand() {
     }];
     let contact = scale.plant(&touched).contacts[0];
     assert_eq!((contact.start_s, contact.duration_s), (2.0, 1.0));
-    assert_eq!(contact.impulse.to_array(), [6144.0, 12288.0, 18432.0]);
-    assert_eq!(contact.angular_impulse.to_array(), [49152.0, 0.0, -49152.0]);
+    assert_eq!(contact.impulse, Vec3::new(6144.0, 12288.0, 18432.0));
+    assert_eq!(contact.angular_impulse, Vec3::new(49152.0, 0.0, -49152.0));
+    // Terms in airspeed keep their value at four times the speed.
+    let mut fast = plant();
+    fast.aero.add(Coefficient::CA, 0.5, 0.125, &[Factor::Power(Variable::Speed, 2)]);
+    fast.aero.add(Coefficient::CA, 0.3, 1.0, &[Factor::Bump(Variable::Speed, 6.0)]);
+    let terms: Vec<Term> = scale.plant(&fast).aero.extra.into_iter().map(|(_, _, term)| term).collect();
+    assert_eq!(terms[0], Term::new(0.125 / 16.0, &[Factor::Power(Variable::Speed, 2)]));
+    assert_eq!(terms[1], Term::new(1.0, &[Factor::Bump(Variable::Speed, 24.0)]));
+}
+
+/// Ranges of all effects' parameters, how far a value is beyond them, and the step by which a strength is tried.
+#[test]
+fn exact_ranges_and_steps_of_parameters() {
+    for e in CATALOGUE {
+        for p in (e.parameters)(&["spin".to_owned()]) {
+            let (name, range) = (format!("{} {}", e.family, p.name), p.high - p.low);
+            assert!(p.low < p.high && (p.low..=p.high).contains(&p.null), "{name}: {} in {} to {}", p.null, p.low, p.high);
+            let beyond = [p.low, p.high, p.high + 0.5 * range, p.low - 2.0 * range].map(|x| p.beyond(x));
+            assert!(beyond.iter().zip([0.0, 0.0, 0.5, 2.0]).all(|(a, b)| (a - b).abs() < 1e-12), "{name}: {beyond:?}");
+            // Coefficients per unit of an input are tried by steps that suit the largest inputs.
+            let strong = p.role == effects::Role::Strength && !p.name.contains("_per_");
+            assert!(!strong || (p.step / (1e-3 * p.high.min(1e3)) - 1.0).abs() < 1e-12, "{name}: {}", p.step);
+        }
+    }
+}
+
+/// A moment of each harmonic lies across the lateral wind, as that of a body of revolution does.
+#[test]
+fn exact_periodic_moments_lie_across_the_wind() {
+    let (alpha, clock) = (0.3_f64, 0.7_f64);
+    let u = Vec3::new(alpha.cos(), alpha.sin() * clock.sin(), alpha.sin() * clock.cos()) * 7.0;
+    let flow = FlowState::new(u, Vec3::zero(), Vec3::zero(), 0.2);
+    for (values, wave) in [([0.5, 0.0, 3.0], (3.0 * clock).cos()), ([0.0, 0.5, 3.0], (3.0 * clock).sin())] {
+        let mut plant = plant();
+        (effects::find("roll-periodic", Acts::Lander).expect("of the catalogue").apply)(&mut plant, &values);
+        let c = plant.aero.coefficients(&flow);
+        let size = 0.5 * alpha.sin() * wave;
+        let (pitch, yaw) = (c[Coefficient::Cm as usize], c[Coefficient::Cn as usize]);
+        assert!((pitch - size * clock.cos()).abs() < 1e-12 && (yaw + size * clock.sin()).abs() < 1e-12, "{pitch} {yaw}");
+    }
+}
+
+/// What a ball's drag does with an input is added to what is there, and a longer list is made where there is none.
+#[test]
+fn exact_drag_by_input_is_added() {
+    let drag = effects::find("drag", Acts::PointMass).expect("of the catalogue");
+    for (before, after) in [(vec![], vec![0.25]), (vec![0.5], vec![0.75])] {
+        let mut ball = plant();
+        ball.point.drag_per_input = before;
+        (drag.apply)(&mut ball, &[0.0, 0.25]);
+        assert_eq!(ball.point.drag_per_input, after);
+    }
 }

@@ -54,7 +54,7 @@ fn law_an_undeclared_effect_is_warned_of() {
 #[test]
 fn law_a_record_that_cannot_be_flown_ends_with_the_reason() {
     let Some(mut c) = campaign("law_a_record_that_cannot_be_flown_ends_with_the_reason", "exact") else { return };
-    let Data::Tunnel(record) = &mut c.runs[0].data else { return };
+    let Data::Tunnel(record) = &mut c.runs[0].data else { panic!("a tunnel run") };
     record.vw_m_s.fill(1e-9);
     record.position_m.iter_mut().for_each(|p| p.fill(0.0));
     let found = identify_chosen(&c, &COMBINED);

@@ -87,7 +87,7 @@ fn law_settings_that_name_nothing_are_refused() {
 fn law_hopeless_record_ends_with_a_reason() {
     let Some(mut c) = campaign("law_hopeless_record_ends_with_a_reason", "exact") else { return };
     c.runs.truncate(1);
-    let Data::Tunnel(record) = &mut c.runs[0].data else { return };
+    let Data::Tunnel(record) = &mut c.runs[0].data else { panic!("a tunnel run") };
     let n = record.len();
     // Pose and tunnel speed that have nothing to do with each other.
     record.attitude_rad.iter_mut().for_each(|a| a.reverse());

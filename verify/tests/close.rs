@@ -3,6 +3,7 @@
 #![expect(clippy::print_stdout, reason = "a test prints what it measured")]
 
 use serde_json::Value;
+use std::io::Write as _;
 use std::path::PathBuf;
 use windfall_likelihood::{Engine, identify};
 use windfall_model::{Acts, CATALOGUE, Campaign, Use};
@@ -41,7 +42,8 @@ const WIDE: f64 = 3.3;
 
 fn score(name: &str) {
     let Some(root) = shared() else {
-        println!("skipped: {name}: no shared data");
+        // Past the harness, which keeps to itself what a passing test prints.
+        let _ = writeln!(std::io::stderr(), "skipped: {name}: no shared data");
         return;
     };
     let text = std::fs::read_to_string(root.join("answers.json")).expect("answers beside the campaigns");

@@ -210,8 +210,8 @@ fn recover_nothing_in_clean_campaigns() {
     let clean = examine(&NOTHING, 0..10);
     assert!(clean.iter().all(|c| c.instruments.is_some()), "every search ends");
     assert_true("nothing", &NOTHING, &clean);
-    // Two of ten at one in a hundred: one in 240.
-    assert!(clean.iter().filter(|c| c.verdict == Agreement::Inconsistent).count() <= 1);
+    // At one in a hundred nine of ten such tens have none, and this one of fixed seeds is among them.
+    assert_eq!(clean.iter().filter(|c| c.verdict == Agreement::Inconsistent).count(), 0);
 }
 
 /// `cargo test -p windfall-verify --test compatibility -- --ignored --nocapture`; `WINDFALL_DRAWS` for other than 24 (clean: four times).

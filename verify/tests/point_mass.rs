@@ -3,6 +3,7 @@
 
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
+use std::io::Write as _;
 use std::path::PathBuf;
 use windfall_model::effects::find;
 use windfall_model::{Acts, CATALOGUE, Campaign, Data, Knowledge, Plant, PointRecord, Run, Use};
@@ -16,7 +17,8 @@ fn measured(test: &str, file: &str) -> Option<Campaign> {
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared"), PathBuf::from);
     let path = root.join("data/measured").join(file);
     if !path.is_file() {
-        eprintln!("skipped: {test}: no shared data");
+        // Past the harness, which keeps to itself what a passing test prints.
+        let _ = writeln!(std::io::stderr(), "skipped: {test}: no shared data");
         return None;
     }
     Some(read_campaign(&path).expect("a shared campaign is well-formed"))
@@ -341,12 +343,12 @@ fn recover_an_effect_beside_a_declared_one() {
     }
 }
 
-/// Campaigns in which nothing acts but a push of each launch's own: names are false. Bound: binomial, 16 draws at 2 %; three or more have
-/// probability 0.4 %. With 30 draws none was false.
+/// Campaigns in which nothing acts but a push of each launch's own: names are false. At 2 % a draw 72 % of all sixteens have none, and the
+/// sixteen of these seeds are among them.
 #[test]
 fn law_few_false_names() {
     let plant = ball().expect("a campaign file of one ball");
-    let mut false_names = 0;
+    let mut false_names = Vec::new();
     for seed in 0..16 {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7000 + seed);
         let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
@@ -358,12 +360,9 @@ fn law_few_false_names() {
             c.runs.extend(planted(&plant, &own, &[500.0 * f64::from(k % 3)], [true; 3], 50 * seed + 7000 + u64::from(k)).runs);
         }
         let r = close(&c, &Options::default()).expect("the declared model fits");
-        if !r.effects.is_empty() {
-            eprintln!("seed {seed}: {:?}", r.effects.iter().map(|e| (&e.family, e.p_value)).collect::<Vec<_>>());
-            false_names += 1;
-        }
+        false_names.extend(r.effects.iter().map(|e| (seed, e.family.clone(), e.p_value)));
     }
-    assert!(false_names < 3, "{false_names} of 16");
+    assert!(false_names.is_empty(), "{false_names:?}");
 }
 
 /// Launches that a push of their own scatters, nothing else: an effect common to all is named no more often than stated.

@@ -3,6 +3,7 @@
 
 use crate::score::{Score, score};
 use serde_json::Value;
+use std::io::Write as _;
 use std::path::Path;
 
 /// Bins of stated probability.
@@ -162,7 +163,10 @@ fn calibration(all: &[Closed]) -> String {
 #[ignore = "tabulates campaigns that were closed before, where ELSEWHERE_OUT and ELSEWHERE_CLOSED say"]
 fn table_of_closed() {
     let place = |name: &str| std::env::var_os(name).map(std::path::PathBuf::from);
-    let (Some(root), Some(closed)) = (place("ELSEWHERE_OUT"), place("ELSEWHERE_CLOSED")) else { return };
+    let (Some(root), Some(closed)) = (place("ELSEWHERE_OUT"), place("ELSEWHERE_CLOSED")) else {
+        let _ = writeln!(std::io::stderr(), "skipped: table_of_closed: ELSEWHERE_OUT and ELSEWHERE_CLOSED name no folders");
+        return;
+    };
     let text = std::fs::read_to_string(root.join("answers.json")).expect("answers that were dumped");
     let answers: Vec<Value> = serde_json::from_str(&text).expect("a list");
     let all: Vec<Closed> = answers.iter().map(|a| read(a, &closed)).collect();

@@ -4,6 +4,7 @@ use crate::groups::draw;
 use crate::write::{answer, campaign};
 use rayon::prelude::*;
 use serde_json::Value;
+use std::io::Write as _;
 use std::path::Path;
 
 /// Groups and counts of a list such as `A:10,B:4`.
@@ -49,7 +50,10 @@ pub(crate) fn dump(root: &Path, list: &[(String, usize)], seed: u64) -> Vec<Valu
 #[test]
 #[ignore = "writes campaigns where ELSEWHERE_OUT says"]
 fn dump_groups() {
-    let Some(root) = std::env::var_os("ELSEWHERE_OUT") else { return };
+    let Some(root) = std::env::var_os("ELSEWHERE_OUT") else {
+        let _ = writeln!(std::io::stderr(), "skipped: dump_groups: ELSEWHERE_OUT names no folder");
+        return;
+    };
     let list = std::env::var("ELSEWHERE_GROUPS").unwrap_or_else(|_| "A:2,B:2,C:2,D:2,E:2,F:2,S:2".to_owned());
     let seed = std::env::var("ELSEWHERE_SEED").ok().and_then(|s| s.parse().ok()).unwrap_or(1);
     dump(Path::new(&root), &wanted(&list), seed);

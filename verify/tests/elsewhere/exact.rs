@@ -6,13 +6,20 @@ use crate::craft::Craft;
 use crate::flight::{Flown, Plan, apart, fly};
 use crate::knobs::Knobs;
 use crate::motion::{Drive, World};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// The folder of that record; none where the shared data are not.
+/// The folder of that record; where the shared data are not, none, and a line that says it is skipped.
 fn shared() -> Option<PathBuf> {
     let here = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
     let root = std::env::var_os("WINDFALL_SHARED").map_or_else(here, PathBuf::from);
-    Some(root.join("data/campaigns/exact")).filter(|f| f.is_dir())
+    let folder = root.join("data/campaigns/exact");
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    // Past the harness, which keeps to itself what a passing test prints.
+    let _ = writeln!(std::io::stderr(), "skipped: pub_exact_record_is_met: no shared data");
+    None
 }
 
 fn columns(text: &str) -> Vec<Vec<f64>> {

@@ -59,16 +59,17 @@ fn study_every_group() {
     }
 }
 
-/// The study in small. `ELSEWHERE_GROUPS` says which campaigns instead of one each of a few groups. All must end; of campaigns that are
-/// right with a chance of 95 %, at least all but the number that is exceeded once in a hundred studies must be.
+/// The study in small: one campaign each of a few groups, all of which are right with this seed. `ELSEWHERE_GROUPS` and `ELSEWHERE_SEED` say
+/// other campaigns; of those, right with a chance of 95 %, no more may be wrong than is exceeded once in a hundred studies.
 #[test]
 fn recover_a_few() {
-    let list = std::env::var("ELSEWHERE_GROUPS").unwrap_or_else(|_| "A:1,B:1,S:1".to_owned());
-    let scores = all(&list, seed());
+    let own = std::env::var("ELSEWHERE_GROUPS").ok();
+    let scores = all(own.as_deref().unwrap_or("A:1,B:1,S:1"), seed());
     println!("{}", table(&scores));
     assert!(scores.iter().all(|s| s.finished), "every campaign comes to an end");
     let (n, wrong) = (scores.len(), scores.iter().filter(|s| !s.right).count());
-    assert!(wrong <= allowed(n), "{wrong} of {n} wrong, {} allowed", allowed(n));
+    let most = if own.is_some() || seed() != 1 { allowed(n) } else { 0 };
+    assert!(wrong <= most, "{wrong} of {n} wrong, {most} allowed");
     // Eleven numbers a campaign, correlated: three times the binomial's error beside 95 %.
     let [held, all] = scores.iter().fold([0, 0], |[a, b], s| [a + s.covered[0], b + s.covered[1]]);
     let share = held as f64 / (all as f64).max(1.0);
