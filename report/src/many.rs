@@ -136,7 +136,7 @@ fn heterogeneity(p: &PooledParameter) -> String {
     } else {
         "campaigns differ by no more than their errors"
     };
-    format!("Q = {} of {} degrees of freedom, p = {}: {word}.", number(q.q), q.n - 1, p_value(q.p_value))
+    format!("Q = {} of {} degrees of freedom, p = {}: {word}.", number(q.q), q.n.saturating_sub(1), p_value(q.p_value))
 }
 
 /// Estimates of the campaigns with their 95 % intervals, then the mean with its own and, thin, that of one more campaign.

@@ -140,7 +140,7 @@ fn reliability(own: &[&RecoveryLine], plots: &mut Plots) -> String {
     let Some(first) = own.first() else { return String::new() };
     let stated: Vec<f64> = first.reliability.iter().map(|r| r.stated).collect();
     let at = |k: usize| own.iter().filter_map(move |l| l.reliability.get(k));
-    let pooled = |k: usize| at(k).map(|r| r.count).sum::<u64>() as f64 / at(k).map(|r| r.of).sum::<u64>() as f64;
+    let pooled = |k: usize| at(k).map(|r| r.count as f64).sum::<f64>() / at(k).map(|r| r.of as f64).sum::<f64>();
     let end = |k: usize, pick: fn(f64, f64) -> f64, start: f64| at(k).map(ReliabilityPoint::share).fold(start, pick);
     let places = || 0..stated.len();
     let band = [places().map(|k| end(k, f64::min, 1.0)).collect(), places().map(|k| end(k, f64::max, 0.0)).collect()];

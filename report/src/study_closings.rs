@@ -50,7 +50,7 @@ fn matrix(c: &ClosingSummary) -> String {
     let heads: String = columns.iter().map(|h| format!("<th scope=\"col\" class=\"n\">{}</th>", escape(&words(h)))).collect();
     let mut rows = String::new();
     for line in &c.confusion {
-        let of: u64 = line.found.values().sum();
+        let of = line.found.values().fold(0_u64, |sum, n| sum.saturating_add(*n));
         let _ = write!(rows, "<tr><th scope=\"row\">{}</th>", escape(&words(&line.truth)));
         for column in &columns {
             let n = line.found.get(*column).copied().unwrap_or(0);

@@ -111,7 +111,7 @@ fn hdf5_columns(path: &Path, bytes: Vec<u8>, kind: &str) -> Result<Columns, Read
 }
 
 /// What a decoder made of damaged bytes: those of Parquet and HDF5 answer some damage with a panic, which ends here as a reason.
-fn guarded<T>(decode: impl FnOnce() -> Result<T, Reason>) -> Result<T, Reason> {
+pub(crate) fn guarded<T>(decode: impl FnOnce() -> Result<T, Reason>) -> Result<T, Reason> {
     let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode));
     caught.unwrap_or_else(|_| Err("its bytes contradict each other; the file is damaged".to_owned()))
 }

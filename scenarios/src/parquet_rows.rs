@@ -6,6 +6,7 @@ use parquet::column::reader::ColumnReader;
 use parquet::column::writer::ColumnWriter;
 use parquet::data_type::ByteArray;
 use parquet::errors::{ParquetError, Result};
+use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::reader::{ChunkReader, FileReader, RowGroupReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
@@ -126,9 +127,41 @@ pub(crate) fn encode_as(kind: TableKind, columns: &[Column], rows: &[Row]) -> Re
     writer.finish()
 }
 
+/// What the decoder makes of damaged bytes, its panics included.
+fn guarded<T>(decode: impl FnOnce() -> Result<T>) -> Result<T> {
+    crate::formats::guarded(|| Ok(decode())).unwrap_or_else(|reason| Err(ParquetError::General(reason)))
+}
+
+/// Any Parquet file, which may be damaged.
+pub(crate) fn open<R: ChunkReader + 'static>(from: R) -> Result<SerializedFileReader<R>> {
+    let size = from.len();
+    let file = guarded(|| SerializedFileReader::new(from))?;
+    sound(&file, size)?;
+    Ok(file)
+}
+
+/// Sizes and places in the file that cannot be: the decoder takes them as they are.
+fn sound<R: ChunkReader + 'static>(file: &SerializedFileReader<R>, size: u64) -> Result<()> {
+    let inside = |from: i64, length: i64| {
+        let end = from.checked_add(length).and_then(|end| u64::try_from(end).ok());
+        from >= 0 && length >= 0 && end.is_some_and(|end| end <= size)
+    };
+    for group in file.metadata().row_groups() {
+        let whole = group.num_rows() >= 0;
+        let column = |c: &ColumnChunkMetaData| {
+            let from = c.dictionary_page_offset().unwrap_or(c.data_page_offset());
+            c.num_values() >= 0 && c.data_page_offset() >= 0 && inside(from, c.compressed_size())
+        };
+        if !whole || !group.columns().iter().all(column) {
+            return Err(ParquetError::General("a column lies outside the file; it may be cut short".to_owned()));
+        }
+    }
+    Ok(())
+}
+
 /// All rows of a file made by [`encode`] with these columns.
 pub(crate) fn decode(columns: &[Column], bytes: Vec<u8>) -> Result<Vec<Row>> {
-    let file = SerializedFileReader::new(Bytes::from(bytes))?;
+    let file = open(Bytes::from(bytes))?;
     same_columns(&file, columns)?;
     let mut rows: Vec<Row> = draws(&file)?.into_iter().map(|draw| Row { draw, cells: Vec::new() }).collect();
     for (i, c) in columns.iter().enumerate() {
@@ -173,16 +206,17 @@ pub(crate) fn draws<R: ChunkReader + 'static>(file: &SerializedFileReader<R>) ->
 /// Shows the number of every draw, one group of rows in memory at a time.
 pub(crate) fn each_draw<R: ChunkReader + 'static>(file: &SerializedFileReader<R>, see: &mut dyn FnMut(u64)) -> Result<()> {
     for group in 0..file.num_row_groups() {
-        let group = file.get_row_group(group)?;
-        let rows = count(group.as_ref());
-        match group.get_column_reader(0)? {
-            ColumnReader::Int64ColumnReader(mut r) => {
-                let mut values: Vec<i64> = Vec::new();
-                r.read_records(rows, None, None, &mut values)?;
-                values.into_iter().for_each(|d| see(d.cast_unsigned()));
-            }
-            _ => return Err(ParquetError::General("column draw is not of whole numbers".to_owned())),
-        }
+        let values = guarded(|| {
+            let group = file.get_row_group(group)?;
+            let rows = count(group.as_ref());
+            let mut values: Vec<i64> = Vec::new();
+            match group.get_column_reader(0)? {
+                ColumnReader::Int64ColumnReader(mut r) => r.read_records(rows, None, None, &mut values)?,
+                _ => return Err(ParquetError::General("column draw is not of whole numbers".to_owned())),
+            };
+            Ok(values)
+        })?;
+        values.into_iter().for_each(|d| see(d.cast_unsigned()));
     }
     Ok(())
 }
@@ -210,31 +244,32 @@ pub(crate) fn each_cell<R: ChunkReader + 'static>(
     see: &mut dyn FnMut(Cell),
 ) -> Result<()> {
     for group in 0..file.num_row_groups() {
-        let group = file.get_row_group(group)?;
-        let rows = count(group.as_ref());
-        let mut levels = Vec::new();
-        match (group.get_column_reader(place)?, kind) {
-            (ColumnReader::DoubleColumnReader(mut r), CellKind::Number) => {
-                let mut values: Vec<f64> = Vec::new();
-                r.read_records(rows, Some(&mut levels), None, &mut values)?;
-                join(values, &levels).for_each(|x| see(Cell::Number(x)));
-            }
-            (ColumnReader::BoolColumnReader(mut r), CellKind::Flag) => {
-                let mut values: Vec<bool> = Vec::new();
-                r.read_records(rows, Some(&mut levels), None, &mut values)?;
-                join(values, &levels).for_each(|x| see(Cell::Flag(x)));
-            }
-            (ColumnReader::ByteArrayColumnReader(mut r), CellKind::Word) => {
-                let mut values: Vec<ByteArray> = Vec::new();
-                r.read_records(rows, None, None, &mut values)?;
-                for v in values {
-                    see(Cell::Word(v.as_utf8()?.to_owned()));
-                }
-            }
-            _ => return Err(ParquetError::General(format!("column {place} is not of the kind that the study has"))),
-        }
+        guarded(|| cells(file.get_row_group(group)?.as_ref(), place, kind))?.into_iter().for_each(&mut *see);
     }
     Ok(())
+}
+
+fn cells(group: &dyn RowGroupReader, place: usize, kind: CellKind) -> Result<Vec<Cell>> {
+    let rows = count(group);
+    let mut levels = Vec::new();
+    match (group.get_column_reader(place)?, kind) {
+        (ColumnReader::DoubleColumnReader(mut r), CellKind::Number) => {
+            let mut values: Vec<f64> = Vec::new();
+            r.read_records(rows, Some(&mut levels), None, &mut values)?;
+            Ok(join(values, &levels).map(Cell::Number).collect())
+        }
+        (ColumnReader::BoolColumnReader(mut r), CellKind::Flag) => {
+            let mut values: Vec<bool> = Vec::new();
+            r.read_records(rows, Some(&mut levels), None, &mut values)?;
+            Ok(join(values, &levels).map(Cell::Flag).collect())
+        }
+        (ColumnReader::ByteArrayColumnReader(mut r), CellKind::Word) => {
+            let mut values: Vec<ByteArray> = Vec::new();
+            r.read_records(rows, None, None, &mut values)?;
+            values.iter().map(|v| Ok(Cell::Word(v.as_utf8()?.to_owned()))).collect()
+        }
+        _ => Err(ParquetError::General(format!("column {place} is not of the kind that the study has"))),
+    }
 }
 
 fn join<T>(values: Vec<T>, levels: &[i16]) -> impl Iterator<Item = Option<T>> {

@@ -503,7 +503,7 @@ impl Store {
     fn reader(&self) -> Result<SerializedFileReader<File>, StoreError> {
         let path = self.runs();
         let file = File::open(&path).map_err(|reason| StoreError::Read { path: path.clone(), reason })?;
-        SerializedFileReader::new(file).map_err(|e| StoreError::corrupt(&path, e))
+        parquet_rows::open(file).map_err(|e| StoreError::corrupt(&path, e))
     }
     /// FNV-1a hash of the merged results' bytes.
     ///
@@ -542,7 +542,7 @@ pub type Runs = (Vec<u64>, Vec<(Column, Vec<Cell>)>);
 pub fn read_runs(path: &Path) -> Result<Runs, StoreError> {
     let file = File::open(path).map_err(|reason| StoreError::Read { path: path.to_owned(), reason })?;
     let read = || -> parquet::errors::Result<_> {
-        let file = SerializedFileReader::new(file)?;
+        let file = parquet_rows::open(file)?;
         let one = |(i, c): (usize, Column)| Ok((parquet_rows::column(&file, i + 1, c.kind)?, c));
         let columns: Vec<(Vec<Cell>, Column)> =
             parquet_rows::columns_of(&file)?.into_iter().enumerate().map(one).collect::<parquet::errors::Result<_>>()?;

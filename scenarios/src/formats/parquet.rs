@@ -6,8 +6,7 @@ use crate::error::ReadError;
 use bytes::Bytes;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{DataType, DoubleType, FloatType, Int32Type, Int64Type};
-use parquet::errors::{ParquetError, Result};
-use parquet::file::metadata::ColumnChunkMetaData;
+use parquet::errors::Result;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use std::path::Path;
 
@@ -17,10 +16,7 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>) -> std::result::Result<Columns, 
         let remedy = "Parquet of numbers in flat columns, without compression or with snappy, gzip, lz4 or zstd";
         ReadError::Faults(vec![fault(path, None, key, "", &format!("cannot be read as Parquet: {e}"), remedy)])
     };
-    let size = bytes.len();
-    let reader =
-        guarded(|| SerializedFileReader::new(Bytes::from(bytes)).map_err(|e| e.to_string())).map_err(|e| broken("", &e))?;
-    sound(&reader, size).map_err(|e| broken("", &e.to_string()))?;
+    let reader = crate::parquet_rows::open(Bytes::from(bytes)).map_err(|e| broken("", &e.to_string()))?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let (mut names, mut data, mut left) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..schema.num_columns() {
@@ -47,25 +43,6 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>) -> std::result::Result<Columns, 
     let mut columns = Columns::new(names, data, (1..=rows).collect());
     columns.leave_out(&left);
     Ok(columns)
-}
-
-/// Sizes and places in the file that cannot be: the decoder takes them as they are.
-fn sound(file: &SerializedFileReader<Bytes>, size: usize) -> Result<()> {
-    let inside = |from: i64, length: i64| {
-        let end = from.checked_add(length).and_then(|end| usize::try_from(end).ok());
-        from >= 0 && length >= 0 && end.is_some_and(|end| end <= size)
-    };
-    for group in file.metadata().row_groups() {
-        let whole = group.num_rows() >= 0;
-        let column = |c: &ColumnChunkMetaData| {
-            let from = c.dictionary_page_offset().unwrap_or(c.data_page_offset());
-            c.num_values() >= 0 && c.data_page_offset() >= 0 && inside(from, c.compressed_size())
-        };
-        if !whole || !group.columns().iter().all(column) {
-            return Err(ParquetError::General("a column lies outside the file; it may be cut short".to_owned()));
-        }
-    }
-    Ok(())
 }
 
 /// One column over all groups of rows; `None` when it is nested or not of numbers.
