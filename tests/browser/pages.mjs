@@ -171,8 +171,16 @@ async function look(browser, file) {
   const figures = await page.evaluate(() => [...document.querySelectorAll("figure[data-plot]")].map((f) => [f.querySelector("figcaption")?.textContent,
     !!f.querySelector("canvas")?.width]));
   hold(`${name}: every figure draws (${figures.length})`, figures.every((f) => f[1]), figures.filter((f) => !f[1]));
+  // Labels of even axes say the places that they stand at.
+  const labels = await page.evaluate(() => [...document.querySelectorAll("figure[data-plot]")].flatMap((f) => f.uplot.axes.flatMap((axis, k) => {
+    const even = f.uplot.scales[k ? "y" : "x"].distr !== 3 && axis._splits?.length > 1;
+    const step = even ? axis._splits[1] - axis._splits[0] : 0;
+    return even ? axis._splits.map((at, i) => [axis._values[i], at, step]) : [];
+  })));
+  const off = labels.filter(([label, at, step]) => !(Math.abs(Number(label.replaceAll("−", "-")) - at) < 1e-3 * step));
+  hold(`${name}: labels of axes are right (${labels.length})`, labels.length > 0 && off.length === 0, off.slice(0, 5));
   const records = await page.evaluate(() => [Windfall.data.tracks.some((t) => t.body.rigid), "smoothing" in Windfall.views,
-    Windfall.data.plots.filter((p) => p?.marks?.length).length]);
+    Windfall.data.plots.filter((p) => p?.log_x && p.marks?.length).length]);
   hold(`${name}: tunnel records have spectra with their cut-off, others none`, records[0] ? records[1] && records[2] === 7 : !records[1] && !records[2], records);
   const told = await page.evaluate(() => Object.keys(Windfall.views).map((k) => [k, Windfall.views[k].plots.length]));
   hold(`${name}: every view over time draws`, told.every(([, n]) => n > 0), told);

@@ -14,7 +14,8 @@
   /** Labels of an even axis with the digits that its step needs, small and large ones with their power of ten. */
   const even = (u, all, axis, space, step) => {
     const most = Math.max(...all.map((v) => Math.abs(v ?? 0)));
-    const places = (x) => Math.max(0, Math.ceil(-Math.log10(x) - 1e-9));
+    // Of a step of 2.5 one place.
+    const places = (x) => { let n = 0; while (n < 12 && Math.abs(x * 10 ** n - Math.round(x * 10 ** n)) > 1e-6 * x * 10 ** n) n += 1; return n; };
     const power = Math.floor(Math.log10(most || 1));
     const one = most && (most < 1e-3 || most >= 1e6)
       ? (v) => (v === 0 ? "0" : `${(v / 10 ** power).toFixed(places(step / 10 ** power))}e${power}`)
