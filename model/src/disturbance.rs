@@ -118,7 +118,12 @@ impl Disturbance {
                 // The output, its rate, its second integral and its first, time in units of 1/ω₀.
                 let (wide, damped) = (b / w, SQRT_2 * b);
                 return StateForm::Four(ShapingFilter {
-                    a: [[0.0, w, 0.0, 0.0], [-w * (2.0 + wide * wide), -damped, -w, -damped], [0.0, 0.0, 0.0, w], [w, 0.0, 0.0, 0.0]],
+                    a: [
+                        [0.0, w, 0.0, 0.0],
+                        [-w * (2.0 + wide * wide), -damped, -w, -damped],
+                        [0.0, 0.0, 0.0, w],
+                        [w, 0.0, 0.0, 0.0],
+                    ],
                     b: [0.0, self.rms * (2.0 * SQRT_2 * b).sqrt() * wide, 0.0, 0.0],
                     c: [1.0, 0.0, 0.0, 0.0],
                 });
