@@ -90,7 +90,10 @@ fn dispatch(command: &Command, session: &mut Session<'_>) -> Result<bool, Failur
             Ok(true)
         }
         Command::Completions { shell } => {
-            clap_complete::generate(*shell, &mut Cli::command(), "windfall", session.out);
+            // Into memory first: the generator panics where a reader goes away.
+            let mut script = Vec::new();
+            clap_complete::generate(*shell, &mut Cli::command(), "windfall", &mut script);
+            session.print(&String::from_utf8_lossy(&script))?;
             Ok(true)
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::args::ReportArgs;
 use crate::session::{Failure, Session};
-use windfall::files::text_atomically;
+use windfall::files::{FileSet, text_atomically};
 use windfall::{FIGURE_ENDINGS, ResultsFolder};
 
 /// Name of the page.
@@ -11,11 +11,14 @@ const FILE: &str = "report.html";
 pub(crate) fn run(args: &ReportArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
     let results = ResultsFolder::read(&args.folder)?;
     // A page is made of what lies beside it and can be made again: it is replaced.
-    let to = args.common.out.clone().unwrap_or_else(|| args.folder.clone()).join(FILE);
+    let folder = args.common.out.as_ref().unwrap_or(&args.folder);
+    let to = folder.join(FILE);
     if args.common.out.is_some() {
         session.outputs(&[FILE])?;
     }
-    text_atomically(&to, &results.page())?;
+    let set = FileSet::new(folder)?;
+    text_atomically(&set.stage().join(FILE), &results.page())?;
+    set.commit(true)?;
     session.say(&format!("written: {}", to.display()));
     let figures = match &args.figures {
         Some(folder) => {

@@ -166,6 +166,20 @@ fn law_paths_do_not_climb() {
     b.refused(&["check", "inner/campaign.toml"], 2, &["structure", "leaves the folder"]);
     b.write("inner/campaign.toml", &text.replace("[aero.axisymmetric]", "[aero.\"../mine\"]\nstructure = \"structure.toml\""));
     b.refused(&["check", "inner/campaign.toml"], 2, &["../mine", "must be of letters"]);
+    // A study, and what it names.
+    let study = |more: &str| format!("[study]\nname = \"s\"\ndraws = 1\nseed = 1\n{more}\n");
+    for (key, more) in [
+        ("scenario", "scenario = \"../short.toml\""),
+        ("campaign", "campaign = \"../campaign.toml\""),
+        ("model", "campaign = \"../campaign.toml\"\nmodel = \"../model.json\""),
+        ("files", "scenario = \"sage-perturbed\"\n[histories]\nfiles = [\"../run.csv\"]"),
+    ] {
+        b.write("inner/study.toml", &study(more));
+        b.refused(&["check", "inner/study.toml"], 2, &[key, "\"../", "leaves the folder", "absolute path"]);
+    }
+    let absolute = format!("scenario = \"{}\"", b.path("short.toml").display());
+    b.write("inner/study.toml", &study(&absolute));
+    b.refused(&["check", "inner/study.toml"], 0, &[]);
 }
 
 /// A study writes below its folder only: links there are refused.
@@ -293,5 +307,20 @@ fn law_what_was_blamed_wrongly_or_not_at_all() {
         let named = |name: &str| format!("[[flight]]{}", body.replace("name = \"run\"", &format!("name = \"{name}\"")));
         b.write("names.toml", &format!("{head}{}{}", named(one), named(other)));
         b.refused(&["check", "names.toml"], 2, &["[[flight]] name", other]);
+    }
+}
+
+/// Each failure of the table has a test of that name in that file.
+#[test]
+fn law_every_failure_has_its_test() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let table = fs::read_to_string(root.join("docs/reference/failures.md")).expect("the table");
+    let rows: Vec<&str> = table.lines().filter(|l| l.starts_with("| ")).skip(1).collect();
+    assert!(rows.len() >= 20, "{} rows", rows.len());
+    for row in rows {
+        let words: Vec<&str> = row.split('`').rev().take(4).collect();
+        let [_, name, _, file] = words[..] else { panic!("no test in: {row}") };
+        let source = fs::read_to_string(root.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
+        assert!(source.contains(&format!("fn {name}() {{")), "{file} lacks {name}");
     }
 }

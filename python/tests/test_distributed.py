@@ -65,11 +65,11 @@ def test_law_stopping_rule_and_resume_on_a_cluster(tmp_path, client):
 def test_law_a_pack_has_every_file_that_the_study_reads(tmp_path):
     path = study_file(tmp_path)
     (tmp_path / "below").mkdir()
-    moved = tmp_path / "below" / "study.toml"
-    moved.write_text(path.read_text().replace("short.toml", "../short.toml"))
-    packed = Packed(moved)
-    assert packed.name == "below/study.toml"
-    assert list(packed.files) == ["below/study.toml", "short.toml"]
+    (tmp_path / "short.toml").rename(tmp_path / "below" / "short.toml")
+    path.write_text(path.read_text().replace("short.toml", "below/short.toml"))
+    packed = Packed(path)
+    assert packed.name == "study.toml"
+    assert list(packed.files) == ["study.toml", "below/short.toml"]
 
 
 def test_law_many_campaigns_on_a_cluster(tmp_path, client):

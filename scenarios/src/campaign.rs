@@ -153,7 +153,7 @@ fn entries(file: &Table<'_>, declared: Option<&Declared>) -> Vec<RunEntry> {
         .map(|t| {
             let name = t.text("file");
             RunEntry {
-                path: limits::beside(file.source, t.value("file"), "[[run]] file", &name),
+                path: limits::beside(file.source, t.at("file"), "[[run]] file", &name),
                 file: name,
                 kind: t.text("kind"),
                 used: used(t),

@@ -5,7 +5,7 @@
 //! result's file: what does not agree with it is done again.
 
 use crate::error::WriteError;
-use crate::file_set::{FileSet, lock, settle};
+use crate::file_set::{FileSet, lock, settle, sweep};
 use crate::hash::fnv1a;
 use crate::parquet_rows;
 use crate::store::{Opening, Shard};
@@ -76,6 +76,7 @@ impl CampaignStore {
         if let Some(link) = [ORDER, RESULTS].map(|n| folder.join(n)).into_iter().find(|p| p.is_symlink()) {
             return Err(StoreError::Link { path: link });
         }
+        sweep(folder);
         let store = Self { folder: folder.to_owned(), shard };
         let there = store.identity()?;
         if opening == Opening::Force && there.is_some() {

@@ -6,6 +6,7 @@
 //! So a folder shows the complete old set or the complete new one, whenever a process ends.
 
 use crate::error::WriteError;
+use crate::write::TEMPORARY;
 use std::fs::{self, File};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -112,16 +113,18 @@ fn names(folder: &Path) -> Result<Vec<PathBuf>, WriteError> {
     Ok(all)
 }
 
-/// Removes stages that nobody holds. Who makes one has the folder's lock until it is held.
-fn sweep(folder: &Path) {
-    let stale = |path: &Path| {
-        let is_stage = path.file_name().and_then(|n| n.to_str()).is_some_and(|n| n.starts_with(STAGE));
-        let own = is_stage && path.symlink_metadata().is_ok_and(|m| m.is_dir());
-        own && File::open(path.join(HELD)).map_or(true, |f| f.try_lock().is_ok())
-    };
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten().filter(|e| stale(&e.path())) {
+/// Removes stages and files half written that nobody holds. Who makes one has the folder's lock until it is held.
+pub(crate) fn sweep(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let (path, name) = (entry.path(), entry.file_name());
+        let begins = |with: &str| name.to_str().is_some_and(|n| n.starts_with(with));
+        let Some(kind) = path.symlink_metadata().ok().filter(|_| begins(TEMPORARY)) else { continue };
         // What cannot be removed is in nobody's way.
-        let _ = fs::remove_dir_all(entry.path());
+        if kind.is_dir() && begins(STAGE) && File::open(path.join(HELD)).map_or(true, |f| f.try_lock().is_ok()) {
+            let _ = fs::remove_dir_all(&path);
+        } else if kind.is_file() && File::open(&path).is_ok_and(|f| f.try_lock().is_ok()) {
+            let _ = fs::remove_file(&path);
+        }
     }
 }
 
@@ -183,9 +186,18 @@ mod tests {
         assert_eq!(read(dir.path()), pairs(&new));
         // A stage that a killed process left goes with the next set; one that is held stays.
         fs::create_dir(dir.path().join(".windfall-stage-old")).expect("writable");
+        let [left, writing] =
+            [".windfall-left", ".windfall-writing"].map(|n| File::create(dir.path().join(n)).expect("writable"));
+        drop(left);
+        writing.try_lock().expect("nobody else's");
         let held = FileSet::new(dir.path()).expect("writable");
         put(dir.path(), &old, true).expect("overwritten");
-        assert!(held.stage().is_dir() && !dir.path().join(".windfall-stage-old").exists());
+        let is_there = |n: &str| dir.path().join(n).exists();
+        assert!(held.stage().is_dir() && !is_there(".windfall-stage-old"));
+        assert!(
+            is_there(".windfall-writing") && !is_there(".windfall-left"),
+            "a file half written stays while its process lives"
+        );
     }
 
     /// A link in the place of a result is replaced, not followed.

@@ -4,8 +4,8 @@
 
 use crate::table::{Source, Table};
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
-use toml::Spanned;
 
 /// Samples of one flight: two hours at 150 Hz, a quarter of a gigabyte in memory.
 pub(crate) const FLIGHT_SAMPLES: f64 = 1e6;
@@ -75,14 +75,18 @@ pub(crate) fn parts(t: &Table<'_>, draws: u64, part_draws: u64) {
 
 /// The path that a file's word stands for: beside that file, or absolute. One that climbs out of the folder is a fault: a campaign of
 /// somebody else's reads what came with it, and nothing that only lies near.
-pub(crate) fn beside<T>(source: &Source<'_>, at: Option<&Spanned<T>>, key: &str, word: &str) -> PathBuf {
-    let climbs = Path::new(word).components().any(|c| c == Component::ParentDir);
-    if climbs {
+pub(crate) fn beside(source: &Source<'_>, at: Option<Range<usize>>, key: &str, word: &str) -> PathBuf {
+    if climbs(word) {
         let what = "leaves the folder of this file by `..`";
         let remedy = "put the file into this folder or below, or give its absolute path";
-        source.fault(at.map(Spanned::span), key, format!("{word:?}"), what, remedy);
+        source.fault(at, key, format!("{word:?}"), what, remedy);
     }
     source.path().parent().unwrap_or(Path::new("")).join(word)
+}
+
+/// Whether a path leaves the folder that it begins in.
+pub(crate) fn climbs(word: &str) -> bool {
+    Path::new(word).components().any(|c| c == Component::ParentDir)
 }
 
 /// Files that flights of these names make; two that are one are a fault, also where only capitals differ.

@@ -40,7 +40,7 @@ pub(crate) fn rows<const N: usize>(
     if word.is_empty() {
         return None;
     }
-    let path = limits::beside(t.source, t.value("file"), &t.full("file"), &word);
+    let path = limits::beside(t.source, t.at("file"), &t.full("file"), &word);
     if t.source.has_faults() {
         return None;
     }

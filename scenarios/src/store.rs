@@ -4,7 +4,7 @@
 //! `study.json` says what the folder's draws are of. `parts/NNNNNN.rows` is the journal of a part under way, one checked line per
 //! draw; a full part becomes `parts/NNNNNN-<hash of its bytes>.parquet` by one rename; all parts become `runs.parquet`.
 
-use crate::file_set::lock;
+use crate::file_set::{lock, sweep};
 use crate::hash::fnv1a;
 use crate::journal::Journal;
 use crate::parquet_rows::{self, RowWriter};
@@ -186,6 +186,7 @@ impl Store {
         }
         let _turn = lock(folder);
         no_links(folder)?;
+        sweep(folder);
         if opening == Opening::Force {
             clear(folder)?;
         }

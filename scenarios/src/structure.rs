@@ -78,7 +78,7 @@ fn structure_of(t: &Table<'_>, name: &str) -> Option<(Structure, Option<String>)
                 t.source.fault(Some(t.span.clone()), "[aero]", name, what, "[aero.lander]");
                 return None;
             }
-            let path = limits::beside(t.source, Some(v), &t.full("structure"), file);
+            let path = limits::beside(t.source, Some(v.span()), &t.full("structure"), file);
             if t.source.has_faults() {
                 return None;
             }

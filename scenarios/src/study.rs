@@ -8,6 +8,7 @@ use crate::open::text_of;
 use crate::record::read_record_pieces;
 use crate::scenario::{EffectValues, ScenarioFile, read_effects, runs_exist};
 use crate::table::{Source, Table, allowed_range, nearest};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use windfall_model::study::{
     Distribution, DrawnSetup, FLIGHT_QUANTITIES, Histories, Keep, Quantity, Root, Steps, StopRule, StudyEffect, StudyOrder, Vary,
@@ -132,8 +133,10 @@ fn count(t: &Table<'_>, name: &str) -> Option<u64> {
     found
 }
 
-fn beside(t: &Table<'_>, name: &str) -> PathBuf {
-    t.source.path().parent().unwrap_or(Path::new("")).join(name)
+/// The file that a word stands for; none when it climbs out of the study's folder.
+fn beside(t: &Table<'_>, at: Option<Range<usize>>, key: &str, word: &str) -> Option<PathBuf> {
+    let path = limits::beside(t.source, at, &t.full(key), word);
+    (!limits::climbs(word)).then_some(path)
 }
 
 fn base(head: &Table<'_>) -> Option<Base> {
@@ -150,7 +153,7 @@ fn base(head: &Table<'_>) -> Option<Base> {
 
 fn from_scenario(head: &Table<'_>, word: &str) -> Option<Base> {
     let bundled = !word.contains(['/', '\\', '.']);
-    let path = beside(head, word);
+    let path = beside(head, head.at("scenario"), "scenario", word)?;
     let read = if bundled { crate::read_bundled(word) } else { crate::read_scenario_file(&path) };
     let file = report(head, "scenario", word, read)?;
     let label = if bundled { word.to_owned() } else { path.display().to_string() };
@@ -163,7 +166,7 @@ fn from_scenario(head: &Table<'_>, word: &str) -> Option<Base> {
 }
 
 fn from_campaign(head: &Table<'_>, word: &str) -> Option<Base> {
-    let path = beside(head, word);
+    let path = beside(head, head.at("campaign"), "campaign", word)?;
     let (campaign, warnings) = report(head, "campaign", word, crate::read_campaign_with_warnings(&path))?;
     if campaign.has_tracks() {
         let what = "is of point masses; a study flies bodies with attitude";
@@ -196,7 +199,7 @@ fn model(head: &Table<'_>) -> Option<PathBuf> {
         head.source.fault(head.at("model"), head.full("model"), word, what, "remove it, or vary aero.<parameter>");
         return None;
     }
-    let path = beside(head, &word);
+    let path = beside(head, head.at("model"), "model", &word)?;
     if !path.is_file() {
         head.source.fault(
             head.at("model"),
@@ -483,7 +486,7 @@ fn histories(file: &Table<'_>, study: &StudyOrder, inputs: &mut Vec<(String, Str
     let flights = flights_of(&t, study);
     let mut speeds = Vec::new();
     for (word, span) in t.words("files") {
-        let path = beside(&t, &word);
+        let Some(path) = beside(&t, Some(span.clone()), "files", &word) else { continue };
         match read_record_pieces(&path, &study.plant.sensors, None) {
             Ok(pieces) if pieces.len() == 1 => {
                 let r = &pieces[0].record;

@@ -35,7 +35,7 @@ pub(crate) fn tests(file: &Table<'_>, declared: &Declared) -> Vec<StaticPoints> 
 fn test(t: &Table<'_>, diameter_m: f64) -> Vec<StaticPoints> {
     let word = t.text("file");
     let (name, reference_m) = (t.text_if("name"), t.number_if("moment_reference_m").unwrap_or(0.0));
-    let path = limits::beside(t.source, t.value("file"), &t.full("file"), &word);
+    let path = limits::beside(t.source, t.at("file"), &t.full("file"), &word);
     if t.source.has_faults() {
         return Vec::new();
     }

@@ -4,6 +4,9 @@ use crate::error::WriteError;
 use std::io::Write as _;
 use std::path::Path;
 
+/// Begin of the name of a file that is being written; it is locked as long as its process lives.
+pub(crate) const TEMPORARY: &str = ".windfall-";
+
 /// Writes text to a temporary file in the same folder and renames it.
 ///
 /// # Errors
@@ -19,7 +22,9 @@ pub fn text_atomically(path: &Path, text: &str) -> Result<(), WriteError> {
 pub fn bytes_atomically(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     let fail = |reason: std::io::Error| WriteError::Write { path: path.to_owned(), reason };
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = tempfile::Builder::new().prefix(".windfall-").tempfile_in(folder).map_err(fail)?;
+    let mut file = tempfile::Builder::new().prefix(TEMPORARY).tempfile_in(folder).map_err(fail)?;
+    // Where a system knows no locks, what a kill leaves stays.
+    let _ = file.as_file().try_lock();
     file.write_all(bytes).map_err(fail)?;
     make_readable(file.as_file()).map_err(fail)?;
     file.as_file().sync_all().map_err(fail)?;
