@@ -1,6 +1,7 @@
 //! report: the page of a closing. In: a closing and its figures. Out: HTML.
 
 use crate::chart::Bar;
+use crate::cut::say_beyond;
 use crate::data::data;
 use crate::draw::Look;
 use crate::held_out::held_out;
@@ -13,7 +14,7 @@ use crate::smoothing::smoothing;
 use crate::story::story;
 use crate::svg::dots;
 use crate::wind_tunnel::differences;
-use crate::words::{number, p_value, plain_key, sentence, with_interval};
+use crate::words::{channel, number, p_value, plain_key, sentence, with_interval};
 use std::fmt::Write as _;
 use windfall_verify::close::{
     ChannelResidual, Closing, EffectLine, Figure, ParameterLine, SignalTracks, SmoothingTracks, Topic, Verdict,
@@ -57,15 +58,16 @@ pub(crate) fn closing_body(c: &Closing, figures: &[Figure], tracks: Option<&Sign
     out += &topic(figures, Topic::Spectrum, "Residual spectra", lead, plots);
     out += &innovations(c, plots);
     let lead = "Look for histograms under the dashed bell, the stated noise of a sample, and correlations inside the dashed lines. A residual \
-                that is wider and follows itself for many samples is a tracker's drift or a force that the model lacks. What lies beyond the ends \
-                is in the outermost bins.";
+                that is wider and follows itself for many samples is a tracker's drift or a force that the model lacks. Cut at three times the reach of \
+                the narrower one; what lies beyond is told above each.";
     out += &topic(figures, Topic::Shape, "Residuals of the tracks: distribution and correlation", lead, plots);
     let lead = "Look for curves at one and for histograms under the dashed bell. Slow parts above one are a tracker's drift or a force that the \
                 model lacks, fast ones noise that is larger than stated. Residuals of the runs held out with the initial state taken out, in \
                 independent numbers from slow to fast, each over the noise of the tracker in it.";
     out += &topic(figures, Topic::Whitened, "Whitened residuals of the tracks", lead, plots);
     let lead = "Look for points that leave the dashed line together where a setting is large: a force that follows it (a spinning ball's \
-                lift). Each point is a run, its push the parabola in what the model leaves of its track; bars: 95 % of the tracker's noise alone.";
+                lift). Each point is a run, its push the parabola in what the model leaves of its track; bars: 95 % of the tracker's noise alone. Of a \
+                lift coefficient: points along the blue line; one beside it by more than its bar is a launch with another spin.";
     out += &topic(figures, Topic::Setting, "What every run lacks over its settings", lead, plots);
     let lead =
         "Look for curves that become flat. Means over intervals of equal count, of the channels that stand highest above noise.";
@@ -124,12 +126,14 @@ fn head(c: &Closing) -> String {
 fn topic(figures: &[Figure], topic: Topic, title: &str, lead: &str, plots: &mut Plots) -> String {
     let mut own: Vec<Figure> = figures.iter().filter(|f| f.topic == topic).cloned().collect();
     for f in own.iter_mut().filter(|f| f.topic == Topic::Variable) {
-        // Variables of the model are named by their keys.
+        // A unit is on the axis; variables of the model are named by their keys.
+        f.title = f.title.trim_end_matches(" (s)").to_owned();
         if let (name, Some(unit)) = plain_key(&f.x_label) {
             f.title = f.title.replace(&f.x_label, &name);
             f.x_label = format!("{name} ({unit})");
         }
     }
+    own.iter_mut().for_each(say_beyond);
     let used = legend(&own);
     let drawn = plots.charts(own);
     if drawn.is_empty() { String::new() } else { section(title, lead, &format!("{used}<div class=\"grid\">{drawn}</div>")) }
@@ -219,7 +223,7 @@ fn residuals(c: &Closing) -> String {
             let numbers = [b.rms, b.expected_rms].map(Cell::number);
             let over = Cell::Number(format!("{:.2}", over(b.rms, b.expected_rms)));
             let [rms, noise] = numbers;
-            vec![Cell::text(&b.channel), rms, noise, over, Cell::Number(p_value(b.p_value))]
+            vec![Cell::text(channel(&b.channel)), rms, noise, over, Cell::Number(p_value(b.p_value))]
         };
         let rows: Vec<Vec<Cell>> = pairs.iter().map(one).collect();
         let heads = ["channel", "declared model", "noise", "over noise", "p"];
@@ -230,7 +234,7 @@ fn residuals(c: &Closing) -> String {
         .map(|(b, a)| {
             let [before, after] = [over(b.rms, b.expected_rms), over(a.rms, a.expected_rms)];
             vec![
-                Cell::text(&b.channel),
+                Cell::text(channel(&b.channel)),
                 Cell::number(b.rms),
                 Cell::number(a.rms),
                 Cell::number(a.expected_rms),
@@ -252,7 +256,7 @@ fn leads(c: &Closing) -> String {
         return String::new();
     }
     let one = |u: &windfall_verify::close::Unexplained| {
-        format!("<li><strong>{}</strong>: {}</li>", escape(&u.channel), escape(&u.description))
+        format!("<li><strong>{}</strong>: {}</li>", escape(&channel(&u.channel)), escape(&u.description))
     };
     format!("<ul>{}</ul>\n", c.unexplained.iter().map(one).collect::<String>())
 }

@@ -4,6 +4,7 @@
 
 mod chart;
 mod closing;
+mod cut;
 mod data;
 mod descent;
 mod draw;

@@ -28,7 +28,8 @@ pub(crate) fn pairs(title: &str, y_label: &str, all: &[Pair], [w, h]: [f64; 2]) 
     let bottom = h - below;
     let ends = all.iter().flat_map(|p| [p.estimate - p.half, p.estimate + p.half, p.truth]);
     let y = Scale::new(ends, false, bottom, above)?;
-    let left = (y.ticks().iter().map(|(_, t)| width(t)).fold(0.0, f64::max) + LETTERS + 16.0).ceil();
+    // Letters of a page may be wider than Helvetica's.
+    let left = (1.15 * y.ticks().iter().map(|(_, t)| width(t)).fold(0.0, f64::max) + LETTERS + 16.0).ceil();
     let same = is_one_truth(all);
     let places: Vec<f64> = if same { (1..=all.len()).map(|k| k as f64).collect() } else { all.iter().map(|p| p.truth).collect() };
     let x = Scale::new(places.iter().copied(), false, left, w - right)?;

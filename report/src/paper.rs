@@ -36,7 +36,7 @@ pub(crate) fn paper(plots: &Plots, width_mm: f64) -> Vec<PaperFigure> {
     let one = |(k, p): (usize, &crate::plot::Plot)| {
         let d = p.drawing([w, SHAPE * w])?;
         Some(PaperFigure {
-            name: format!("{:02}-{}", k + 1, slug(p.title())),
+            name: format!("{:02}-{}", k + 1, slug(name(p.title()))),
             title: p.title().to_owned(),
             svg: svg::file(&d, width_mm),
             pdf: pdf::file(&d, points_of_unit),
@@ -44,4 +44,21 @@ pub(crate) fn paper(plots: &Plots, width_mm: f64) -> Vec<PaperFigure> {
         })
     };
     plots.all.iter().enumerate().filter_map(one).collect()
+}
+
+/// A title without the numbers behind it, which would give the file another name after every change of the data.
+fn name(title: &str) -> &str {
+    [", ±", " (beyond"].iter().fold(title, |t, mark| t.split(mark).next().unwrap_or(t))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_names_do_not_follow_the_numbers() {
+        assert_eq!(name("C_A over α_T, ± 0.2000 at most"), "C_A over α_T");
+        assert_eq!(name("X: distribution (beyond the ends: declared model 4 %)"), "X: distribution");
+        assert_eq!(name("Coverage"), "Coverage");
+    }
 }

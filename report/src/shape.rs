@@ -1,6 +1,7 @@
 //! report: what a closing says of innovations, noise, constants, parameters and sets. In: its lists. Out: figures and tables.
 
 use crate::chart::Range;
+use crate::cut::say_beyond;
 use crate::draw::Look;
 use crate::html::{Cell, escape, section, table};
 use crate::legend::{legend, share};
@@ -26,7 +27,8 @@ pub(crate) fn innovations(c: &Closing, plots: &mut Plots) -> String {
         all.push(correlation(&channel, line.step_s, &sides));
     }
     let lead = "Look for histograms under the dashed bell, and correlations inside the dashed lines: then each sample brings only noise. \
-                Innovation: what a sample adds to its prediction from all before it, over its standard deviation; what lies beyond five is in the outermost bins.";
+                Innovation: what a sample adds to its prediction from all before it, over its standard deviation; what lies beyond five is not drawn, its share is told above each.";
+    all.iter_mut().for_each(say_beyond);
     let key = legend(&all);
     section("Innovations", lead, &format!("{key}<div class=\"grid\">{}</div>", plots.charts(all)))
 }
@@ -88,7 +90,7 @@ pub(crate) fn noise(c: &Closing) -> String {
         .iter()
         .map(|n| {
             let mut cells = vec![
-                Cell::text(&n.channel),
+                Cell::text(crate::words::channel(&n.channel)),
                 Cell::number(n.declared_std),
                 Cell::number(n.learnt_std),
                 Cell::Number(format!("× {:.2}", n.learnt_std / n.declared_std)),

@@ -3,7 +3,7 @@
 use crate::html::{escape, section};
 use crate::legend::{legend, share};
 use crate::plot::{Plot, Plots};
-use crate::words::{listed, number};
+use crate::words::{listed, number, plain_key};
 use std::fmt::Write as _;
 use windfall_verify::close::{
     ChannelResidual, Closing, Figure, HeldOut, Role, RunTracks, Series, SignalTracks, Topic, TrackSignal, Verdict,
@@ -55,7 +55,7 @@ fn residual(c: &Closing) -> String {
             "It leaves more than noise in {} of {} channels: most in {}, {} times the noise.",
             beyond.len(),
             c.residual.per_channel.len(),
-            most.channel,
+            plain_key(&most.channel).0,
             number(over(most))
         ),
     }

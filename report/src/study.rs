@@ -47,13 +47,18 @@ pub(crate) fn study_body(s: &Summary, plots: &mut Plots) -> String {
         out += &over_varied(&format!("{title}: errors over what was varied"), &recovered, &s.varied, plots);
     }
     out += &s.closings.as_ref().map_or_else(String::new, |c| closings(c, plots));
-    let rates: Vec<Range> = s.rates.iter().filter(|r| !r.name.ends_with(".covered")).filter_map(|r| share(r, &r.name)).collect();
+    let rates: Vec<Range> =
+        s.rates.iter().filter(|r| !r.name.ends_with(".covered")).filter_map(|r| share(r, &words(&r.name))).collect();
     let lead = "Dot: share of draws. Bar: its 95 % interval (Clopper and Pearson).";
     out += &section("How often", lead, &ranges(plots, "Share of draws", rates, &[], "share"));
     // The confusion matrix has what those two say.
     let told = |w: &&WordLine| s.closings.is_none() || !["close.families", "close.truth"].contains(&w.name.as_str());
-    let words = s.words.iter().filter(told).flat_map(|w| w.counts.iter().map(move |c| (w.name.as_str(), c)));
-    let rows: Vec<Vec<Cell>> = words.map(|(w, c)| vec![Cell::text(w), Cell::text(&c.name), Cell::Number(of(c))]).collect();
+    let told = s.words.iter().filter(told).flat_map(|w| w.counts.iter().map(move |c| (w.name.as_str(), c)));
+    let rows: Vec<Vec<Cell>> = told
+        .map(|(w, c)| {
+            vec![Cell::text(words(w)), Cell::text(if c.name.is_empty() { "none" } else { &c.name }), Cell::Number(of(c))]
+        })
+        .collect();
     out += &section("What was said how often", "", &some(&["column", "word", "draws"], &rows));
     let failed = |m: &windfall_verify::study::Count| vec![Cell::text(&m.message), Cell::Number(m.count.to_string())];
     let rows: Vec<Vec<Cell>> = s.failures.messages.iter().map(failed).collect();
@@ -76,6 +81,11 @@ fn some(heads: &[&str], rows: &[Vec<Cell>]) -> String {
 
 fn of(r: &Rate) -> String {
     format!("{} of {}", r.count, r.of)
+}
+
+/// A column in words: `close.right_or_rival` is `close: right or rival`.
+fn words(column: &str) -> String {
+    column.replacen('.', ": ", 1).replace(['.', '_'], " ")
 }
 
 fn name(p: &ParameterSummary) -> String {

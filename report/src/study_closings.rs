@@ -3,10 +3,19 @@
 use crate::chart::Range;
 use crate::draw::Look;
 use crate::html::{escape, section};
+use crate::legend::key;
 use crate::number;
 use crate::plot::{Plot, Plots};
+use crate::study_varied::{decades, quantity};
 use std::fmt::Write as _;
-use windfall_verify::study::{ClosingSummary, ReliabilityPoint};
+use windfall_verify::close::{Figure, Role, Series, Topic};
+use windfall_verify::study::{ClosingSummary, DependenceLine, ReliabilityPoint};
+
+/// Standard deviations that chance exceeds in one of twenty.
+const REACH: f64 = 1.96;
+/// Quantities in the list, and those with a figure.
+const MOST: usize = 16;
+const SHOWN: usize = 6;
 
 /// Two sections; nothing without closings.
 pub(crate) fn closings(c: &ClosingSummary, plots: &mut Plots) -> String {
@@ -31,7 +40,55 @@ pub(crate) fn closings(c: &ClosingSummary, plots: &mut Plots) -> String {
         ranges,
     });
     out += &section("Stated probability against fraction true", lead, &drawn);
-    out
+    out + &hangs(c, plots)
+}
+
+/// What naming the right set hangs on.
+fn hangs(c: &ClosingSummary, plots: &mut Plots) -> String {
+    let scored: Vec<(&DependenceLine, f64)> = c.dependence.iter().filter_map(|d| Some((d, d.score?))).collect();
+    if scored.is_empty() {
+        return String::new();
+    }
+    let one = |(d, score): &(&DependenceLine, f64)| Range {
+        name: quantity(&d.name).0,
+        ends: [score.min(0.0), score.max(0.0)],
+        inner: None,
+        dot: *score,
+        note: if *score > 0.0 { "right where large" } else { "right where small" }.to_owned(),
+        look: if score.abs() > REACH { Look::After } else { Look::Plain },
+    };
+    let drawn = plots.put(Plot::Ranges {
+        title: "How far right and wrong draws differ in what was varied".to_owned(),
+        x_label: "score of Mann and Whitney, standard deviations".to_owned(),
+        marks: vec![-REACH, 0.0, REACH],
+        ranges: scored.iter().take(MOST).map(one).collect(),
+    });
+    let charts = plots.charts(scored.iter().take(SHOWN).map(|(d, _)| over(d)).collect::<Vec<_>>());
+    let lead = "Look for dots outside the outer marks: then whether the right set is named hangs on that quantity (of twenty that do not \
+                matter one lies outside). Below, the share of right draws over the first of them; a share that falls where an effect is weak is \
+                its limit of detection. Bars: 95 % of what so few draws leave open; dashed: the share of all.";
+    let marks = key(&[("after", "share of right draws"), ("noise", "of all")]);
+    section("What right names hang on", lead, &format!("{drawn}{marks}<div class=\"grid\">{charts}</div>\n"))
+}
+
+/// Share of right draws over a quantity.
+fn over(d: &DependenceLine) -> Figure {
+    let (name, unit) = quantity(&d.name);
+    let end = |k: usize| d.shares.iter().map(|s| s.ci95[k]).collect();
+    let (x, y) = (d.values.clone(), d.shares.iter().map(ReliabilityPoint::share).collect());
+    let points = Series { role: Role::After, x, y, band: Some([end(0), end(1)]), points: true };
+    let ends = [d.values.first(), d.values.last()].into_iter().flatten().copied().collect();
+    let whole =
+        Series { role: Role::Noise, x: ends, y: d.shares.iter().take(2).map(|s| s.stated).collect(), ..Series::default() };
+    Figure {
+        topic: Topic::Variable,
+        title: format!("Share of right draws over {name}"),
+        x_label: unit.map_or(name.clone(), |u| format!("{name} ({u})")),
+        y_label: "share of draws named right".to_owned(),
+        log_x: decades(&d.values),
+        series: vec![whole, points],
+        ..Figure::default()
+    }
 }
 
 /// Counts as a table, each cell shaded by its share of the row.
@@ -82,12 +139,25 @@ mod tests {
         };
         let confusion = vec![line("none", &[("none", 17), ("<mass>", 2)]), line("swirl", &[("swirl", 11), ("none", 4)])];
         let reliability = vec![ReliabilityPoint { stated: 0.97, count: 28, of: 34, ci95: [0.65, 0.93] }];
+        let share = |count| ReliabilityPoint { stated: 0.5, count, of: 10, ci95: [0.0, 1.0] };
+        let hangs = |score, name: &str| DependenceLine {
+            name: name.to_owned(),
+            score,
+            values: vec![2.0, 3.0],
+            shares: vec![share(1), share(9)],
+        };
+        let dependence =
+            vec![hangs(Some(3.5), "vehicle.mass_kg"), hangs(Some(-0.5), "flight.release.attitude_deg.Ry"), hangs(None, "x")];
         let mut plots = Plots::default();
-        let html = closings(&ClosingSummary { confusion, reliability }, &mut plots);
+        let html = closings(&ClosingSummary { confusion, reliability, dependence }, &mut plots);
         for text in [">17<", ">2<", ">11<", ">4<", "&lt;mass&gt;", "stated 97.0 % in the mean", "28 of 34", ">0.8947<"] {
             assert!(html.contains(text), "{text} in {html}");
         }
         assert_eq!(html.matches("cell right").count(), 2);
+        let Plot::Ranges { ranges, .. } = &plots.all[1] else { panic!("scores after the probabilities") };
+        assert_eq!((ranges.len(), ranges[0].dot, ranges[0].look, ranges[1].look), (2, 3.5, Look::After, Look::Plain));
+        let Plot::Chart(f) = &plots.all[2] else { panic!("a chart") };
+        assert_eq!((f.x_label.as_str(), f.series[1].y.as_slice()), ("mass (kg)", &[0.1, 0.9][..]));
         // 17 of 19 are right: the cell is shaded by 89 %.
         assert!(html.contains("cell right\" style=\"--share:89%\">17<") && !html.contains("<mass>"));
     }

@@ -34,7 +34,7 @@ pub(crate) fn over_varied(title: &str, own: &[&RecoveryLine], varied: &[VariedLi
 }
 
 /// What is varied, in words and unit: its key without the table that it is in.
-fn quantity(key: &str) -> (String, Option<&'static str>) {
+pub(crate) fn quantity(key: &str) -> (String, Option<&'static str>) {
     let mut parts: Vec<&str> = key.split('.').collect();
     let table = parts.remove(0);
     if parts.is_empty() || table == "aero" {
@@ -42,6 +42,12 @@ fn quantity(key: &str) -> (String, Option<&'static str>) {
     }
     let (names, units): (Vec<String>, Vec<Option<&str>>) = parts.into_iter().map(plain_key).unzip();
     (names.join(" "), units.into_iter().flatten().next_back())
+}
+
+/// Whether values lie over decades, all above zero.
+pub(crate) fn decades(values: &[f64]) -> bool {
+    let (low, high) = values.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(*v), b.max(*v)));
+    low > 0.0 && high > 30.0 * low
 }
 
 fn differs(values: &[f64]) -> bool {
@@ -67,6 +73,7 @@ fn figure(coefficient: &str, lines: &[&RecoveryLine], v: &VariedLine) -> Option<
         title: format!("{coefficient}: errors over {name}"),
         x_label: unit.map_or(name.clone(), |u| format!("{name} ({u})")),
         y_label: "error (stated standard errors)".to_owned(),
+        log_x: decades(&[first, last]),
         series: [level(REACH), level(-REACH)].into_iter().chain(clouds).collect(),
         ..Figure::default()
     })

@@ -114,6 +114,14 @@ pub(crate) fn plain_key(key: &str) -> (String, Option<&'static str>) {
     (name.replace(['_', '-'], " "), unit)
 }
 
+/// A channel of a record with its unit: `X_m` is `X (m)`.
+pub(crate) fn channel(key: &str) -> String {
+    match plain_key(key) {
+        (name, Some(unit)) => format!("{name} ({unit})"),
+        (name, None) => name,
+    }
+}
+
 /// A list as people write it: `a`, `a and b`, `a, b and c`.
 pub(crate) fn listed<S: AsRef<str>>(items: &[S]) -> String {
     match items {
@@ -135,7 +143,7 @@ pub fn sentence(c: &Closing) -> String {
             format!("The declared model lacks {}.{}{}", listed(&names), held_out_words(c), left_words(c))
         }
         Verdict::Unexplained => {
-            let channels: Vec<&str> = c.unexplained.iter().map(|u| u.channel.as_str()).collect();
+            let channels: Vec<String> = c.unexplained.iter().map(|u| plain_key(&u.channel).0).collect();
             format!(
                 "The declared model leaves a residual beyond noise in {} that no effect of the {} weighed accounts for.",
                 listed(&channels),

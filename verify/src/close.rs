@@ -33,6 +33,7 @@ mod whitened;
 
 pub use crate::residual::ChannelResidual;
 pub use chance::p_value;
+pub(crate) use figure::short;
 pub use figure::{Figure, Role, Series, Topic};
 pub use figures::figures;
 pub use innovations::{InnovationLine, InnovationShape};

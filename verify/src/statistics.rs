@@ -260,6 +260,8 @@ pub struct FigureOver {
     pub std: f64,
     /// 5 % and 95 % quantile over runs.
     pub central90: [f64; 2],
+    /// Smallest over runs, then every quantile in steps of 5 %, then the largest.
+    pub quantiles: [f64; 21],
     /// Mean over test, less one.
     pub relative: f64,
     /// The test lies inside the central 90 %.
@@ -320,6 +322,21 @@ pub struct FigureSeparation {
     pub power: f64,
 }
 
+/// One simulated run over time, from its record as the figures are.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SimulatedHistory {
+    /// Families that are added; none of the declared model.
+    pub families: Vec<&'static str>,
+    /// Number of the run; the same in every history, so that chance is the same.
+    pub run: u64,
+    /// Time, s; at most 600 samples.
+    pub t_s: Vec<f64>,
+    /// Off-vertical angle Θ, deg.
+    pub theta_deg: Vec<f64>,
+    /// Pitch and yaw rate ω_q,r, deg/s.
+    pub omega_qr_deg_s: Vec<f64>,
+}
+
 /// The result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StatisticsClosing {
@@ -351,6 +368,8 @@ pub struct StatisticsClosing {
     pub separations: Vec<FigureSeparation>,
     /// Largest relative difference that instruments and smoothing make to each figure's mean in the best explanation.
     pub processing: Vec<f64>,
+    /// One run of the declared model and the same of the best explanation.
+    pub histories: Vec<SimulatedHistory>,
     /// Simulated runs flown.
     pub flights: u64,
     /// What the figures decide and what they do not, in words.

@@ -5,16 +5,20 @@
 
 mod closing;
 mod columns;
+mod dependence;
 mod draw;
 mod recovery;
+mod reliability;
 mod row;
 mod run;
 mod select;
 mod stop;
 mod summary;
 
+pub use dependence::DependenceLine;
 pub use draw::PreparedStudy;
-pub use recovery::{ClosingSummary, ConfusionLine, RecoveredDraw, RecoveryLine, ReliabilityPoint, VariedLine};
+pub use recovery::{ClosingSummary, ConfusionLine, RecoveredDraw, RecoveryLine, VariedLine};
+pub use reliability::ReliabilityPoint;
 pub use run::{each, run};
 pub use stop::{Moments, Progress, clopper_pearson};
 pub use summary::{Count, FailureKind, NumberLine, ParameterSummary, Quantile, Rate, Summary, WordLine, summarise};

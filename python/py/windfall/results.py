@@ -12,16 +12,17 @@ from ._record import Record, Result
 __all__ = [
     "After", "Band", "Bootstrap", "BootstrapLine", "Bound", "CampaignOutcome", "CandidateLine", "CandidateReport",
     "ChannelResidual", "Check", "Closing", "ClosingSummary", "CoefficientChoice", "CoefficientFit", "Compatibility",
-    "ConfusionLine", "ConstantLine", "Correlation", "Count", "CriterionChoice", "Curve", "DataSet", "Deciding", "Descent",
-    "DescentEnds", "DescentModel", "DescentReason", "DrawnParameter", "EffectBound", "EffectLine", "Estimate", "Estimated",
-    "Explanation", "FailureKind", "FigureOver", "FigureSeparation", "FlownParameter", "Form", "FormCheck", "HeightLine", "Held",
-    "HeldOut", "HeldOutTrajectory", "Identifiability", "Identification", "InnovationLine", "InnovationShape", "InstrumentError",
-    "Instruments", "LandingScatter", "Many", "NextRun", "NoiseLine", "NumberLine", "OutcomeParameter", "ParameterLine",
-    "ParameterShare", "ParameterSummary", "Plan", "PlanOption", "PooledParameter", "Pressure", "Quantile", "Rate", "Record",
-    "RecoveredDraw", "RecoveryLine", "ReliabilityPoint", "Residuals", "Resimulation", "Result", "RunComparison", "Screened",
-    "Separated", "Separation", "SetLine", "ShapeReport", "Sharpened", "Shift", "Statistic", "StatisticsClosing",
-    "StatisticsOptions", "SteadyFall", "Structure", "Study", "Tally", "TargetPlan", "TermEstimate", "TouchDownLine",
-    "TrajectoryError", "Unexplained", "VariedLine", "Verification", "WindTunnelLine", "WindTunnelModel", "WordLine",
+    "ConfusionLine", "ConstantLine", "Correlation", "Count", "CriterionChoice", "Curve", "DataSet", "Deciding", "DependenceLine",
+    "Descent", "DescentEnds", "DescentModel", "DescentReason", "DrawnParameter", "EffectBound", "EffectLine", "Estimate",
+    "Estimated", "Explanation", "FailureKind", "FigureOver", "FigureSeparation", "FlownParameter", "Form", "FormCheck",
+    "HeightLine", "Held", "HeldOut", "HeldOutTrajectory", "Identifiability", "Identification", "InnovationLine",
+    "InnovationShape", "InstrumentError", "Instruments", "LandingScatter", "Many", "NextRun", "NoiseLine", "NumberLine",
+    "OutcomeParameter", "ParameterLine", "ParameterShare", "ParameterSummary", "Plan", "PlanOption", "PooledParameter",
+    "Pressure", "Quantile", "Rate", "Record", "RecoveredDraw", "RecoveryLine", "ReliabilityPoint", "Residuals", "Resimulation",
+    "Result", "RunComparison", "Screened", "Separated", "Separation", "SetLine", "ShapeReport", "Sharpened", "Shift",
+    "SimulatedHistory", "Statistic", "StatisticsClosing", "StatisticsOptions", "SteadyFall", "Structure", "Study", "Tally",
+    "TargetPlan", "TermEstimate", "TouchDownLine", "TrajectoryError", "Unexplained", "VariedLine", "Verification",
+    "WindTunnelLine", "WindTunnelModel", "WordLine",
 ]
 
 
@@ -483,6 +484,7 @@ class FigureOver(Record):
     mean: float
     std: float
     central90: list[float]
+    quantiles: list[float]
     relative: float
     inside: bool
 
@@ -531,6 +533,16 @@ class FigureSeparation(Record):
     power: float
 
 
+class SimulatedHistory(Record):
+    """One simulated run over time, from its record as the figures are."""
+
+    families: list[str]
+    run: int
+    t_s: list[float]
+    theta_deg: list[float]
+    omega_qr_deg_s: list[float]
+
+
 class StatisticsClosing(Result):
     """The result."""
 
@@ -548,6 +560,7 @@ class StatisticsClosing(Result):
     explanations: list[Explanation]
     separations: list[FigureSeparation]
     processing: list[float]
+    histories: list[SimulatedHistory]
     flights: int
     conclusions: list[str]
 
@@ -987,11 +1000,21 @@ class ConfusionLine(Record):
     found: dict[str, int]
 
 
+class DependenceLine(Record):
+    """How right answers hang on one varied quantity."""
+
+    name: str
+    score: float | None
+    values: list[float]
+    shares: list[ReliabilityPoint]
+
+
 class ClosingSummary(Record):
     """Closings of a study."""
 
     confusion: list[ConfusionLine]
     reliability: list[ReliabilityPoint]
+    dependence: list[DependenceLine]
 
 
 class Study(Result):

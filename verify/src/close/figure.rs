@@ -94,20 +94,20 @@ pub(super) fn thinned(role: Role, x: &[f64], y: &[f64]) -> Series {
 }
 
 /// Six digits: more cannot be seen.
-pub(super) fn short(x: f64) -> f64 {
+pub(crate) fn short(x: f64) -> f64 {
     format!("{x:.5e}").parse().unwrap_or(x)
 }
 
-/// Density of some values in bins of equal width between two ends, as steps: both ends of every bin. What lies beyond is in the outermost
-/// bins.
+/// Density of all values in bins of equal width between two ends, as steps: both ends of every bin. What lies beyond is not drawn, so that
+/// the area is the share inside.
 pub(super) fn histogram(role: Role, values: &[f64], [low, high]: [f64; 2]) -> Series {
     let width = (high - low) / BINS as f64;
     let mut counts = [0_u32; BINS];
     let usable = || values.iter().filter(|v| v.is_finite());
     for v in usable() {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the bins")]
-        let bin = ((v - low) / width).floor().clamp(0.0, (BINS - 1) as f64) as usize;
-        counts[bin] += 1;
+        if let Some(n) = bin((v - low) / width).and_then(|b| counts.get_mut(b)) {
+            *n += 1;
+        }
     }
     let whole = usable().count().max(1) as f64 * width;
     let (mut x, mut y) = (Vec::with_capacity(2 * BINS), Vec::with_capacity(2 * BINS));
@@ -117,4 +117,24 @@ pub(super) fn histogram(role: Role, values: &[f64], [low, high]: [f64; 2]) -> Se
         y.extend([short(f64::from(*n) / whole); 2]);
     }
     Series { role, x, y, ..Series::default() }
+}
+
+/// Number of the bin at a place along bins of width one; none below the first.
+pub(super) fn bin(place: f64) -> Option<usize> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not below zero; too large is beyond any bin")]
+    (place >= 0.0).then_some(place as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of four values one lies beyond the ends: the area is three quarters, and no bin stands for what is outside.
+    #[test]
+    fn exact_a_histogram_is_cut_at_its_ends() {
+        let s = histogram(Role::After, &[-0.88, 0.11, 0.12, 7.0], [-1.0, 1.0]);
+        let area: f64 = s.x.chunks(2).zip(s.y.chunks(2)).map(|(x, y)| (x[1] - x[0]) * y[0]).sum();
+        assert!((area - 0.75).abs() < 1e-4, "{area}");
+        assert!(s.y[2 * BINS - 1] == 0.0 && s.y[4] > 0.0, "{:?}", s.y);
+    }
 }

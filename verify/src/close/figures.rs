@@ -4,7 +4,7 @@
 use super::balance::{BalanceResidual, BandPowers};
 use super::figure::{Figure, Role, Series, Topic, thinned};
 use super::flown::held_out;
-use super::settings::pushes;
+use super::settings::{lift, pushes};
 use super::sides::{Sides, sides_of};
 use super::track_shape::{ShapeChannel, shapes};
 use super::whitened::whitened;
@@ -59,9 +59,13 @@ fn pushes_by_run(campaign: &Campaign, sides: &Sides) -> Result<Vec<Figure>, Veri
         return Ok(Vec::new());
     }
     let all: Vec<usize> = (0..campaign.runs.len()).collect();
-    let flown = runs_flown(&TrackEvidence::new(campaign, &all, &sides.before)?, sides);
+    let evidence = TrackEvidence::new(campaign, &all, &sides.before)?;
+    let flown = runs_flown(&evidence, sides);
     let kind = campaign.measured();
-    Ok(pushes(campaign, &flown, [0, 1, 2].map(|k| label(kind, k).0), stated_std(&campaign.plant, kind, 0)))
+    let std_m = stated_std(&campaign.plant, kind, 0);
+    let lift = lift(campaign, sides.after.as_ref().unwrap_or(&sides.before), &evidence, std_m);
+    let pushes = pushes(campaign, &flown, [0, 1, 2].map(|k| label(kind, k).0), std_m);
+    Ok(lift.into_iter().chain(pushes).collect())
 }
 
 /// Tracks flown again by each side.

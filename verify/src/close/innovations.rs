@@ -1,6 +1,6 @@
 //! verify: shape of the innovations. In: whitened innovations before and after. Out: histograms and autocorrelations per channel.
 
-use super::figure::short;
+use super::figure::{bin, short};
 use serde::{Deserialize, Serialize};
 use windfall_likelihood::{CHANNEL_NAMES, Engine, Innovations, Model, POSE};
 
@@ -28,9 +28,9 @@ pub struct InnovationLine {
 pub struct InnovationShape {
     /// Number of innovations.
     pub count: usize,
-    /// Lower and upper end of the histogram, standard deviations; what lies beyond is in the outermost bins.
+    /// Lower and upper end of the histogram, standard deviations; what lies beyond is in no bin.
     pub ends: [f64; 2],
-    /// Density in bins of equal width: of standard normal innovations `exp(−x²/2)/√(2π)`.
+    /// Density of all in bins of equal width, so that their area is the share inside the ends: of standard normal innovations `exp(−x²/2)/√(2π)`.
     pub density: Vec<f64>,
     /// Correlation with the innovation one, two … steps earlier; of white noise within ±1.96/√count, 19 times of 20.
     pub autocorrelation: Vec<f64>,
@@ -59,9 +59,9 @@ fn shape(runs: &[Innovations], channel: usize) -> InnovationShape {
         // An exact zero was not measured.
         let x: Vec<f64> = run.rows.iter().map(|r| r[channel]).collect();
         for v in x.iter().filter(|v| **v != 0.0 && v.is_finite()) {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the bins")]
-            let bin = ((v - ENDS[0]) / width).floor().clamp(0.0, (BINS - 1) as f64) as usize;
-            counts[bin] += 1;
+            if let Some(n) = bin((v - ENDS[0]) / width).and_then(|b| counts.get_mut(b)) {
+                *n += 1;
+            }
             count += 1;
         }
         for (lag, p) in products.iter_mut().enumerate() {

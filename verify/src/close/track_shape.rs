@@ -2,12 +2,15 @@
 //! or of poses, before and after. Out: a histogram and an autocorrelation for every channel.
 
 use super::figure::{Figure, Role, Series, Topic, histogram, short};
+use crate::quantile::quantile;
 use crate::tracks::TrackResidual;
 
 /// Lags of an autocorrelation.
 const LAGS: usize = 50;
-/// Share of the residuals that a histogram's ends hold; what lies beyond is in the outermost bins.
+/// Share of a side's residuals inside its reach.
 const INSIDE: f64 = 0.995;
+/// A histogram ends at so many reaches of the narrowest side: a model that is far off would leave the other as one bin.
+const WIDEST: f64 = 3.0;
 
 /// A channel to draw.
 pub(super) struct ShapeChannel {
@@ -33,12 +36,14 @@ pub(super) fn shapes(c: &ShapeChannel, sides: &[(Role, Vec<TrackResidual>)]) -> 
 }
 
 fn distribution(c: &ShapeChannel, sides: &[(Role, Vec<Vec<f64>>)]) -> Figure {
-    let mut sizes: Vec<f64> = sides.iter().flat_map(|(_, runs)| runs.iter().flatten().map(|x| x.abs())).collect();
-    sizes.sort_by(f64::total_cmp);
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place among the residuals")]
-    let reach = sizes[((INSIDE * sizes.len() as f64) as usize).min(sizes.len() - 1)];
+    let reach = |(_, runs): &(Role, Vec<Vec<f64>>)| {
+        let mut sizes: Vec<f64> = runs.iter().flatten().map(|x| x.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        quantile(&sizes, INSIDE)
+    };
+    let (least, most) = sides.iter().map(reach).fold((f64::INFINITY, 0.0), |(a, b): (f64, f64), r| (a.min(r), b.max(r)));
     let std = c.per_unit * c.stated_std;
-    let end = reach.max(4.0 * std).max(f64::MIN_POSITIVE);
+    let end = most.min(WIDEST * least).max(4.0 * std).max(f64::MIN_POSITIVE);
     let mut series = Vec::new();
     // A bell much narrower than the residual would be a spike that hides it.
     if std > 0.05 * end {

@@ -1,6 +1,7 @@
 //! verify: statistics of simulated records. In: a plant, a flight, run numbers. Out: one row of figures for each run.
 
-use super::{FigureQuantity, Moment, StatisticFigure, StatisticsError, StatisticsSetup};
+use super::{FigureQuantity, Moment, SimulatedHistory, StatisticFigure, StatisticsError, StatisticsSetup};
+use crate::close::short;
 use rayon::prelude::*;
 use windfall_model::{Plant, Record};
 use windfall_pid::smooth::{Smoother, TABLE_3_1_HZ};
@@ -46,6 +47,29 @@ fn one(setup: &StatisticsSetup, plant: &Plant, run: u64) -> Result<(Vec<f64>, bo
         flown.truth.p_tunnel_cm.iter().any(beyond)
     });
     Ok((figures(&measured(&flown.record)?, &setup.figures), left))
+}
+
+/// Most samples of a history.
+const SAMPLES: usize = 600;
+
+/// Θ and ω_q,r over time of one run of a plant with these families added.
+pub(super) fn history(
+    setup: &StatisticsSetup,
+    plant: &Plant,
+    families: Vec<&'static str>,
+    run: u64,
+) -> Result<SimulatedHistory, StatisticsError> {
+    let a = measured(&fly(plant, &setup.flown, Seed { campaign: setup.seed, run })?.record)?;
+    let stride = a.t_s.len().div_ceil(SAMPLES).max(1);
+    // Six digits: more cannot be seen.
+    let some = |x: &[f64], per_unit: f64| x.iter().step_by(stride).map(|v| short(per_unit * v)).collect();
+    Ok(SimulatedHistory {
+        families,
+        run,
+        t_s: some(&a.t_s, 1.0),
+        theta_deg: some(&a.theta_rad, 1_f64.to_degrees()),
+        omega_qr_deg_s: some(&a.omega_qr_rad_s, 1_f64.to_degrees()),
+    })
 }
 
 /// Θ and ω_q,r as the thesis has them: from the record's angles after its Fourier smoothing with the cutoffs of Table 3.1.

@@ -1,8 +1,9 @@
 //! verify: estimates of a study beside what they are of. In: columns of results. Out: truth and estimate of some draws, how often stated
 //! intervals of every size hold the truth, and what closings name where something acts.
 
+use super::dependence::{DependenceLine, dependence};
+use super::reliability::ReliabilityPoint;
 use super::select::Read;
-use super::stop::clopper_pearson;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
@@ -58,30 +59,6 @@ pub(super) fn varied<E>(columns: &[Column], lines: &[RecoveryLine], each: ReadCo
     Ok(all)
 }
 
-/// How often intervals hold the truth that are stated to do so with some probability.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ReliabilityPoint {
-    /// Stated probability; of classes their mean.
-    pub stated: f64,
-    /// How often it was so.
-    pub count: u64,
-    /// Out of how many.
-    pub of: u64,
-    /// 95 % interval of the share (Clopper and Pearson 1934).
-    pub ci95: [f64; 2],
-}
-
-impl ReliabilityPoint {
-    fn new(stated: f64, count: u64, of: u64) -> Self {
-        Self { stated, count, of, ci95: clopper_pearson(count, of) }
-    }
-    /// The share that was so.
-    #[must_use]
-    pub fn share(&self) -> f64 {
-        self.count as f64 / self.of as f64
-    }
-}
-
 /// A parameter's draws.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RecoveryLine {
@@ -113,6 +90,9 @@ pub struct ClosingSummary {
     pub confusion: Vec<ConfusionLine>,
     /// Stated probability of the named set against how often it is the one that acts.
     pub reliability: Vec<ReliabilityPoint>,
+    /// What naming exactly the set that acts hangs on: a line for every varied quantity, of the first 1000 draws, the strongest first.
+    #[serde(default)]
+    pub dependence: Vec<DependenceLine>,
 }
 
 /// The recovery of the parameter whose column of errors this is.
@@ -189,13 +169,16 @@ pub(super) fn closings<E>(columns: &[Column], each: ReadColumn<'_, E>) -> Result
     each(probability, &mut |cell| stated.push(cell.number()))?;
     let mut confusion: BTreeMap<String, BTreeMap<String, u64>> = BTreeMap::new();
     let mut classes = [(0.0, 0_u64, 0_u64); CLASSES.len() - 1];
+    let mut right = Vec::new();
     for (((truth, verdict), named), stated) in truths.iter().zip(&verdicts).zip(&named).zip(stated) {
         // A draw that failed has no verdict.
         if verdict.is_empty() {
+            right.push(None);
             continue;
         }
         let acts = set_of(truth);
         let found = if named.is_empty() && verdict == "unexplained" { verdict.clone() } else { set_of(named) };
+        right.push(Some(found == acts));
         if let Some(p) = stated {
             let class = CLASSES[1..].iter().position(|end| p < *end).unwrap_or(classes.len() - 1);
             let c = &mut classes[class];
@@ -203,10 +186,18 @@ pub(super) fn closings<E>(columns: &[Column], each: ReadColumn<'_, E>) -> Result
         }
         *confusion.entry(acts).or_default().entry(found).or_default() += 1;
     }
+    let mut hangs = Vec::new();
+    for column in columns.iter().filter(|c| c.name.starts_with("vary.")) {
+        let values = first_numbers(&|see| each(column, see))?;
+        hangs.extend(dependence(column.name.trim_start_matches("vary."), &values, &right));
+    }
+    let strength = |l: &DependenceLine| l.score.map_or(0.0, f64::abs);
+    hangs.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
     let filled = classes.iter().filter(|c| c.2 > 0);
     Ok(Some(ClosingSummary {
         confusion: confusion.into_iter().map(|(truth, found)| ConfusionLine { truth, found }).collect(),
         reliability: filled.map(|(sum, count, of)| ReliabilityPoint::new(sum / *of as f64, *count, *of)).collect(),
+        dependence: hangs,
     }))
 }
 

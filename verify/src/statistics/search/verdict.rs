@@ -1,14 +1,16 @@
 //! verify: what the search found, judged on fresh runs. In: hypotheses at their places. Out: explanations with intervals, what
 //! these figures separate, and the closing.
 
-use super::super::ensemble::{Rows, quantile, true_runs};
+use super::super::ensemble::{Rows, history, quantile, true_runs};
 use super::super::judge::{self, Spread, Tangent};
 use super::super::table::conclusions;
 use super::super::{
-    Estimated, Explanation, FigureOver, FigureSeparation, Screened, StatisticFigure, StatisticsClosing, StatisticsError,
+    Estimated, Explanation, FigureOver, FigureSeparation, Screened, SimulatedHistory, StatisticFigure, StatisticsClosing,
+    StatisticsError,
 };
 use super::{FINAL, Found, Search, WITHIN};
 use nalgebra::DMatrix;
+use windfall_model::Plant;
 
 /// Level of rejection.
 const LEVEL: f64 = 0.05;
@@ -63,6 +65,7 @@ impl Search<'_> {
         let explanations: Vec<Explanation> = judged.iter().map(|j| j.explanation.clone()).collect();
         let processing = judged.first().map_or(Ok(Vec::new()), |j| self.processing(&j.found))?;
         let separations = self.separations(judged);
+        let histories = self.histories(judged.first().map(|j| &j.found))?;
         let verdict = match explanations.first() {
             _ if before_p_value >= LEVEL => "consistent",
             Some(e) if e.closes => "effect",
@@ -83,11 +86,20 @@ impl Search<'_> {
             explanations,
             separations,
             processing,
+            histories,
             flights: self.flights.get(),
             conclusions: Vec::new(),
         };
         closing.conclusions = conclusions(&closing);
         Ok(closing)
+    }
+
+    /// The first run of the judgement, of the declared model and of the best explanation.
+    fn histories(&self, best: Option<&Found>) -> Result<Vec<SimulatedHistory>, StatisticsError> {
+        let one = |plant: &Plant, families| history(self.setup, plant, families, FINAL);
+        let declared = one(&self.setup.plant, Vec::new())?;
+        let best = best.map(|f| one(&f.h.plant(&self.setup.plant, &f.x), f.h.families())).transpose()?;
+        Ok(std::iter::once(declared).chain(best).collect())
     }
 
     fn separations(&self, judged: &[Judged]) -> Vec<FigureSeparation> {
@@ -152,6 +164,7 @@ fn over(figures: &[StatisticFigure], rows: &Rows) -> Vec<FigureOver> {
             mean,
             std,
             central90,
+            quantiles: std::array::from_fn(|k| quantile(&mut x, 0.05 * k as f64)),
             relative: mean / f.test - 1.0,
             inside: (central90[0]..=central90[1]).contains(&f.test),
         }
