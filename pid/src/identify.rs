@@ -150,7 +150,7 @@ pub fn identify_by(campaign: &Campaign, method: Method, options: &EstimateOption
 /// Each coefficient by itself.
 fn regression(campaign: &Campaign, method: Method, options: &EstimateOptions) -> Result<Identification, PidError> {
     if options.handling.is_empty() && options.priors.is_empty() {
-        identify_with(campaign, method, &method.smoother())
+        regressed(campaign, method, &method.smoother(), options.combined_only)
     } else {
         Err(PidError::NoPlace { method: method.name() })
     }
@@ -161,11 +161,19 @@ fn regression(campaign: &Campaign, method: Method, options: &EstimateOptions) ->
 /// # Errors
 /// As [`identify`].
 pub fn identify_with(campaign: &Campaign, method: Method, smoother: &Smoother) -> Result<Identification, PidError> {
+    regressed(campaign, method, smoother, false)
+}
+
+fn regressed(campaign: &Campaign, method: Method, smoother: &Smoother, combined_only: bool) -> Result<Identification, PidError> {
     let runs = processed(campaign, smoother)?;
     let prepared: Vec<Group> =
         groups(&campaign.plant, &campaign.declared).into_iter().map(|g| g.prepared(&runs, campaign, method)).collect();
     let mut warnings = Vec::new();
-    let data_sets = sets(&runs)
+    let mut sets = sets(&runs);
+    if combined_only {
+        sets.drain(..sets.len() - 1);
+    }
+    let data_sets = sets
         .into_iter()
         .map(|(name, members)| {
             DataSetWork { name: &name, members: &members, runs: &runs, campaign }.solve(&prepared, &mut warnings)
