@@ -9,7 +9,6 @@ use crate::regress::{Colour, PreparedColumns, RegressionFit, RegressionOutcome, 
 use crate::smooth::{Smoother, TABLE_3_1_HZ, smooth};
 use crate::states::states;
 use crate::{filter_error, output_error};
-use realfft::RealFftPlanner;
 use serde::{Deserialize, Serialize};
 use windfall_model::{Campaign, Coefficient, Data, Plant, Record, Use};
 
@@ -151,7 +150,7 @@ pub fn identify_by(campaign: &Campaign, method: Method, options: &EstimateOption
 /// Each coefficient by itself.
 fn regression(campaign: &Campaign, method: Method, options: &EstimateOptions) -> Result<Identification, PidError> {
     if options.handling.is_empty() && options.priors.is_empty() {
-        identify_with(campaign, method, &method.smoother())
+        regressed(campaign, method, &method.smoother(), options.combined_only)
     } else {
         Err(PidError::NoPlace { method: method.name() })
     }
@@ -162,14 +161,19 @@ fn regression(campaign: &Campaign, method: Method, options: &EstimateOptions) ->
 /// # Errors
 /// As [`identify`].
 pub fn identify_with(campaign: &Campaign, method: Method, smoother: &Smoother) -> Result<Identification, PidError> {
+    regressed(campaign, method, smoother, false)
+}
+
+fn regressed(campaign: &Campaign, method: Method, smoother: &Smoother, combined_only: bool) -> Result<Identification, PidError> {
     let runs = processed(campaign, smoother)?;
-    let mut planner = RealFftPlanner::new();
-    let prepared: Vec<Group> = groups(&campaign.plant, &campaign.declared)
-        .into_iter()
-        .map(|g| g.prepared(&runs, campaign, method, &mut planner))
-        .collect();
+    let prepared: Vec<Group> =
+        groups(&campaign.plant, &campaign.declared).into_iter().map(|g| g.prepared(&runs, campaign, method)).collect();
     let mut warnings = Vec::new();
-    let data_sets = sets(&runs)
+    let mut sets = sets(&runs);
+    if combined_only {
+        sets.drain(..sets.len() - 1);
+    }
+    let data_sets = sets
         .into_iter()
         .map(|(name, members)| {
             DataSetWork { name: &name, members: &members, runs: &runs, campaign }.solve(&prepared, &mut warnings)
@@ -227,10 +231,9 @@ impl Group {
     fn label(&self) -> &'static str {
         self.coefficients.last().map_or("", |c| c.name())
     }
-    fn prepared(mut self, runs: &[RunRows], campaign: &Campaign, method: Method, planner: &mut RealFftPlanner<f64>) -> Self {
-        let mut one =
-            |run| run_series(&self, run, campaign, method).into_iter().map(|s| PreparedColumns::new(s, planner)).collect();
-        self.series = runs.iter().map(&mut one).collect();
+    fn prepared(mut self, runs: &[RunRows], campaign: &Campaign, method: Method) -> Self {
+        let one = |run| run_series(&self, run, campaign, method).into_iter().map(PreparedColumns::new).collect();
+        self.series = runs.iter().map(one).collect();
         self
     }
 }
@@ -405,7 +408,11 @@ pub(crate) fn faded(run: &RunRows) -> Vec<f64> {
     let n = run.rows.len();
     let fade = (FADE_PERIODS / (run.bandwidth_hz * run.interval_s)).min(0.5 * n as f64);
     let factor = |i: usize| ((i.min(n - 1 - i) as f64 + 0.5) / fade).min(1.0);
-    run.weight.iter().enumerate().map(|(i, w)| w * (std::f64::consts::FRAC_PI_2 * factor(i)).sin().powi(2)).collect()
+    let faded = |(i, w): (usize, &f64)| match factor(i) {
+        1.0 => *w,
+        x => w * (std::f64::consts::FRAC_PI_2 * x).sin().powi(2),
+    };
+    run.weight.iter().enumerate().map(faded).collect()
 }
 
 /// One coefficient of one run; what effects add to the plant and what undeclared parameters hold is taken off the response.

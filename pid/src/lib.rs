@@ -24,6 +24,7 @@ pub mod plan;
 mod plant;
 pub mod plausible;
 pub mod regress;
+mod shared;
 pub mod simplex;
 pub mod smooth;
 pub mod states;

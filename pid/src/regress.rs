@@ -6,7 +6,6 @@ mod spectral;
 
 use crate::PidError;
 use nalgebra::{DMatrix, DVector};
-use realfft::RealFftPlanner;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// One coefficient over one run: what the regression stacks. Residuals may be correlated within a series, never between two.
@@ -95,8 +94,7 @@ const RANK_TOLERANCE: f64 = 1.0e-10;
 /// # Ok::<(), windfall_pid::PidError>(())
 /// ```
 pub fn ols(series: &[RegressionSeries]) -> Result<RegressionOutcome, PidError> {
-    let mut planner = RealFftPlanner::new();
-    let prepared: Vec<PreparedColumns> = series.iter().cloned().map(|s| PreparedColumns::new(s, &mut planner)).collect();
+    let prepared: Vec<PreparedColumns> = series.iter().cloned().map(PreparedColumns::new).collect();
     let columns: Vec<usize> = (0..series.first().map_or(0, |s| s.regressors.len())).collect();
     fit(&prepared.iter().collect::<Vec<_>>(), &columns)
 }
@@ -109,9 +107,9 @@ pub(crate) struct PreparedColumns {
 }
 
 impl PreparedColumns {
-    pub(crate) fn new(series: RegressionSeries, planner: &mut RealFftPlanner<f64>) -> Self {
+    pub(crate) fn new(series: RegressionSeries) -> Self {
         let cosines = match series.residuals {
-            Colour::Weighted(count) => Some(spectral::cosines(&series, count, planner)),
+            Colour::Weighted(count) => Some(spectral::cosines(&series, count)),
             Colour::White | Colour::Corrected(_) => None,
         };
         Self { series, cosines }

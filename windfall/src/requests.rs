@@ -51,7 +51,7 @@ pub struct Identify {
     /// which and why]
     #[cfg_attr(feature = "cli", arg(long, value_parser = method()))]
     pub method: Option<Method>,
-    /// Only all runs together, without each kind of run alone (methods that integrate)
+    /// Only all runs together, without each kind of run alone
     #[cfg_attr(feature = "cli", arg(long))]
     pub combined: bool,
     /// Check the stated errors by N copies: the identified model is flown again with the campaign's own inputs and noise, and identified

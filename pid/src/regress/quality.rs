@@ -39,8 +39,18 @@ pub(super) fn ljung_box(residuals: &[Vec<f64>]) -> f64 {
         if r0 <= 0.0 {
             continue;
         }
-        for k in 1..=LAGS {
-            let r = v.iter().zip(&v[k..]).map(|(a, b)| a * b).sum::<f64>() / r0;
+        // All lags in one pass, which the vector unit can take; each sum in the order of its samples.
+        let mut sums = [0.0; LAGS];
+        let add = |sums: &mut [f64; LAGS], x: f64, later: &[f64]| {
+            for (sum, y) in sums.iter_mut().zip(later) {
+                *sum += x * y;
+            }
+        };
+        let (pairs, tail) = (v.windows(LAGS + 1), &v[v.len() - LAGS..]);
+        pairs.for_each(|w| add(&mut sums, w[0], &w[1..]));
+        (0..LAGS).for_each(|i| add(&mut sums, tail[i], &tail[i + 1..]));
+        for (k, sum) in (1..=LAGS).zip(sums) {
+            let r = sum / r0;
             q += n * (n + 2.0) * r * r / (n - k as f64);
         }
         freedom += LAGS as f64;

@@ -10,9 +10,11 @@
 
 use super::colour::fast_length;
 use super::{Coloured, RegressionSeries, weight};
+use crate::shared::Shared;
 use nalgebra::{DMatrix, DVector};
-use realfft::RealFftPlanner;
+use realfft::{RealFftPlanner, RealToComplex};
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::sync::Arc;
 
 /// One series as cosine amplitudes.
 #[derive(Clone, Debug)]
@@ -27,12 +29,28 @@ impl Cosines {
     }
 }
 
+/// What a transform of a length, of which so many amplitudes are wanted, needs.
+struct Transform {
+    fft: Arc<dyn RealToComplex<f64>>,
+    shift: Vec<(f64, f64)>,
+}
+
+/// Transforms of the lengths used last.
+static TRANSFORMS: Shared<(usize, usize), Transform> = Shared::new(4);
+
+impl Transform {
+    fn new(n: usize, count: usize) -> Self {
+        let shift = (0..count.min(n)).map(|k| (PI * k as f64 / (2.0 * n as f64)).sin_cos()).collect();
+        Self { fft: RealFftPlanner::new().plan_fft_forward(2 * n), shift }
+    }
+}
+
 /// The first `count` orthonormal cosine amplitudes (DCT-II) of a series' weighted rows, followed by a few zeros for a fast length.
-pub(super) fn cosines(s: &RegressionSeries, count: usize, planner: &mut RealFftPlanner<f64>) -> Cosines {
+pub(super) fn cosines(s: &RegressionSeries, count: usize) -> Cosines {
     let n = fast_length(s.response.len());
-    let fft = planner.plan_fft_forward(2 * n);
-    let (mut even, mut out) = (fft.make_input_vec(), fft.make_output_vec());
-    let shift: Vec<(f64, f64)> = (0..count.min(n)).map(|k| (PI * k as f64 / (2.0 * n as f64)).sin_cos()).collect();
+    let transform = TRANSFORMS.get((n, count), || Transform::new(n, count));
+    let Transform { fft, shift } = &*transform;
+    let (mut even, mut out, mut scratch) = (fft.make_input_vec(), fft.make_output_vec(), fft.make_scratch_vec());
     let unit = (2.0 * n as f64).sqrt().recip();
     let mut transform = |x: &[f64]| -> Vec<f64> {
         even.fill(0.0);
@@ -41,7 +59,7 @@ pub(super) fn cosines(s: &RegressionSeries, count: usize, planner: &mut RealFftP
             even[i] = v;
             even[2 * n - 1 - i] = v;
         }
-        fft.process(&mut even, &mut out).expect("buffers are made by the plan");
+        fft.process_with_scratch(&mut even, &mut out, &mut scratch).expect("buffers are made by the plan");
         let mut c: Vec<f64> = shift.iter().zip(&out).map(|((sine, cosine), z)| unit * (z.re * cosine + z.im * sine)).collect();
         if let Some(mean) = c.first_mut() {
             *mean *= FRAC_1_SQRT_2;

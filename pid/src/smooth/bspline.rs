@@ -66,13 +66,13 @@ impl Knots {
         }
         out
     }
-    /// Values, first and second derivatives (per knot interval) of the eight functions at x.
-    pub(super) fn derivatives(self, interval: usize, x: f64) -> [[f64; ORDER]; 3] {
+    /// First and second derivatives (per knot interval) of the eight functions at x.
+    pub(super) fn slopes(self, interval: usize, x: f64) -> [[f64; ORDER]; 2] {
         let mut below = [[0.0; ORDER]; 2];
         self.climb(&mut below[0], interval, x, DEGREE - 1);
         self.climb(&mut below[1], interval, x, DEGREE - 2);
         let first = self.derive(below[0], interval, DEGREE);
         let second = self.derive(self.derive(below[1], interval, DEGREE - 1), interval, DEGREE);
-        [self.values(interval, x), first, second]
+        [first, second]
     }
 }

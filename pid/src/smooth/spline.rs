@@ -9,6 +9,8 @@ use super::banded::{Banded, BandedFactor};
 use super::bspline::{DEGREE, Knots, ORDER};
 use super::{Fit, Signal};
 use crate::PidError;
+use crate::shared::Shared;
+use std::sync::{Arc, OnceLock};
 
 /// Shortest knot interval that the automatic choice tries, samples.
 const SHORTEST: f64 = 2.0;
@@ -32,16 +34,18 @@ pub(super) fn smooth(raw: [&[f64]; 7], dt: f64, knot_s: Option<f64>) -> Result<F
         }
         None => choose(&samples, dt),
     };
-    let grid = Grid::new(intervals, n);
-    let (coefficients, factor) = grid.fit(&samples).ok_or(PidError::TooFewSamples {
+    let grid = Grid::shared(intervals, n);
+    let factor = grid.factor.as_ref().ok_or(PidError::TooFewSamples {
         what: "spline through a run".to_owned(),
         samples: n,
         needed: intervals + ORDER,
     })?;
+    let coefficients = grid.fit(&samples, factor);
     let (channels, rss) = grid.evaluate(&samples, &coefficients, dt);
     let free = (n - grid.knots.count()) as f64;
     let bandwidth = 0.5 / (grid.samples_per_interval() * dt);
-    Ok(Fit { channels, noise_std: rss.map(|r| (r / free).sqrt()), weight: grid.weights(&factor), bandwidth_hz: [bandwidth; 7] })
+    let weight = grid.weights.get_or_init(|| grid.weights(factor)).clone();
+    Ok(Fit { channels, noise_std: rss.map(|r| (r / free).sqrt()), weight, bandwidth_hz: [bandwidth; 7] })
 }
 
 fn interleave(raw: [&[f64]; 7]) -> Vec<[f64; 7]> {
@@ -69,7 +73,7 @@ fn cross_validate(samples: &[[f64; 7]], dt: f64) -> usize {
     let mut best = (f64::INFINITY, 1);
     let mut knot = LONGEST_S / dt;
     while knot >= SHORTEST {
-        let grid = Grid::new(intervals_of(knot, n), n);
+        let grid = Grid::shared(intervals_of(knot, n), n);
         if let Some(rss) = grid.residual(samples, size2) {
             let left = 1.0 - grid.knots.count() as f64 / n as f64;
             // A channel that is fitted to rounding error says nothing more.
@@ -94,16 +98,44 @@ fn sum_of_squares(samples: &[[f64; 7]]) -> [f64; 7] {
     s
 }
 
-/// Knots laid over n samples from the first to the last.
+/// Knots laid over n samples from the first to the last, with what follows from them alone.
 struct Grid {
     knots: Knots,
     per_sample: f64,
     n: usize,
+    /// Values of the eight functions at each sample.
+    values: Vec<[f64; ORDER]>,
+    /// Of the normal matrix; none when that is not positive definite.
+    factor: Option<BandedFactor>,
+    /// First and second derivatives of the eight functions at each sample, and factors of the rows: of the grid that is chosen.
+    slopes: OnceLock<Vec<[[f64; ORDER]; 2]>>,
+    weights: OnceLock<Vec<f64>>,
 }
 
+/// Grids of the runs smoothed last: those of the search, and those that it chose. At most 1.6 MB each.
+static GRIDS: Shared<(usize, usize), Grid> = Shared::new(24);
+/// Longest run whose grids are kept, samples.
+const LONGEST_KEPT: usize = 8192;
+
 impl Grid {
+    fn shared(intervals: usize, n: usize) -> Arc<Self> {
+        if n > LONGEST_KEPT { Arc::new(Self::new(intervals, n)) } else { GRIDS.get((intervals, n), || Self::new(intervals, n)) }
+    }
     fn new(intervals: usize, n: usize) -> Self {
-        Self { knots: Knots { intervals }, per_sample: intervals as f64 / (n - 1) as f64, n }
+        let (knots, per_sample) = (Knots { intervals }, intervals as f64 / (n - 1) as f64);
+        let mut grid =
+            Self { knots, per_sample, n, values: Vec::new(), factor: None, slopes: OnceLock::new(), weights: OnceLock::new() };
+        let mut gram = Banded::zeros(knots.count());
+        grid.values = (0..n)
+            .map(|i| {
+                let (first, x) = grid.place(i);
+                let values = knots.values(first, x);
+                gram.add_outer(first, &values);
+                values
+            })
+            .collect();
+        grid.factor = gram.factor();
+        grid
     }
     fn samples_per_interval(&self) -> f64 {
         1.0 / self.per_sample
@@ -112,30 +144,32 @@ impl Grid {
         let x = i as f64 * self.per_sample;
         (self.knots.interval(x), x)
     }
+    /// Each sample with the first coefficient that acts there and the values of the functions.
+    fn rows<'a>(&'a self, samples: &'a [[f64; 7]]) -> impl Iterator<Item = (&'a [f64; 7], usize, &'a [f64; ORDER])> {
+        samples.iter().zip(&self.values).enumerate().map(|(i, (y, b))| (y, self.place(i).0, b))
+    }
     /// Least-squares coefficients from normal equations, once more on the residual, which restores the digits that their squared
     /// condition number costs.
-    fn fit(&self, samples: &[[f64; 7]]) -> Option<(Vec<[f64; 7]>, BandedFactor)> {
-        let (gram, mut c) = self.normal(samples);
-        let factor = gram.factor()?;
+    fn fit(&self, samples: &[[f64; 7]], factor: &BandedFactor) -> Vec<[f64; 7]> {
+        let mut c = self.projection(samples);
         factor.solve(&mut c);
         let mut more = vec![[0.0; 7]; c.len()];
-        for (i, y) in samples.iter().enumerate() {
-            let (first, x) = self.place(i);
-            let b = self.knots.values(first, x);
-            let fit = gather(&c[first..first + ORDER], &b);
-            scatter(&mut more[first..first + ORDER], &b, &std::array::from_fn(|k| y[k] - fit[k]));
+        for (y, first, b) in self.rows(samples) {
+            let fit = gather(&c[first..first + ORDER], b);
+            scatter(&mut more[first..first + ORDER], b, &std::array::from_fn(|k| y[k] - fit[k]));
         }
         factor.solve(&mut more);
         for (c, m) in c.iter_mut().flatten().zip(more.iter().flatten()) {
             *c += m;
         }
-        Some((c, factor))
+        c
     }
     /// Sums of squared residuals. From the normal equations, yᵀy − cᵀBᵀy; where that has lost its digits, sample by sample.
     fn residual(&self, samples: &[[f64; 7]], size2: [f64; 7]) -> Option<[f64; 7]> {
-        let (gram, projection) = self.normal(samples);
+        let factor = self.factor.as_ref()?;
+        let projection = self.projection(samples);
         let mut c = projection.clone();
-        gram.factor()?.solve(&mut c);
+        factor.solve(&mut c);
         let mut explained = [0.0; 7];
         for (c, b) in c.iter().zip(&projection) {
             for k in 0..7 {
@@ -152,25 +186,28 @@ impl Grid {
     }
     fn residual_by_sample(&self, samples: &[[f64; 7]], c: &[[f64; 7]]) -> [f64; 7] {
         let mut rss = [0.0; 7];
-        for (i, y) in samples.iter().enumerate() {
-            let (first, x) = self.place(i);
-            let fit = gather(&c[first..first + ORDER], &self.knots.values(first, x));
+        for (y, first, b) in self.rows(samples) {
+            let fit = gather(&c[first..first + ORDER], b);
             for k in 0..7 {
                 rss[k] += (y[k] - fit[k]) * (y[k] - fit[k]);
             }
         }
         rss
     }
-    fn normal(&self, samples: &[[f64; 7]]) -> (Banded, Vec<[f64; 7]>) {
-        let mut gram = Banded::zeros(self.knots.count());
+    /// Right-hand sides of the normal equations.
+    fn projection(&self, samples: &[[f64; 7]]) -> Vec<[f64; 7]> {
         let mut projection = vec![[0.0; 7]; self.knots.count()];
-        for (i, y) in samples.iter().enumerate() {
-            let (first, x) = self.place(i);
-            let b = self.knots.values(first, x);
-            gram.add_outer(first, &b);
-            scatter(&mut projection[first..first + ORDER], &b, y);
+        for (y, first, b) in self.rows(samples) {
+            scatter(&mut projection[first..first + ORDER], b, y);
         }
-        (gram, projection)
+        projection
+    }
+    fn slopes(&self) -> &[[[f64; ORDER]; 2]] {
+        let at = |i| {
+            let (first, x) = self.place(i);
+            self.knots.slopes(first, x)
+        };
+        self.slopes.get_or_init(|| (0..self.n).map(at).collect())
     }
     fn evaluate(&self, samples: &[[f64; 7]], c: &[[f64; 7]], dt: f64) -> ([Signal; 7], [f64; 7]) {
         let per_s = self.per_sample / dt;
@@ -180,10 +217,9 @@ impl Grid {
             second: Vec::with_capacity(self.n),
         });
         let mut rss = [0.0; 7];
-        for (i, y) in samples.iter().enumerate() {
-            let (first, x) = self.place(i);
+        for ((y, first, b), [rate, second]) in self.rows(samples).zip(self.slopes()) {
             let local = &c[first..first + ORDER];
-            let [value, rate, second] = self.knots.derivatives(first, x).map(|b| gather(local, &b));
+            let [value, rate, second] = [b, rate, second].map(|b| gather(local, b));
             for (k, signal) in out.iter_mut().enumerate() {
                 signal.value.push(value[k]);
                 signal.rate.push(rate[k] * per_s);
@@ -212,7 +248,7 @@ impl Grid {
     /// Standard deviation of the second derivative at sample i for noise of unit standard deviation, per interval².
     fn second_deviation(&self, factor: &BandedFactor, i: usize) -> f64 {
         let (first, x) = self.place(i);
-        let second = self.knots.derivatives(first, x)[2];
+        let second = self.knots.slopes(first, x)[1];
         // The forward solution fades geometrically: 6 orders past the last value it is below rounding of the sum.
         let to = (first + ORDER + 6 * DEGREE).min(self.knots.count());
         let mut z = vec![[0.0]; to];

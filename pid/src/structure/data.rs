@@ -5,7 +5,6 @@ use super::select::{Reduced, SelectionRows};
 use crate::identify::{RunRows, cosines, faded};
 use crate::regress::{Colour, PreparedColumns, RegressionSeries, spectra, whitened};
 use nalgebra::{DMatrix, DVector};
-use realfft::RealFftPlanner;
 use windfall_model::{Aero, Campaign, Coefficient, Contribution, Factor, Structure, Term};
 
 /// Widths of bumps that stand in for any width while the noise's spectrum is estimated, rad.
@@ -66,7 +65,7 @@ fn weighted(run: &RunRows, regressors: Vec<Vec<f64>>, response: Vec<f64>) -> Reg
 
 impl<'a> PoolData<'a> {
     /// `None` where the data do not determine a spectrum: no rows, or fewer than candidates.
-    pub(crate) fn new(pool: &'a Pool, runs: &'a [RunRows], aero: &Aero, planner: &mut RealFftPlanner<f64>) -> Option<Self> {
+    pub(crate) fn new(pool: &'a Pool, runs: &'a [RunRows], aero: &Aero) -> Option<Self> {
         let excited = |c: &usize| {
             let candidate = &pool.candidates[*c];
             let size = |k: &Coefficient| {
@@ -77,10 +76,10 @@ impl<'a> PoolData<'a> {
         let linear: Vec<usize> = (0..pool.candidates.len()).filter(|c| !pool.candidates[*c].shaped).filter(excited).collect();
         let nuisance: Vec<_> =
             pool.candidates.iter().filter(|c| c.shaped).flat_map(|c| NUISANCE_RAD.map(|w| with_width(c, w))).collect();
-        let mut series = |run: &RunRows, coefficient: Coefficient| {
+        let series = |run: &RunRows, coefficient: Coefficient| {
             let own = linear.iter().map(|&c| regressor(run, coefficient, &pool.candidates[c].contributions));
             let more = nuisance.iter().map(|n| regressor(run, coefficient, n));
-            PreparedColumns::new(weighted(run, own.chain(more).collect(), response(run, aero, coefficient)), planner)
+            PreparedColumns::new(weighted(run, own.chain(more).collect(), response(run, aero, coefficient)))
         };
         let prepared: Vec<Vec<PreparedColumns>> =
             runs.iter().map(|run| pool.coefficients.iter().map(|c| series(run, *c)).collect()).collect();
@@ -143,19 +142,14 @@ impl<'a> PoolData<'a> {
     }
 
     /// Whitened regressor of a candidate with a width, and its derivative by the width, over all runs.
-    pub(crate) fn shaped(
-        &self,
-        candidate: &Candidate,
-        width: f64,
-        planner: &mut RealFftPlanner<f64>,
-    ) -> Option<[DVector<f64>; 2]> {
+    pub(crate) fn shaped(&self, candidate: &Candidate, width: f64) -> Option<[DVector<f64>; 2]> {
         let contributions = with_width(candidate, width);
         let mut out = [Vec::new(), Vec::new()];
         for (run, spectra) in self.runs.iter().zip(&self.spectra) {
             for (coefficient, spectrum) in self.pool.coefficients.iter().zip(spectra) {
                 let columns = vec![regressor(run, *coefficient, &contributions), by_width(run, *coefficient, &contributions)];
                 let nothing = vec![0.0; run.rows.len()];
-                let (x, _) = whitened(&PreparedColumns::new(weighted(run, columns, nothing), planner), spectrum)?;
+                let (x, _) = whitened(&PreparedColumns::new(weighted(run, columns, nothing)), spectrum)?;
                 out.iter_mut().zip(x.column_iter()).for_each(|(o, c)| o.extend(c.iter()));
             }
         }

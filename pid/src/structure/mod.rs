@@ -26,10 +26,8 @@ use crate::interval::NORMAL_95;
 use crate::smooth::Smoother;
 use data::{PoolData, plain};
 use likely::{Likely, likely, swept};
-use realfft::RealFftPlanner;
 use select::Reduced;
 use serde::{Deserialize, Serialize};
-use std::cell::RefCell;
 use windfall_model::{Aero, Campaign, Contribution, Structure};
 
 /// What the runs of a campaign say about its structure.
@@ -156,12 +154,11 @@ pub struct CriterionChoice {
 /// [`Criterion::Subset`] with a warning.
 pub fn choose(campaign: &Campaign, criterion: Criterion) -> Result<Choice, PidError> {
     let runs = processed(campaign, &Smoother::Auto)?;
-    let mut planner = RealFftPlanner::new();
     let mut warnings = Vec::new();
     let (mut pools, mut works) = (pools(), Vec::new());
-    let shapes: Vec<Option<ShapeReport>> = pools.iter_mut().map(|pool| shaped(pool, &runs, campaign, &mut planner)).collect();
+    let shapes: Vec<Option<ShapeReport>> = pools.iter_mut().map(|pool| shaped(pool, &runs, campaign)).collect();
     for (pool, shape) in pools.iter().zip(shapes) {
-        match Work::new(pool, &runs, campaign, shape, &mut planner) {
+        match Work::new(pool, &runs, campaign, shape) {
             Some(work) => works.push(work),
             None => warnings.push(format!(
                 "{}: these runs do not tell its candidates apart from noise; no terms chosen: add longer runs",
@@ -217,13 +214,12 @@ const WIDTHS_RAD: [f64; 2] = [0.01, 0.6];
 
 /// Seeks the width of a pool's bump beside all its other candidates. Where the best subset with it gains what chance would give in
 /// [`FAMILY_ERROR`] over the pool's size, the bump becomes a candidate like the others, of that width.
-fn shaped(pool: &mut Pool, runs: &[RunRows], campaign: &Campaign, planner: &mut RealFftPlanner<f64>) -> Option<ShapeReport> {
+fn shaped(pool: &mut Pool, runs: &[RunRows], campaign: &Campaign) -> Option<ShapeReport> {
     let at = pool.candidates.iter().position(|c| c.shaped)?;
     let candidate = pool.candidates[at].clone();
     let (fit, gain, needed) = {
-        let data = PoolData::new(pool, runs, &campaign.plant.aero, planner)?;
-        let planner = RefCell::new(planner);
-        let column = |w: f64| data.shaped(&candidate, w, &mut planner.borrow_mut());
+        let data = PoolData::new(pool, runs, &campaign.plant.aero)?;
+        let column = |w: f64| data.shaped(&candidate, w);
         let reduced = data.reduced();
         let among = |columns: &[usize]| {
             let (linear, response) = data.base(columns);
@@ -268,15 +264,9 @@ struct Work<'a> {
 }
 
 impl<'a> Work<'a> {
-    fn new(
-        pool: &'a Pool,
-        runs: &'a [RunRows],
-        campaign: &Campaign,
-        shape: Option<ShapeReport>,
-        planner: &mut RealFftPlanner<f64>,
-    ) -> Option<Self> {
+    fn new(pool: &'a Pool, runs: &'a [RunRows], campaign: &Campaign, shape: Option<ShapeReport>) -> Option<Self> {
         let aero = &campaign.plant.aero;
-        let data = PoolData::new(pool, runs, aero, planner)?;
+        let data = PoolData::new(pool, runs, aero)?;
         Some(Self { white: plain(pool, &data.linear, runs, aero), reduced: data.reduced(), data, shape })
     }
 

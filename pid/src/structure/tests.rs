@@ -7,7 +7,6 @@ use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
-use realfft::RealFftPlanner;
 
 struct Chance(ChaCha8Rng);
 
@@ -73,7 +72,6 @@ fn recover_subset_and_f_err_as_often_as_they_say() {
 fn recover_level_under_colour() {
     let (n, columns, width) = (3000, 6, 30);
     let mut chance = Chance(ChaCha8Rng::seed_from_u64(3));
-    let mut planner = RealFftPlanner::new();
     let smooth = |x: &[f64]| -> Vec<f64> { x.windows(width).map(|w| w.iter().sum::<f64>() / width as f64).collect() };
     let mut white = 0;
     let mut own = 0;
@@ -89,7 +87,7 @@ fn recover_level_under_colour() {
         white += usize::from(!plain.choose(Criterion::WhiteF).expect("chooses").0.is_empty());
         // Up to the smoothing's first zero.
         let residuals = Colour::Weighted(2 * n / width);
-        let series = PreparedColumns::new(RegressionSeries { regressors, response, weight, residuals }, &mut planner);
+        let series = PreparedColumns::new(RegressionSeries { regressors, response, weight, residuals });
         let spectrum = spectra(&[&series], &(0..columns).collect::<Vec<_>>()).expect("enough rows").remove(0);
         let (x, y) = whitened(&series, &spectrum).expect("cosines");
         own += usize::from(!Reduced::new(vec![SelectionRows { x, y }]).choose(Criterion::Subset).expect("chooses").0.is_empty());

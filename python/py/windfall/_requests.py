@@ -20,7 +20,7 @@ class Identify(TypedDict, total=False):
     """
     bootstrap: Check the stated errors by N copies: the identified model is flown again with the campaign's own inputs and
         noise, and identified again; scatter over stated error is known to 1/√(2N)
-    combined: Only all runs together, without each kind of run alone (methods that integrate)
+    combined: Only all runs together, without each kind of run alone
     hold: Hold a parameter: it is not estimated but kept at this value (Cl_0=0.0125); may be repeated
     method: How to identify [default: output-error where its residual is noise, filter-error where process noise is found; the
         result says which and why]; one of thesis, equation-error, output-error, filter-error
