@@ -88,6 +88,6 @@ mod tests {
         assert!(dependence("rate", &values[..6], &right[..6]).is_none(), "too few");
         let same = vec![Some(1.0); 12];
         assert!(dependence("rate", &same, &right).is_none());
-        assert_eq!(dependence("rate", &values, &vec![Some(true); 12]).expect("a line").score, None);
+        assert_eq!(dependence("rate", &values, &[Some(true); 12]).expect("a line").score, None);
     }
 }
