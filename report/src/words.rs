@@ -139,8 +139,17 @@ pub fn sentence(c: &Closing) -> String {
             format!("What the declared model leaves is noise: no effect of the {} weighed is needed.", c.candidates.len())
         }
         Verdict::Effect => {
-            let names: Vec<String> = c.effects.iter().map(effect_name).collect();
-            format!("The declared model lacks {}.{}{}", listed(&names), held_out_words(c), left_words(c))
+            let names = listed(&c.effects.iter().map(effect_name).collect::<Vec<_>>());
+            let (held_out, left) = (held_out_words(c), left_words(c));
+            if c.effects.iter().all(|e| e.form.as_ref().is_some_and(|f| !f.ok)) && !c.unexplained.is_empty() {
+                let words = if c.effects.len() > 1 {
+                    "come nearest to it, but the form of none of them holds"
+                } else {
+                    "comes nearest to it, but its form does not hold"
+                };
+                return format!("The declared model lacks something: {names} {words}.{held_out}{left}");
+            }
+            format!("The declared model lacks {names}.{held_out}{left}")
         }
         Verdict::Unexplained => {
             let channels: Vec<String> = c.unexplained.iter().map(|u| plain_key(&u.channel).0).collect();
