@@ -1005,7 +1005,7 @@ class DependenceLine(Record):
 
     name: str
     score: float | None
-    values: list[float]
+    values: list[float]  # type: ignore[assignment]
     shares: list[ReliabilityPoint]
 
 
