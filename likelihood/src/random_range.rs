@@ -40,6 +40,11 @@ struct RidgePoint {
     spread: f64,
 }
 
+/// 95 % interval of a number whose logarithm is known to `s`, within its plausible range: an unknown one has all of it.
+fn log_normal(value: f64, s: f64, [low, high]: [f64; 2]) -> [f64; 2] {
+    [-1.96, 1.96].map(|z: f64| (value * (z * s).exp()).min(high).max(low))
+}
+
 impl Engine {
     /// Of every number of the random members; none where a model departs.
     pub(crate) fn random_ranges(&self, model: &Model) -> Vec<RandomRange> {
@@ -53,7 +58,8 @@ impl Engine {
             .enumerate()
             .map(|(j, &place)| {
                 let (value, s) = (model.members[place.0].values[place.1], covariance[(j, j)].max(0.0).sqrt());
-                RandomRange { place, std: value * s, ci95: [value * (-1.96 * s).exp(), value * (1.96 * s).exp()] }
+                let p = &model.members[place.0].parameters[place.1];
+                RandomRange { place, std: value * s, ci95: log_normal(value, s, [p.low, p.high]) }
             })
             .collect();
         for (w, &place) in places.iter().enumerate() {
@@ -171,6 +177,15 @@ fn ranges(ridge: &[RidgePoint], estimates: [f64; 2]) -> Option<(RandomRange, Ran
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// What is known to nothing has its plausible range, and numbers that JSON can hold.
+    #[test]
+    fn exact_an_unknown_size_has_its_range() {
+        let [low, high] = super::log_normal(0.001, 400.0, [0.0, 2.0]);
+        assert!(low < 1e-12 && (high - 2.0).abs() < 1e-12);
+        let [low, high] = super::log_normal(0.1, 0.1, [0.0, 2.0]);
+        assert!((low / 0.1 - (-0.196_f64).exp()).abs() < 1e-12 && (high / 0.1 - 0.196_f64.exp()).abs() < 1e-12);
+    }
 
     /// Points of a Gaussian ridge in logarithms: the shape's interval is that Gaussian's, the size's has the ridge's slope.
     #[test]
