@@ -71,17 +71,15 @@ pub(crate) fn alternatives(engine: &Engine) -> Vec<Alternative> {
             1 | 5 => add(vec![Basis::Angle(2, true), Basis::Angle(5, true), Basis::Angle(1, false), Basis::Angle(3, false)]),
             _ => add(vec![Basis::Angle(2, false), Basis::Angle(5, false), Basis::Angle(1, true), Basis::Angle(3, true)]),
         }
-        // A spinning part inside turns pitching into yawing.
-        match place {
-            1 | 5 => add(vec![Basis::Rate(1)]),
-            2 | 4 => add(vec![Basis::Rate(2)]),
-            _ => {}
-        }
         let axis = match place {
             0 | 3 => 0,
             1 | 5 => 2,
             _ => 1,
         };
+        // The rate across: a spinning part inside turns pitching into yawing.
+        if axis > 0 {
+            add(vec![Basis::Rate(3 - axis)]);
+        }
         add(vec![Basis::Hysteresis(axis, false), Basis::Hysteresis(axis, true)]);
         // What the load is mostly made of, its angle and its rate, in proportion to a variable.
         for along in Along::ALL {

@@ -57,8 +57,9 @@ impl Engine {
             .iter()
             .enumerate()
             .map(|(j, &place)| {
-                let (value, s) = (model.members[place.0].values[place.1], covariance[(j, j)].max(0.0).sqrt());
-                let p = &model.members[place.0].parameters[place.1];
+                let member = &model.members[place.0];
+                let (value, p) = (member.values[place.1], &member.parameters[place.1]);
+                let s = covariance[(j, j)].max(0.0).sqrt();
                 RandomRange { place, std: value * s, ci95: log_normal(value, s, [p.low, p.high]) }
             })
             .collect();
@@ -181,9 +182,9 @@ mod tests {
     /// What is known to nothing has its plausible range, and numbers that JSON can hold.
     #[test]
     fn exact_an_unknown_size_has_its_range() {
-        let [low, high] = super::log_normal(0.001, 400.0, [0.0, 2.0]);
+        let [low, high] = log_normal(0.001, 400.0, [0.0, 2.0]);
         assert!(low < 1e-12 && (high - 2.0).abs() < 1e-12);
-        let [low, high] = super::log_normal(0.1, 0.1, [0.0, 2.0]);
+        let [low, high] = log_normal(0.1, 0.1, [0.0, 2.0]);
         assert!((low / 0.1 - (-0.196_f64).exp()).abs() < 1e-12 && (high / 0.1 - 0.196_f64.exp()).abs() < 1e-12);
     }
 

@@ -14,7 +14,7 @@ use crate::smoothing::smoothing;
 use crate::story::story;
 use crate::svg::dots;
 use crate::wind_tunnel::differences;
-use crate::words::{channel, number, p_value, plain_key, sentence, with_interval};
+use crate::words::{channel, number, p_value, plain_key, sentence, with_interval, with_unit};
 use std::fmt::Write as _;
 use windfall_verify::close::{
     ChannelResidual, Closing, EffectLine, Figure, ParameterLine, SignalTracks, SmoothingTracks, Topic, Verdict,
@@ -130,7 +130,7 @@ fn topic(figures: &[Figure], topic: Topic, title: &str, lead: &str, plots: &mut 
         f.title = f.title.trim_end_matches(" (s)").to_owned();
         if let (name, Some(unit)) = plain_key(&f.x_label) {
             f.title = f.title.replace(&f.x_label, &name);
-            f.x_label = format!("{name} ({unit})");
+            f.x_label = with_unit(&name, Some(unit));
         }
     }
     own.iter_mut().for_each(say_beyond);

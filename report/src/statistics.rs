@@ -165,7 +165,7 @@ fn histories(v: &Value, plots: &mut Plots) -> String {
     };
     let drawn = plots.charts(["theta_deg", "omega_qr_deg_s"].map(one));
     let [b, a] = sides(v);
-    let marks = key(&if all.len() > 1 { vec![(b.0, b.1.as_str()), (a.0, a.1.as_str())] } else { vec![(b.0, b.1.as_str())] });
+    let marks = key(&[(b.0, b.1.as_str()), (a.0, a.1.as_str())][..all.len().min(2)]);
     let lead = "Look whether such a run could be the published one: of a test of which statistics alone are printed there is no history, and a model \
                 may have the right numbers by another kind of motion. The same gusts and sensor noise in both.";
     section("One simulated run", lead, &format!("{marks}<div class=\"grid\">{drawn}</div>\n"))

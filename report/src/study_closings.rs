@@ -7,6 +7,7 @@ use crate::legend::key;
 use crate::number;
 use crate::plot::{Plot, Plots};
 use crate::study_varied::{decades, quantity};
+use crate::words::with_unit;
 use std::fmt::Write as _;
 use windfall_verify::close::{Figure, Role, Series, Topic};
 use windfall_verify::study::{ClosingSummary, DependenceLine, ReliabilityPoint};
@@ -83,7 +84,7 @@ fn over(d: &DependenceLine) -> Figure {
     Figure {
         topic: Topic::Variable,
         title: format!("Share of right draws over {name}"),
-        x_label: unit.map_or(name.clone(), |u| format!("{name} ({u})")),
+        x_label: with_unit(&name, unit),
         y_label: "share of draws named right".to_owned(),
         log_x: decades(&d.values),
         series: vec![whole, points],

@@ -3,7 +3,7 @@
 use crate::html::section;
 use crate::legend::key;
 use crate::plot::Plots;
-use crate::words::plain_key;
+use crate::words::{plain_key, with_unit};
 use windfall_verify::close::{Figure, Role, Series, Topic};
 use windfall_verify::study::{RecoveryLine, VariedLine};
 
@@ -71,7 +71,7 @@ fn figure(coefficient: &str, lines: &[&RecoveryLine], v: &VariedLine) -> Option<
     Some(Figure {
         topic: Topic::Variable,
         title: format!("{coefficient}: errors over {name}"),
-        x_label: unit.map_or(name.clone(), |u| format!("{name} ({u})")),
+        x_label: with_unit(&name, unit),
         y_label: "error (stated standard errors)".to_owned(),
         log_x: decades(&[first, last]),
         series: [level(REACH), level(-REACH)].into_iter().chain(clouds).collect(),

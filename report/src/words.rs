@@ -114,12 +114,15 @@ pub(crate) fn plain_key(key: &str) -> (String, Option<&'static str>) {
     (name.replace(['_', '-'], " "), unit)
 }
 
+/// A name with its unit, if it has one: `X (m)`.
+pub(crate) fn with_unit(name: &str, unit: Option<&str>) -> String {
+    unit.map_or_else(|| name.to_owned(), |u| format!("{name} ({u})"))
+}
+
 /// A channel of a record with its unit: `X_m` is `X (m)`.
 pub(crate) fn channel(key: &str) -> String {
-    match plain_key(key) {
-        (name, Some(unit)) => format!("{name} ({unit})"),
-        (name, None) => name,
-    }
+    let (name, unit) = plain_key(key);
+    with_unit(&name, unit)
 }
 
 /// A list as people write it: `a`, `a and b`, `a, b and c`.
