@@ -159,13 +159,22 @@ pub(crate) fn shown<S: Scalar>(s: &Sensors, arm: [f64; 3], x: &[S; STATES], rate
     let e1 = euler_rate(e, w);
     // Second derivative of the angles along the motion, by a difference: it only curves a block of samples.
     const STEP_S: f64 = 1e-4;
-    let ahead = euler_rate(std::array::from_fn(|k| e[k] + e1[k] * STEP_S), std::array::from_fn(|k| w[k] + STEP_S * rate[9 + k]));
-    let mut angles: [S; 3] = std::array::from_fn(|k| e[k] + e1[k] * first + (ahead[k] - e1[k]) * (second / STEP_S));
+    let (mut then, mut turning) = (e, w);
+    for k in 0..3 {
+        then[k] = e[k] + e1[k] * STEP_S;
+        turning[k] = w[k] + STEP_S * rate[9 + k];
+    }
+    let ahead = euler_rate(then, turning);
+    let mut angles = e;
+    for k in 0..3 {
+        angles[k] = e[k] + e1[k] * first + (ahead[k] - e1[k]) * (second / STEP_S);
+    }
     let t = turned(angles);
-    let place: [S; 3] = std::array::from_fn(|k| {
+    let mut place = e;
+    for k in 0..3 {
         let cm = x[k] + x[6 + k] * first + second * rate[6 + k];
-        (cm - (t[k][0] * arm[0] + t[k][1] * arm[1] + t[k][2] * arm[2])) * (1.0 + s.length_scale)
-    });
+        place[k] = (cm - (t[k][0] * arm[0] + t[k][1] * arm[1] + t[k][2] * arm[2])) * (1.0 + s.length_scale);
+    }
     if s.misalignment_rad.iter().any(|a| *a != 0.0) {
         let m = body_to_tunnel(s.misalignment_rad);
         let r = |i: usize, j: usize| t[i][0] * m[0][j] + t[i][1] * m[1][j] + t[i][2] * m[2][j];

@@ -20,7 +20,7 @@ mod weigh;
 
 pub use contest::Contest;
 use contest::{against_alternatives, against_gusts};
-use polish::{Scored, climb_down, declared_alone, in_other_forms, polish};
+use polish::{Scored, climb_down, declared_alone, in_other_forms, polish, polished};
 pub use rivals::{RivalPair, Rivals, Unseen, log_odds};
 use starts::{LEVELS, Start, ladder, lead_in, sized, struck, with_random};
 use weigh::{SURE, Weighed, named};
@@ -163,7 +163,7 @@ fn in_own_noise(engine: &mut Engine, best: Scored, log: &mut Vec<String>) -> Sco
     });
     let best = if engine.refine_noise(&best.1.model) {
         log.push(format!("noise {:?}", engine.noise.map(|n| format!("{:.3e}/{:.2}", n.std(), n.correlation))));
-        polish(engine, best.1.model.clone(), f64::NEG_INFINITY, log).unwrap_or(best)
+        polished(engine, best.1.model.clone(), f64::NEG_INFINITY, false, log).unwrap_or(best)
     } else {
         best
     };

@@ -8,6 +8,7 @@
 #[cfg(test)]
 mod dense;
 mod predict;
+mod rows;
 mod update;
 
 use crate::columns::{Basis, SensitivityColumn, Shown, View, body_to_tunnel, lag_s, shown};
@@ -16,6 +17,8 @@ use crate::random::{Input, ORDER, inputs};
 use crate::run::Prepared;
 use crate::shock::{Taken, Trace};
 use nalgebra::{DMatrix, DVector};
+use pulp::{Arch, Simd, WithSimd};
+use rows::VECTOR;
 use windfall_model::{Entry, Plant};
 use windfall_pid::equations::{ADDED, Craft, LOOSE, MOTION, STATES, TunnelAir};
 
@@ -128,9 +131,12 @@ struct Filter<'a> {
     slack: f64,
     keep: Keep,
     step_s: f64,
-    /// Motion states, all states, columns.
+    /// States of the motion, and all; length of rows that hold all, longer where that makes whole vectors (then zeros).
     nm: usize,
+    states: usize,
     n: usize,
+    /// Columns, and the length of rows that hold them.
+    columns: usize,
     nc: usize,
 }
 
@@ -138,7 +144,21 @@ struct Filter<'a> {
 pub(crate) fn pass(run: &Prepared, s: &PassSetting<'_>) -> Result<Seen, Departed> {
     let fault = Departed { run: run.index, t_s: 0.0 };
     let columns: Vec<Ready<'_>> = s.columns.iter().map(|c| ready(c, s.plant)).collect::<Option<_>>().ok_or(fault)?;
-    Filter::new(run, s).ok_or(fault)?.run(columns)
+    Arch::new().dispatch(Widest { filter: &Filter::new(run, s).ok_or(fault)?, columns })
+}
+
+/// A pass, compiled for each vector unit.
+struct Widest<'f, 'a> {
+    filter: &'f Filter<'a>,
+    columns: Vec<Ready<'a>>,
+}
+
+impl WithSimd for Widest<'_, '_> {
+    type Output = Result<Seen, Departed>;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        self.filter.run(self.columns)
+    }
 }
 
 fn ready<'a>(column: &'a SensitivityColumn, base: &Plant) -> Option<Ready<'a>> {
@@ -169,7 +189,7 @@ impl<'a> Filter<'a> {
         let coloured: Vec<(usize, MeanNoise)> =
             (0..POSE).filter(|&c| s.noise[c].coloured > 0.0).map(|c| (c, s.noise[c].of_means(run.block))).collect();
         let nm = if s.plant.vehicle.loose.is_some() { MOTION } else { STATES };
-        let n = nm + random.iter().map(|r| r.order).sum::<usize>() + 2 * coloured.len();
+        let states = nm + random.iter().map(|r| r.order).sum::<usize>() + 2 * coloured.len();
         let white = std::array::from_fn(|c| s.noise[c].white.max(1e-6 * s.noise[c].coloured));
         Some(Self {
             run,
@@ -182,15 +202,18 @@ impl<'a> Filter<'a> {
             keep: s.keep,
             step_s,
             nm,
-            n,
-            nc: s.columns.len(),
+            states,
+            n: states.next_multiple_of(VECTOR),
+            columns: s.columns.len(),
+            nc: s.columns.len().next_multiple_of(VECTOR),
         })
     }
 
+    #[inline(always)]
     fn run(&self, mut columns: Vec<Ready<'a>>) -> Result<Seen, Departed> {
-        let (n, nc) = (self.n, self.nc);
+        let (n, nc) = (self.n, self.columns);
         let (mut z, mut p) = self.start();
-        let mut s = vec![0.0; n * nc];
+        let mut s = vec![0.0; n * self.nc];
         let mut seen = Seen {
             g: DMatrix::zeros(nc + 1, nc + 1),
             b: DVector::zeros(nc),
@@ -284,7 +307,7 @@ impl<'a> Filter<'a> {
 
     /// Coloured noise with the place of its mean, which the last sample follows, and its channel.
     fn colours(&self) -> impl Iterator<Item = (usize, usize, &MeanNoise)> {
-        let from = self.n - 2 * self.coloured.len();
+        let from = self.states - 2 * self.coloured.len();
         self.coloured.iter().enumerate().map(move |(j, (channel, noise))| (from + 2 * j, *channel, noise))
     }
 
@@ -398,11 +421,6 @@ fn times(m: &crate::random::Block, q: [f64; ORDER]) -> [f64; ORDER] {
     std::array::from_fn(|i| (0..ORDER).map(|k| m[i][k] * q[k]).sum())
 }
 
-#[inline(always)]
-fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
-    y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
-}
-
 /// `G += M Mᵀ` of the rows gathered.
 fn multiply(rows: &[f64], g: &mut DMatrix<f64>) {
     let width = g.nrows();
@@ -425,6 +443,8 @@ struct Work {
     gamma: Vec<f64>,
     /// Slopes of the rates of motion by motion, and their second and third powers.
     powers: [Vec<f64>; 3],
+    /// What motion makes of slopes by what the air adds, once and twice.
+    pushed: [[[f64; ADDED]; MOTION]; 2],
     terms: Vec<f64>,
     values: Vec<f64>,
 }
@@ -445,6 +465,7 @@ impl Work {
             s: vec![0.0; n * nc],
             gamma: vec![0.0; f.nm * f.nm],
             powers: std::array::from_fn(|_| vec![0.0; f.nm * f.nm]),
+            pushed: [[[0.0; ADDED]; MOTION]; 2],
             terms: Vec::new(),
             values: Vec::new(),
         }

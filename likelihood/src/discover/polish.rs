@@ -25,10 +25,15 @@ pub(super) const HOPELESS: f64 = 500.0;
 pub(super) type Scored = (f64, Fit, Weighed);
 
 /// Fits a set in full and weighs all sets again, until the set stays.
-pub(super) fn polish(engine: &Engine, mut model: Model, floor: f64, log: &mut Vec<String>) -> Option<Scored> {
+pub(super) fn polish(engine: &Engine, model: Model, floor: f64, log: &mut Vec<String>) -> Option<Scored> {
+    polished(engine, model, floor, true, log)
+}
+
+/// The same; where random members' forms are known, they are kept.
+pub(super) fn polished(engine: &Engine, mut model: Model, floor: f64, forms: bool, log: &mut Vec<String>) -> Option<Scored> {
     let mut seen: Vec<(String, f64, Fit)> = Vec::new();
     for round in 0..ROUNDS {
-        let fit = fitted(engine, &model, round == 0)?;
+        let fit = fitted(engine, &model, forms && round == 0)?;
         let w = weigh(engine, &fit.model)?;
         let here = score(engine, &fit);
         let key = names(&fit.model);
@@ -83,14 +88,14 @@ fn without_promises(engine: &Engine, mut here: f64, mut fit: Fit, log: &mut Vec<
     Some((here, fit, weighed))
 }
 
-/// A set at its likeliest, without random members that bring less than they cost; those in the likelier of their forms at first.
-fn fitted(engine: &Engine, model: &Model, first: bool) -> Option<Fit> {
+/// A set at its likeliest, without random members that bring less than they cost; those in the likelier of their forms where these are open.
+fn fitted(engine: &Engine, model: &Model, open: bool) -> Option<Fit> {
     let mut fit = climb_down(engine, model)?;
     if !crate::random_fit::random_numbers(&fit.model).is_empty() {
         // Shapes first: what a set's members leave is no gust.
         fit = engine.climb(&fit.model, true, 10).unwrap_or(fit);
-        fit = without_idle(engine, engine.settle_random(&fit, if first { FEW } else { STEPS }));
-        if first {
+        fit = without_idle(engine, engine.settle_random(&fit, if open { FEW } else { STEPS }));
+        if open {
             fit = without_idle(engine, in_likelier_form(engine, engine.settle_random(&fit, STEPS)));
         }
     }

@@ -1,6 +1,7 @@
 //! likelihood: the filter from one node to the next. In: state, covariance and sensitivities after a node. Out: the same before the next.
 
-use super::{Filter, Ready, SLACK, Stage, Work, axpy, states, times};
+use super::rows::{VECTOR, add_rows};
+use super::{Filter, Ready, SLACK, Stage, Work, states, times};
 use crate::columns::View;
 use crate::random::{Input, REACH};
 use windfall_model::{Entry, Plant};
@@ -24,6 +25,7 @@ struct At {
 impl Filter<'_> {
     /// Time update to the next node.
     #[expect(clippy::too_many_arguments, reason = "the state of one filter, borrowed in parts")]
+    #[inline(always)]
     pub(super) fn predict(
         &self,
         k: usize,
@@ -51,7 +53,7 @@ impl Filter<'_> {
             let last = z[at + 1];
             z[at..at + 2].copy_from_slice(&noise.by_last.map(|by| by * last));
         }
-        self.spread_out(p, work);
+        self.spread_on(p, work);
         Some(())
     }
 
@@ -70,6 +72,7 @@ impl Filter<'_> {
     }
 
     /// Push of the columns on the rates in the middle of a step.
+    #[inline(always)]
     fn push(&self, at: &At, columns: &mut [Ready<'_>], view: &View, work: &mut Work) -> Option<()> {
         let (nm, nc) = (self.nm, self.nc);
         let At { middle, air, added, local } = at;
@@ -128,11 +131,15 @@ impl Filter<'_> {
 
     /// Transition of all states over a step and, on and below the diagonal, the noise that it adds. Motion by the Taylor series of its
     /// matrix exponential; inputs, and their integrals that move it, exactly.
+    #[inline(always)]
     fn transition(&self, local: &Local, work: &mut Work) {
         let (n, h) = (self.n, self.step_s);
         work.phi.fill(0.0);
         work.q.fill(0.0);
-        pulp::Arch::new().dispatch(|| self.of_motion(local, work));
+        self.of_motion(local, work);
+        if !self.random.is_empty() {
+            self.of_inputs(local, work);
+        }
         self.wind_noise(local, work);
         for (k, a) in SLACK.iter().enumerate() {
             work.q[(6 + k) * n + 6 + k] += (self.slack * a * h).powi(2);
@@ -169,7 +176,23 @@ impl Filter<'_> {
         }
     }
 
+    /// `A B` and `A² B` of the motion and what the air may add.
+    #[inline(always)]
+    fn of_inputs(&self, local: &Local, work: &mut Work) {
+        let nm = self.nm;
+        let Work { powers: [once, ..], pushed: [first, second], .. } = work;
+        for (i, a) in once.chunks_exact(nm).enumerate() {
+            first[i] = [0.0; ADDED];
+            add_rows(a, local.by_added.as_flattened(), ADDED, &mut first[i]);
+        }
+        for (row, a) in second.iter_mut().zip(once.chunks_exact(nm)) {
+            *row = [0.0; ADDED];
+            add_rows(a, first.as_flattened(), ADDED, row);
+        }
+    }
+
     /// `A v` of the motion.
+    #[inline(always)]
     fn by_motion(&self, v: &[f64; MOTION], work: &Work) -> [f64; MOTION] {
         let nm = self.nm;
         let row = |i: usize| work.powers[0][i * nm..(i + 1) * nm].iter().zip(v).map(|(a, x)| a * x).sum();
@@ -177,6 +200,7 @@ impl Filter<'_> {
     }
 
     /// White noise that the tunnel speed's record leaves: ∫ (B + A B s)(B + A B s)ᵀ ds.
+    #[inline(always)]
     fn wind_noise(&self, local: &Local, work: &mut Work) {
         let (n, nm, h) = (self.n, self.nm, self.step_s);
         let wind = local.by_speed.map(|slopes| slopes[0]);
@@ -191,29 +215,37 @@ impl Filter<'_> {
     }
 
     /// What a random input, its first state at `at`, does to motion and to itself over a step.
+    #[inline(always)]
     fn driven(&self, at: usize, input: &Input, local: &Local, work: &mut Work) {
         let (n, nm) = (self.n, self.nm);
         // Rates of motion by the input and by its rate, and what motion makes of those.
-        let column = |k: usize| local.by_added.map(|slopes| slopes[k]);
         let (own, rate) = match input.entry {
-            Entry::AirVelocity(axis) => (column(axis), column(3 + axis)),
-            Entry::Coefficient(c) => (column(6 + c), [0.0; MOTION]),
+            Entry::AirVelocity(axis) => (axis, Some(3 + axis)),
+            Entry::Coefficient(c) => (6 + c, None),
         };
-        let (own_1, rate_1) = (self.by_motion(&own, work), self.by_motion(&rate, work));
-        let (own_2, rate_2) = (self.by_motion(&own_1, work), self.by_motion(&rate_1, work));
-        let moved: [[f64; REACH]; MOTION] = std::array::from_fn(|i| [own[i], rate[i], own_1[i], rate_1[i], own_2[i], rate_2[i]]);
+        let mut moved = [[0.0; MOTION]; REACH];
+        for (k, slopes) in [&local.by_added, &work.pushed[0], &work.pushed[1]].into_iter().enumerate() {
+            for i in 0..nm {
+                moved[2 * k][i] = slopes[i][own];
+                moved[2 * k + 1][i] = rate.map_or(0.0, |rate| slopes[i][rate]);
+            }
+        }
+        let own = moved[0];
         let broad = (input.broad * self.step_s).powi(2);
         let Work { phi, q, .. } = work;
+        for c in 0..input.order {
+            let by = weighted(&moved, &input.reach.map(|r| r[c]));
+            let crossed = weighted(&moved, &input.crossed.map(|r| r[c]));
+            for i in 0..nm {
+                phi[i * n + at + c] = by[i];
+                q[(at + c) * n + i] = crossed[i];
+            }
+        }
+        let spread = input.reach_added.map(|r| weighted(&moved, &r));
         for i in 0..nm {
-            let by = |m: &[f64; REACH]| -> f64 { moved[i].iter().zip(m).map(|(a, b)| a * b).sum() };
-            for c in 0..input.order {
-                phi[i * n + at + c] = by(&input.reach.map(|r| r[c]));
-                q[(at + c) * n + i] = by(&input.crossed.map(|r| r[c]));
-            }
-            let spread = input.reach_added.map(|r| by(&r));
-            for k in 0..=i {
-                q[i * n + k] += moved[k].iter().zip(&spread).map(|(a, b)| a * b).sum::<f64>() + broad * own[i] * own[k];
-            }
+            let mut sum = weighted(&moved, &spread.map(|s| s[i]));
+            sum.iter_mut().zip(&own).for_each(|(sum, x)| *sum += broad * own[i] * x);
+            q[i * n..=i * n + i].iter_mut().zip(&sum).for_each(|(q, s)| *q += s);
         }
         for i in 0..input.order {
             for k in 0..input.order {
@@ -224,12 +256,13 @@ impl Filter<'_> {
     }
 
     /// `S⁻ = Φ S⁺ + Γ`.
+    #[inline(always)]
     fn carry(&self, s: &mut Vec<f64>, columns: &[Ready<'_>], rate: &[f64; MOTION], work: &mut Work) {
         let (nm, nc) = (self.nm, self.nc);
         if nc == 0 {
             return;
         }
-        pulp::Arch::new().dispatch(|| self.moved(s, work));
+        self.moved(s, work);
         let next = &mut work.s;
         // A clock that runs otherwise: all states go further or less far in a step.
         for (j, column) in columns.iter().enumerate() {
@@ -248,59 +281,35 @@ impl Filter<'_> {
         let (n, nm, nc) = (self.n, self.nm, self.nc);
         let next = &mut work.s;
         next.fill(0.0);
-        for i in 0..n {
+        for i in 0..self.states {
             let row = &mut next[i * nc..(i + 1) * nc];
-            for k in 0..n {
-                let f = work.phi[i * n + k];
-                if f != 0.0 {
-                    axpy(f, &s[k * nc..(k + 1) * nc], row);
-                }
-            }
+            add_rows(&work.phi[i * n..i * n + self.states], s, nc, row);
             if i < nm {
-                for k in 6..nm {
-                    let f = work.gamma[i * nm + k];
-                    if f != 0.0 {
-                        axpy(f, &work.push[k * nc..(k + 1) * nc], row);
-                    }
-                }
+                add_rows(&work.gamma[i * nm + 6..(i + 1) * nm], &work.push[6 * nc..], nc, row);
             }
         }
     }
 
     /// `P⁻ = Φ P⁺ Φᵀ + Q`.
-    fn spread_out(&self, p: &mut [f64], work: &mut Work) {
-        pulp::Arch::new().dispatch(|| self.spread_on(p, work));
-    }
-
     #[inline(always)]
     fn spread_on(&self, p: &mut [f64], work: &mut Work) {
-        let n = self.n;
-        let half = &mut work.half;
+        let (n, states) = (self.n, self.states);
+        let Work { phi, q, half, turned, .. } = work;
+        let phi = |i: usize| &phi[i * n..i * n + states];
         half.fill(0.0);
-        for i in 0..n {
-            for k in 0..n {
-                let f = work.phi[i * n + k];
-                if f != 0.0 {
-                    axpy(f, &p[k * n..(k + 1) * n], &mut half[i * n..(i + 1) * n]);
-                }
-            }
+        for i in 0..states {
+            add_rows(phi(i), p, n, &mut half[i * n..(i + 1) * n]);
         }
         // Φ P, turned, is P Φᵀ; Φ times that.
-        let turned = &mut work.turned;
-        for i in 0..n {
-            (0..n).for_each(|j| turned[j * n + i] = half[i * n + j]);
+        for i in 0..states {
+            (0..states).for_each(|j| turned[j * n + i] = half[i * n + j]);
         }
         // On and below the diagonal; the rest is the same.
-        for i in 0..n {
-            let row = &mut half[i * n..=i * n + i];
-            row.copy_from_slice(&work.q[i * n..=i * n + i]);
-            for k in 0..n {
-                let f = work.phi[i * n + k];
-                if f != 0.0 {
-                    axpy(f, &turned[k * n..=k * n + i], row);
-                }
-            }
-            for (j, value) in row.iter().enumerate() {
+        for i in 0..states {
+            let row = &mut half[i * n..(i + 1) * n];
+            row.copy_from_slice(&q[i * n..(i + 1) * n]);
+            add_rows(phi(i), turned, n, &mut row[..(i + 1).next_multiple_of(VECTOR)]);
+            for (j, value) in row[..=i].iter().enumerate() {
                 p[i * n + j] = *value;
                 p[j * n + i] = *value;
             }
@@ -308,18 +317,22 @@ impl Filter<'_> {
     }
 }
 
-/// `out = a b` of square matrices by rows.
+/// Sum of motions by their weights.
+#[inline(always)]
+fn weighted(all: &[[f64; MOTION]; REACH], weights: &[f64; REACH]) -> [f64; MOTION] {
+    let mut sum = [0.0; MOTION];
+    for (one, w) in all.iter().zip(weights) {
+        sum.iter_mut().zip(one).for_each(|(sum, x)| *sum += x * w);
+    }
+    sum
+}
+
+/// `out = a b` of square matrices by rows, of whole vectors.
 #[inline(always)]
 fn product(n: usize, a: &[f64], b: &[f64], out: &mut [f64]) {
-    for i in 0..n {
-        let row = &mut out[i * n..(i + 1) * n];
-        row.fill(0.0);
-        for k in 0..n {
-            let f = a[i * n + k];
-            if f != 0.0 {
-                axpy(f, &b[k * n..(k + 1) * n], row);
-            }
-        }
+    out.fill(0.0);
+    for (row, a) in out.chunks_exact_mut(n).zip(a.chunks_exact(n)) {
+        add_rows(a, b, n, row);
     }
 }
 

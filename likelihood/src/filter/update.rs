@@ -1,6 +1,7 @@
 //! likelihood: what a measurement does to the filter. In: state, covariance and sensitivities before a node. Out: the same after it.
 
-use super::{Filter, Ready, SETTLED_S, Seen, Work, axpy};
+use super::rows::axpy;
+use super::{Filter, Ready, SETTLED_S, Seen, Work};
 use crate::columns::{Shown, View, shown};
 use crate::noise::POSE;
 use crate::run::Node;
@@ -10,6 +11,7 @@ use windfall_pid::equations::{Dual, MOTION, STATES};
 impl Filter<'_> {
     /// Measurement update at a node, channel by channel (their white noise is independent).
     #[expect(clippy::too_many_arguments, reason = "the state of one filter, borrowed in parts")]
+    #[inline(always)]
     pub(super) fn update(
         &self,
         k: usize,
@@ -39,7 +41,7 @@ impl Filter<'_> {
                 *sums = [sums[0] + innovation * innovation, sums[1] + variance, sums[2] + w * w, sums[3] + 1.0];
             }
             (whitened[c], variances[c]) = (w, variance);
-            rows.extend(work.d.iter().map(|x| x / root));
+            rows.extend(work.d[..self.columns].iter().map(|x| x / root));
             rows.push(w);
             if let Some(node) = seen.trace.nodes.last_mut() {
                 let slope = work.h[c * n..(c + 1) * n].to_vec();
@@ -48,7 +50,7 @@ impl Filter<'_> {
                     covariance: work.ph.clone(),
                     value: innovation,
                     variance,
-                    columns: work.d.clone(),
+                    columns: work.d[..self.columns].to_vec(),
                 });
             }
             self.correct(z, p, s, innovation, variance, work);
@@ -59,12 +61,14 @@ impl Filter<'_> {
     }
 
     /// What the channels show, and their slopes by the states.
+    #[inline(always)]
     fn slopes_by_states(&self, k: usize, z: &[f64], rate: &[f64; MOTION], work: &mut Work) -> Shown {
         let n = self.n;
         let samples = &self.run.nodes[k].pose;
-        let x = std::array::from_fn(|i| Dual::<STATES>::variable(z[i], i));
+        let mut x = [Dual::<STATES>::default(); STATES];
+        x.iter_mut().zip(z).enumerate().for_each(|(i, (x, z))| *x = Dual::variable(*z, i));
         let arm = self.plant.vehicle.p_origin_cm.to_array();
-        let all = pulp::Arch::new().dispatch(|| shown(&self.plant.sensors, arm, &x, rate, [samples.tau_s, samples.tau2_s2]));
+        let all = shown(&self.plant.sensors, arm, &x, rate, [samples.tau_s, samples.tau2_s2]);
         let h = &mut work.h;
         h.fill(0.0);
         for (c, channel) in all.iter().enumerate() {
@@ -78,6 +82,7 @@ impl Filter<'_> {
 
     /// What columns do to the channels at once.
     #[expect(clippy::too_many_arguments, reason = "the state of one filter, borrowed in parts")]
+    #[inline(always)]
     fn slopes_by_columns(
         &self,
         k: usize,
@@ -105,6 +110,7 @@ impl Filter<'_> {
 
     /// Innovation of a channel and its variance; the channel's covariance with the states and its slopes by the columns stay in `work`.
     #[expect(clippy::too_many_arguments, reason = "the state of one filter, borrowed in parts")]
+    #[inline(always)]
     fn innovation(
         &self,
         c: usize,
@@ -129,7 +135,7 @@ impl Filter<'_> {
             axpy(hc[i], &p[i * n..(i + 1) * n], ph);
             axpy(hc[i], &s[i * nc..(i + 1) * nc], d);
             carried += hc[i] * (z[i] - before[i]);
-            if i >= n - 2 * self.coloured.len() {
+            if i >= self.states - 2 * self.coloured.len() {
                 noise_state += hc[i] * before[i];
             }
         }
@@ -138,19 +144,18 @@ impl Filter<'_> {
     }
 
     /// State, covariance and sensitivities after an innovation.
+    #[inline(always)]
     fn correct(&self, z: &mut [f64], p: &mut [f64], s: &mut [f64], innovation: f64, variance: f64, work: &Work) {
         let (n, nc) = (self.n, self.nc);
         let (ph, d) = (&work.ph, &work.d);
-        pulp::Arch::new().dispatch(|| {
-            for i in 0..n {
-                let gain = ph[i] / variance;
-                if gain == 0.0 {
-                    continue;
-                }
-                z[i] += gain * innovation;
-                axpy(-gain, d, &mut s[i * nc..(i + 1) * nc]);
-                axpy(-gain, ph, &mut p[i * n..(i + 1) * n]);
+        for i in 0..self.states {
+            let gain = ph[i] / variance;
+            if gain == 0.0 {
+                continue;
             }
-        });
+            z[i] += gain * innovation;
+            axpy(-gain, d, &mut s[i * nc..(i + 1) * nc]);
+            axpy(-gain, ph, &mut p[i * n..(i + 1) * n]);
+        }
     }
 }

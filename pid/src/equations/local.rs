@@ -1,8 +1,9 @@
 //! pid: rates of motion at one instant with their slopes, for filters of any kind. In: state, air. Out: rates and slopes.
 //!
-//! Forward-mode derivatives of the same formula that is integrated (Wengert 1964), compiled once here.
+//! Forward-mode derivatives of the same formula that is integrated (Wengert 1964), compiled once here for each vector unit.
 
 use super::{Craft, Dual, Extra, LOOSE, STATES, Scalar, TunnelAir};
+use pulp::{Arch, Simd, WithSimd};
 
 /// Motion and loose mass: c.m. position, Euler angles, velocity, body rates, then displacement and rate of the loose mass.
 pub const MOTION: usize = STATES + LOOSE;
@@ -22,18 +23,100 @@ pub struct Local {
     pub by_speed: [[f64; 2]; MOTION],
 }
 
-/// Rates of all states from those of the motion and the loose mass' acceleration.
+/// What is linearised, and where.
+struct Linearised<'w, 'p> {
+    craft: &'w Craft<'p>,
+    x: &'w [f64; MOTION],
+    air: TunnelAir,
+    added: &'w [f64; ADDED],
+    terms: &'w mut [f64],
+}
+
+impl WithSimd for Linearised<'_, '_> {
+    type Output = Option<Local>;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Option<Local> {
+        let Self { craft, x, air, added, terms } = self;
+        let mut local = Local {
+            rate: [0.0; MOTION],
+            by_state: [[0.0; MOTION]; MOTION],
+            by_added: [[0.0; ADDED]; MOTION],
+            by_speed: [[0.0; 2]; MOTION],
+        };
+        // By twelve directions at a time: larger numbers are copied by calls.
+        {
+            type D = Dual<STATES>;
+            let x = variables(&x[..STATES]);
+            let part = constants(&self.x[STATES..]);
+            let (motion, acceleration) = craft.motion(&x, &part, air, &given::<D>(added), &craft.plant.aero.values, terms)?;
+            for (i, d) in motion.iter().enumerate() {
+                local.rate[i] = d.value;
+                local.by_state[i][..STATES].copy_from_slice(&d.slopes);
+            }
+            local.rate[STATES..].copy_from_slice(&[
+                self.x[STATES + 2],
+                self.x[STATES + 3],
+                acceleration[0].value,
+                acceleration[1].value,
+            ]);
+            (0..2).for_each(|k| local.by_state[STATES + 2 + k][..STATES].copy_from_slice(&acceleration[k].slopes));
+        }
+        if craft.plant.vehicle.loose.is_some() {
+            type D = Dual<LOOSE>;
+            let motion: [D; STATES] = constants(&x[..STATES]);
+            let part = variables(&x[STATES..]);
+            let (motion, acceleration) =
+                craft.motion(&motion, &part, air, &given::<D>(added), &craft.plant.aero.values, terms)?;
+            for (i, d) in motion.iter().enumerate() {
+                local.by_state[i][STATES..].copy_from_slice(&d.slopes);
+            }
+            for (k, d) in acceleration.iter().enumerate() {
+                local.by_state[STATES + k][STATES + 2 + k] = 1.0;
+                local.by_state[STATES + 2 + k][STATES..].copy_from_slice(&d.slopes);
+            }
+        }
+        {
+            type D = Dual<ADDED>;
+            let extra = Extra {
+                velocity: each!(|i| D::variable(added[i], i)),
+                acceleration: each!(|i| D::variable(added[3 + i], 3 + i)),
+                coefficients: variables_from(&added[6..], 6),
+            };
+            let (motion, part): ([D; STATES], [D; LOOSE]) = (constants(&x[..STATES]), constants(&x[STATES..]));
+            let (motion, acceleration) = craft.motion(&motion, &part, air, &extra, &craft.plant.aero.values, terms)?;
+            for (i, d) in motion.iter().enumerate() {
+                local.by_added[i] = d.slopes;
+            }
+            (0..2).for_each(|k| local.by_added[STATES + 2 + k] = acceleration[k].slopes);
+        }
+        Some(local)
+    }
+}
+
+/// Constants, and variables of the directions from `first` on.
 #[inline(always)]
-fn joined<S: Copy>(x: &[S; MOTION], (rate, part): ([S; STATES], [S; 2])) -> [S; MOTION] {
-    let mut all = [rate[0]; MOTION];
-    all[..STATES].copy_from_slice(&rate);
-    all[STATES..].copy_from_slice(&[x[STATES + 2], x[STATES + 3], part[0], part[1]]);
+fn constants<S: Scalar, const N: usize>(values: &[f64]) -> [S; N] {
+    let mut all = [S::default(); N];
+    all.iter_mut().zip(values).for_each(|(one, v)| *one = S::real(*v));
     all
 }
 
 #[inline(always)]
-fn parts<S: Copy>(x: &[S; MOTION]) -> ([S; STATES], [S; LOOSE]) {
-    (std::array::from_fn(|i| x[i]), std::array::from_fn(|i| x[STATES + i]))
+fn variables_from<const D: usize, const N: usize>(values: &[f64], first: usize) -> [Dual<D>; N] {
+    let mut all = [Dual::default(); N];
+    all.iter_mut().zip(values).enumerate().for_each(|(i, (one, v))| *one = Dual::variable(*v, first + i));
+    all
+}
+
+#[inline(always)]
+fn variables<const N: usize>(values: &[f64]) -> [Dual<N>; N] {
+    variables_from(values, 0)
+}
+
+/// What the air adds, as constants.
+#[inline(always)]
+fn given<S: Scalar>(added: &[f64; ADDED]) -> Extra<S> {
+    Extra { velocity: constants(&added[..3]), acceleration: constants(&added[3..6]), coefficients: constants(&added[6..]) }
 }
 
 impl Craft<'_> {
@@ -41,59 +124,29 @@ impl Craft<'_> {
     #[inline(never)]
     pub fn rates(&self, x: &[f64; MOTION], air: TunnelAir, added: &[f64; ADDED], terms: &mut Vec<f64>) -> Option<[f64; MOTION]> {
         terms.resize(self.terms.acts.len(), 0.0);
-        let (motion, part) = parts(x);
-        let extra = Extra {
-            velocity: std::array::from_fn(|i| added[i]),
-            acceleration: std::array::from_fn(|i| added[3 + i]),
-            coefficients: std::array::from_fn(|i| added[6 + i]),
-        };
-        Some(joined(x, self.motion(&motion, &part, air, &extra, &self.plant.aero.values, terms)?))
+        let (motion, part): ([f64; STATES], [f64; LOOSE]) = (constants(&x[..STATES]), constants(&x[STATES..]));
+        let (rate, acceleration) = self.motion(&motion, &part, air, &given(added), &self.plant.aero.values, terms)?;
+        let mut all = [0.0; MOTION];
+        all[..STATES].copy_from_slice(&rate);
+        all[STATES..].copy_from_slice(&[part[2], part[3], acceleration[0], acceleration[1]]);
+        Some(all)
     }
 
     /// Rates of the motion and their slopes; `None` where the flow or the Euler angles are not defined.
-    #[inline(never)]
     pub fn local(&self, x: &[f64; MOTION], air: TunnelAir, added: &[f64; ADDED], terms: &mut Vec<f64>) -> Option<Local> {
         terms.resize(self.terms.acts.len(), 0.0);
-        let parameters = &self.plant.aero.values;
-        let by_state = {
-            type D = Dual<MOTION>;
-            let x: [D; MOTION] = std::array::from_fn(|i| D::variable(x[i], i));
-            let (motion, part) = parts(&x);
-            let extra = Extra {
-                velocity: std::array::from_fn(|i| D::real(added[i])),
-                acceleration: std::array::from_fn(|i| D::real(added[3 + i])),
-                coefficients: std::array::from_fn(|i| D::real(added[6 + i])),
-            };
-            joined(&x, self.motion(&motion, &part, air, &extra, parameters, terms)?)
-        };
-        let by_added = {
-            type D = Dual<ADDED>;
-            let x: [D; MOTION] = std::array::from_fn(|i| D::real(x[i]));
-            let (motion, part) = parts(&x);
-            let extra = Extra {
-                velocity: std::array::from_fn(|i| D::variable(added[i], i)),
-                acceleration: std::array::from_fn(|i| D::variable(added[3 + i], 3 + i)),
-                coefficients: std::array::from_fn(|i| D::variable(added[6 + i], 6 + i)),
-            };
-            joined(&x, self.motion(&motion, &part, air, &extra, parameters, terms)?)
-        };
-        let shape = self.wind_per_speed(&parts(x).0);
-        let dot = |a: &[f64], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let mut local = Arch::new().dispatch(Linearised { craft: self, x, air, added, terms })?;
         // Apparent mass feels the steady wind's rate otherwise than a gust's: by difference, exact for what is linear.
-        let by_rate = if self.plant.vehicle.apparent.is_null() { None } else { Some(self.by_wind(x, air, added, terms)?) };
-        let speed = |i: usize| match &by_rate {
-            Some(slopes) => slopes[i],
-            None => {
-                let d = &by_added[i].slopes;
-                [dot(&d[..3], &shape.along) + dot(&d[3..6], &shape.rate), dot(&d[3..6], &shape.along)]
-            }
-        };
-        Some(Local {
-            rate: by_state.map(|d| d.value),
-            by_state: by_state.map(|d| d.slopes),
-            by_added: by_added.map(|d| d.slopes),
-            by_speed: std::array::from_fn(speed),
-        })
+        if !self.plant.vehicle.apparent.is_null() {
+            local.by_speed = self.by_wind(x, air, added, terms)?;
+            return Some(local);
+        }
+        let shape = self.wind_per_speed(&constants(&x[..STATES]));
+        let dot = |a: &[f64], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        for (slopes, d) in local.by_speed.iter_mut().zip(&local.by_added) {
+            *slopes = [dot(&d[..3], &shape.along) + dot(&d[3..6], &shape.rate), dot(&d[3..6], &shape.along)];
+        }
+        Some(local)
     }
 
     /// Slopes by tunnel speed and its rate as central differences.

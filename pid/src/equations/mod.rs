@@ -3,6 +3,19 @@
 //!
 //! Written apart from the simulator, which uses quaternions and vectors: a slip in one cannot hide in the other.
 
+/// Three components. A loop around the expression itself: a closure's body is not always compiled into its caller, and then not for
+/// the caller's vector unit.
+macro_rules! each {
+    (|$k:ident| $one:expr) => {{
+        let mut all = [Default::default(); 3];
+        for ($k, one) in all.iter_mut().enumerate() {
+            *one = $one;
+        }
+        all
+    }};
+}
+pub(crate) use each;
+
 mod local;
 mod number;
 mod terms;
@@ -207,12 +220,12 @@ impl<'a> Craft<'a> {
         let shape = self.wind_shape([py, pz], [vy, vz]);
         let (vw, vw_rate) = (air.vw_m_s, air.vw_rate_m_s2);
         let across = self.across(vw, vw_rate);
-        let steady = each(|k| shape.along[k] * if k == 0 { vw } else { across.0 });
-        let steady_rate = each(|k| {
+        let steady = each!(|k| shape.along[k] * if k == 0 { vw } else { across.0 });
+        let steady_rate = each!(|k| {
             let (u, u_rate) = if k == 0 { (vw, vw_rate) } else { across };
             shape.along[k] * u_rate + shape.rate[k] * u
         });
-        let u = transposed(&t, each(|k| v[k] - (steady[k] + extra.velocity[k])));
+        let u = transposed(&t, each!(|k| v[k] - (steady[k] + extra.velocity[k])));
         let vehicle = &self.plant.vehicle;
         let mut f = self.flow(u, w, vehicle.diameter_m);
         let speed = f[Variable::Speed as usize];
@@ -228,16 +241,16 @@ impl<'a> Craft<'a> {
         let (pull, pull_moment) = self.tether(&t, [px, py, pz], v, w, q_pa);
         let (hit, hit_moment) = self.contacts(air.t_s);
         let follows = self.plant.vehicle.apparent.in_gusts;
-        let carried = each(|k| steady_rate[k] + extra.acceleration[k] * follows);
-        let apparent = self.apparent(&t, each(|k| v[k] - steady[k] - extra.velocity[k] * follows), carried, w);
+        let carried = each!(|k| steady_rate[k] + extra.acceleration[k] * follows);
+        let apparent = self.apparent(&t, each!(|k| v[k] - steady[k] - extra.velocity[k] * follows), carried, w);
         let gravity = self.plant.environment.gravity_m_s2 * vehicle.mass_kg;
-        let momentum = each(|i| w[0] * self.inertia[i][0] + w[1] * self.inertia[i][1] + w[2] * self.inertia[i][2]);
+        let momentum = each!(|i| w[0] * self.inertia[i][0] + w[1] * self.inertia[i][1] + w[2] * self.inertia[i][2]);
         let gyroscopic = cross(w, momentum);
-        let other = each(|k| pull[k] + hit[k] + apparent.0[k] + t[0][k] * gravity);
-        let other_moment = each(|k| pull_moment[k] + hit_moment[k] + apparent.1[k] - gyroscopic[k]);
-        let accelerations = |aero: &[S; 3], part: &[S; 3]| each(|k| (aero[k] + other[k] + part[k]) * (1.0 / self.inert_kg[k]));
+        let other = each!(|k| pull[k] + hit[k] + apparent.0[k] + t[0][k] * gravity);
+        let other_moment = each!(|k| pull_moment[k] + hit_moment[k] + apparent.1[k] - gyroscopic[k]);
+        let accelerations = |aero: &[S; 3], part: &[S; 3]| each!(|k| (aero[k] + other[k] + part[k]) * (1.0 / self.inert_kg[k]));
         // Accelerations, body axes, with the wind-angle rates (B.49-B.50) and a loose mass that depend on them.
-        let (turning, blown) = (cross(w, u), transposed(&t, each(|k| steady_rate[k] + extra.acceleration[k])));
+        let (turning, blown) = (cross(w, u), transposed(&t, each!(|k| steady_rate[k] + extra.acceleration[k])));
         let zero = S::real(0.0);
         let force = |c: &[S; 6]| [-(qs * c[0]), qs * c[1], -(qs * c[2])];
         let mut c = early;
@@ -251,15 +264,15 @@ impl<'a> Craft<'a> {
                 a = accelerations(&aero, &part.0);
             }
             if self.terms.needs_rates() {
-                damping(&mut f, u, each(|k| a[k] - blown[k] - turning[k]), w, vehicle.diameter_m);
+                damping(&mut f, u, each!(|k| a[k] - blown[k] - turning[k]), w, vehicle.diameter_m);
                 c = early;
                 self.terms.add_late(&f, parameters, &mut c, term_values);
             }
             // Eqs B.8-B.10 and B.62-B.66.
             let shift = crossed_by(aero, vehicle.p_origin_cm.to_array());
-            let m = each(|k| qsd * c[3 + k] + shift[k] + other_moment[k] + part.1[k]);
+            let m = each!(|k| qsd * c[3 + k] + shift[k] + other_moment[k] + part.1[k]);
             let inverse = &self.inertia_inverse;
-            w_rate = each(|i| m[0] * inverse[i][0] + m[1] * inverse[i][1] + m[2] * inverse[i][2]);
+            w_rate = each!(|i| m[0] * inverse[i][0] + m[1] * inverse[i][1] + m[2] * inverse[i][2]);
             if self.rounds > 1 {
                 part = self.loose(&t, loose, a, w, w_rate);
             }
@@ -286,10 +299,10 @@ impl<'a> Craft<'a> {
         let turning_kg_m2 = k.transverse_kg_m2 * (1.0 - k.unturned);
         let u = transposed(t, v_air);
         let carried = transposed(t, wind_rate);
-        let (turning, impulse) = (cross(w, u), each(|i| u[i] * mass[i]));
+        let (turning, impulse) = (cross(w, u), each!(|i| u[i] * mass[i]));
         let (spun, munk) = (cross(w, impulse), cross(u, impulse));
         let stirred = cross(w, [zero, w[1] * turning_kg_m2, w[2] * turning_kg_m2]);
-        (each(|i| (carried[i] + turning[i]) * mass[i] - spun[i]), each(|i| -(stirred[i] + munk[i])))
+        (each!(|i| (carried[i] + turning[i]) * mass[i] - spun[i]), each!(|i| -(stirred[i] + munk[i])))
     }
 
     /// Force and moment of the loose mass about the c.m. beyond those of a fixed part, and its acceleration along y and z
@@ -318,13 +331,13 @@ impl<'a> Craft<'a> {
         // What the body's turning adds at the displaced place.
         let (off, rate) = ([zero, state[0], state[1]], [zero, state[2], state[3]]);
         let (euler, inward, coriolis) = (cross(w_rate, off), cross(w, cross(w, off)), cross(w, rate));
-        let carried = each(|k| (euler[k] + inward[k] + coriolis[k] * 2.0) * part.in_full);
+        let carried = each!(|k| (euler[k] + inward[k] + coriolis[k] * 2.0) * part.in_full);
         let acceleration = [along(state[0], state[2], felt[1] + carried[1]), along(state[1], state[3], felt[2] + carried[2])];
         let m = part.mass_kg;
         let force = [-(carried[0] * m), -((acceleration[0] + carried[1]) * m), -((acceleration[1] + carried[2]) * m)];
-        let displaced = cross(off, each(|k| -(felt[k] * m)));
+        let displaced = cross(off, each!(|k| -(felt[k] * m)));
         let lever = cross([S::real(x), off[1] * part.in_full, off[2] * part.in_full], force);
-        let moment = each(|k| displaced[k] + lever[k]);
+        let moment = each!(|k| displaced[k] + lever[k]);
         (force, moment, acceleration)
     }
 
@@ -366,10 +379,10 @@ impl<'a> Craft<'a> {
         let zero = S::real(0.0);
         let Some(tether) = &self.plant.tether else { return ([zero; 3], [zero; 3]) };
         let (hook, cm) = (tether.p_origin_hook.to_array(), self.plant.vehicle.p_origin_cm.to_array());
-        let arm: [f64; 3] = each(|k| hook[k] - cm[k]);
+        let arm: [f64; 3] = each!(|k| hook[k] - cm[k]);
         let ring = tether.ring().to_array();
-        let line = transposed(t, each(|k| -p_cm[k] + ring[k]));
-        let line = each(|k| line[k] + -arm[k]);
+        let line = transposed(t, each!(|k| -p_cm[k] + ring[k]));
+        let line = each!(|k| line[k] + -arm[k]);
         let length = (line[0] * line[0] + line[1] * line[1] + line[2] * line[2]).sqrt();
         let per_length = length.recip();
         let nominal_m = tether.p_tunnel_ring.norm() - tether.p_origin_hook.norm();
@@ -389,9 +402,9 @@ impl<'a> Craft<'a> {
             pull = (with + slack + (with - slack).abs()) * 0.5;
         }
         let size = pull * per_length;
-        let force = each(|k| line[k] * size);
+        let force = each!(|k| line[k] * size);
         let moment = crossed_by(force, arm);
-        let mut moment = each(|k| -moment[k]);
+        let mut moment = each!(|k| -moment[k]);
         if tether.swivel_n_m != 0.0 {
             moment[0] = moment[0] - (w[0] * (1.0 / tether.swivel_rate_rad_s)).tanh() * tether.swivel_n_m;
         }
@@ -420,16 +433,6 @@ pub(crate) struct WindShape<S> {
     pub(crate) rate: [S; 3],
 }
 
-/// Three components. A loop around one call: the compiler inlines that, and not three calls or those of the standard library.
-#[inline(always)]
-pub(crate) fn each<S: Copy + Default>(mut f: impl FnMut(usize) -> S) -> [S; 3] {
-    let mut all = [S::default(); 3];
-    for (k, one) in all.iter_mut().enumerate() {
-        *one = f(k);
-    }
-    all
-}
-
 /// Eqs B.49 and B.50 into the two damping variables.
 #[inline(always)]
 fn damping<S: Scalar>(f: &mut [S; VARIABLES], [u, v, w]: [S; 3], [ud, vd, wd]: [S; 3], [_, q, r]: [S; 3], diameter_m: f64) {
@@ -456,11 +459,11 @@ pub(crate) fn matrix<S: Scalar>(sx: S, cx: S, sy: S, cy: S, sz: S, cz: S) -> [[S
 
 #[inline(always)]
 fn times<S: Scalar>(m: &[[S; 3]; 3], v: [S; 3]) -> [S; 3] {
-    each(|i| m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2])
+    each!(|i| m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2])
 }
 #[inline(always)]
 fn transposed<S: Scalar>(m: &[[S; 3]; 3], v: [S; 3]) -> [S; 3] {
-    each(|i| m[0][i] * v[0] + m[1][i] * v[1] + m[2][i] * v[2])
+    each!(|i| m[0][i] * v[0] + m[1][i] * v[1] + m[2][i] * v[2])
 }
 #[inline(always)]
 fn cross<S: Scalar>(a: [S; 3], b: [S; 3]) -> [S; 3] {
@@ -475,7 +478,7 @@ fn crossed_by<S: Scalar>(a: [S; 3], b: [f64; 3]) -> [S; 3] {
 /// Position of the geometric origin, m: what the motion capture reports.
 pub fn origin(x: &[f64; STATES], p_origin_cm: [f64; 3]) -> [f64; 3] {
     let arm = turned([x[3], x[4], x[5]], p_origin_cm);
-    each(|i| x[i] - arm[i])
+    each!(|i| x[i] - arm[i])
 }
 
 /// Its slopes by the Euler angles, row by row; those by the c.m.'s position are ones.
@@ -483,7 +486,7 @@ pub(crate) fn origin_slopes(x: &[f64; STATES], p_origin_cm: [f64; 3]) -> [[f64; 
     if p_origin_cm.iter().all(|r| *r == 0.0) {
         return [[0.0; 3]; 3];
     }
-    turned(each(|k| Dual::<3>::variable(x[3 + k], k)), p_origin_cm).map(|d| d.slopes.map(|s| -s))
+    turned(each!(|k| Dual::<3>::variable(x[3 + k], k)), p_origin_cm).map(|d| d.slopes.map(|s| -s))
 }
 
 fn turned<S: Scalar>([rx, ry, rz]: [S; 3], v: [f64; 3]) -> [S; 3] {

@@ -6,7 +6,7 @@
 //! two linearisations a step do. They are the derivatives of the discrete map to the order of the method, not to rounding. The pitch
 //! mode (1 Hz) at 150 Hz turns by 0.04 rad a step: its phase errs by 2e-8 of a turn.
 
-use super::{Craft, Dual, Extra, STATES, Scalar, TunnelAir, each};
+use super::{Craft, Dual, Extra, STATES, Scalar, TunnelAir};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Inputs at one instant: tunnel speed and its rate, gust velocity and its rate.
@@ -316,8 +316,8 @@ impl Segment<'_> {
             *v = D::variable(x[i], i);
         }
         let known = Extra {
-            velocity: each(|i| D::real(inputs[2 + i])),
-            acceleration: each(|i| D::real(inputs[5 + i])),
+            velocity: each!(|i| D::real(inputs[2 + i])),
+            acceleration: each!(|i| D::real(inputs[5 + i])),
             coefficients: [D::real(0.0); 6],
         };
         let by_state = self.craft.rate(&variables, air, &known, self.parameters, terms)?;
@@ -329,8 +329,8 @@ impl Segment<'_> {
             *c = D::variable(0.0, 6 + i);
         }
         let extra = Extra {
-            velocity: each(|i| D::variable(inputs[2 + i], i)),
-            acceleration: each(|i| D::variable(inputs[5 + i], 3 + i)),
+            velocity: each!(|i| D::variable(inputs[2 + i], i)),
+            acceleration: each!(|i| D::variable(inputs[5 + i], 3 + i)),
             coefficients,
         };
         let by_extra = self.craft.rate(&variables, air, &extra, self.parameters, terms)?;

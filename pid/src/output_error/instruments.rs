@@ -76,8 +76,8 @@ pub(crate) fn observe<S: Scalar>(v: &[S; VARIABLES], known: &Known) -> [S; CHANN
     let late = e[ANGLE_DELAY] + -known.taken_s[0];
     let half = late * -0.5;
     let now = euler_rate(euler, w);
-    let between = euler_rate(each(|k| euler[k] + half * now[k]), each(|k| w[k] + half * known.w_rate[k]));
-    let then: [S; 3] = each(|k| euler[k] - late * between[k]);
+    let between = euler_rate(each!(|k| euler[k] + half * now[k]), each!(|k| w[k] + half * known.w_rate[k]));
+    let then: [S; 3] = each!(|k| euler[k] - late * between[k]);
     let turned = product(&body(then), &body([e[MISALIGNMENT], e[MISALIGNMENT + 1], e[MISALIGNMENT + 2]]));
     let near = |angle: S, to: S| {
         let turns = ((to.value() - angle.value()) / std::f64::consts::TAU).round();
@@ -90,8 +90,8 @@ pub(crate) fn observe<S: Scalar>(v: &[S; VARIABLES], known: &Known) -> [S; CHANN
         near((-turned[0][1]).atan2(turned[0][0]), then[2]),
     ];
     let t = body(euler);
-    let arm: [S; 3] = each(|k| e[LEVER + k] + -known.p_origin_cm[k]);
-    let p = each(|i| t[i][0] * arm[0] + t[i][1] * arm[1] + t[i][2] * arm[2] + known.p_cm[i]);
+    let arm: [S; 3] = each!(|k| e[LEVER + k] + -known.p_origin_cm[k]);
+    let p = each!(|i| t[i][0] * arm[0] + t[i][1] * arm[1] + t[i][2] * arm[2] + known.p_cm[i]);
     let old = -(e[WIND_DELAY] + -known.taken_s[1]);
     let speed = (v[6] + old * (v[7] + old * v[8] * 0.5)) * (e[WIND_SCALE] + (1.0 + known.wind_scale));
     [p[0], p[1], p[2], angles[0], angles[1], angles[2], speed]
@@ -103,7 +103,7 @@ fn body<S: Scalar>([rx, ry, rz]: [S; 3]) -> [[S; 3]; 3] {
 }
 
 fn product<S: Scalar>(a: &[[S; 3]; 3], b: &[[S; 3]; 3]) -> [[S; 3]; 3] {
-    each(|i| each(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j]))
+    each!(|i| each!(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j]))
 }
 
 /// Eq. 3.20 solved for the Euler rates.
@@ -180,9 +180,9 @@ mod tests {
         for _ in 0..n {
             let h = late / f64::from(n);
             let now = euler_rate(e, w);
-            let half = euler_rate(each(|k| e[k] - 0.5 * h * now[k]), each(|k| w[k] - 0.5 * h * KNOWN.w_rate[k]));
-            e = each(|k| e[k] - h * half[k]);
-            w = each(|k| w[k] - h * KNOWN.w_rate[k]);
+            let half = euler_rate(each!(|k| e[k] - 0.5 * h * now[k]), each!(|k| w[k] - 0.5 * h * KNOWN.w_rate[k]));
+            e = each!(|k| e[k] - h * half[k]);
+            w = each!(|k| w[k] - h * KNOWN.w_rate[k]);
         }
         let mut errors = [0.0; ERRORS];
         errors[ANGLE_DELAY] = late;
