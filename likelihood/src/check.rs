@@ -76,8 +76,10 @@ pub(crate) fn alternatives(engine: &Engine) -> Vec<Alternative> {
             1 | 5 => 2,
             _ => 1,
         };
-        // The rate across: a spinning part inside turns pitching into yawing.
         if axis > 0 {
+            // Even in the angle: no body of revolution pushes to one side, a part on one of its sides does.
+            add(vec![Basis::OneSided(axis, 1), Basis::OneSided(axis, 2)]);
+            // The rate across: a spinning part inside turns pitching into yawing.
             add(vec![Basis::Rate(3 - axis)]);
         }
         add(vec![Basis::Hysteresis(axis, false), Basis::Hysteresis(axis, true)]);

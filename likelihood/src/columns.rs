@@ -33,6 +33,8 @@ pub(crate) enum Basis {
     Angle(i32, bool),
     /// Even power of the total angle of attack, of 0.3 rad.
     TotalAngle(i32),
+    /// Power of the size of one angle (1 angle of attack, 2 sideslip), of 0.3 rad: what acts to one side.
+    OneSided(usize, i32),
     /// Harmonic of the roll angle in the tunnel: cosine or sine.
     Roll(u8, bool),
     /// Sign of a body rate: 0 roll, 1 pitch, 2 yaw; and the same times the angle in its plane, of 0.3 rad.
@@ -106,6 +108,7 @@ impl Basis {
                 if sine { turn.sin() } else { turn.cos() }
             }
             Self::TotalAngle(n) => (v.alpha_rad.hypot(v.beta_rad) / 0.3).powi(n),
+            Self::OneSided(plane, n) => ([v.alpha_rad, v.beta_rad][plane - 1].abs() / 0.3).powi(n),
             Self::Hysteresis(axis, by_angle) => {
                 let sign = (v.rates_rad_s[axis] / 0.1).tanh();
                 let angle = if axis == 2 { v.beta_rad } else { v.alpha_rad };
@@ -126,6 +129,7 @@ impl Basis {
             Self::Speed(_) => "airspeed".to_owned(),
             Self::Height(_) => "height X".to_owned(),
             Self::Angle(..) | Self::TotalAngle(_) => "angle of attack".to_owned(),
+            Self::OneSided(..) => "size of the angle of attack (to one side)".to_owned(),
             Self::Roll(..) => "roll angle".to_owned(),
             Self::Rate(_) => "body rates across".to_owned(),
             Self::Hysteresis(..) => "sign of the body rates (hysteresis)".to_owned(),

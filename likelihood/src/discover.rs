@@ -89,7 +89,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let (after, weighed, contest, faint) = against_gusts(engine, after, weighed, contest, &mut log);
     let before = declared_alone(engine, &declared, &after);
     let sets = named(&weighed, &after.model);
-    let (random_gains, random_ranges) = (gains(engine, &after), engine.random_ranges(&after.model));
+    let (random_gains, random_ranges) = (gains(engine, &after), engine.random_ranges(&after));
     let random_bounds = random_bounds(engine, &after);
     let after = engine.robust(&after);
     let (before, before_fault) = match before {

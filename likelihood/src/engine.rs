@@ -26,6 +26,8 @@ pub struct Engine {
     pub hum: Vec<Hum>,
     /// Freedom of the accelerations at a search's start, zero otherwise.
     pub(crate) slack: f64,
+    /// Gusts of von Kármán's form in place of Dryden's: motion seldom tells them apart, and their sizes differ.
+    pub(crate) von_karman: bool,
     /// Work of all passes so far, of this engine and its copies: nodes times columns and what a node costs without any.
     work: Arc<AtomicU64>,
 }
@@ -132,14 +134,14 @@ impl Engine {
         }
         let (gas, wind) = (campaign.plant.environment.gas_constant_j_kg_k, noise[POSE]);
         let runs = records.par_iter().map(|(i, r)| Prepared::new(*i, &campaign.runs[*i].name, r, gas, NODE_S, &wind)).collect();
-        Some(Self { campaign: owned, runs, noise, hum, slack: 0.0, work: Arc::default() })
+        Some(Self { campaign: owned, runs, noise, hum, slack: 0.0, von_karman: false, work: Arc::default() })
     }
 
     /// Other runs of the campaign, or of one like it, in the noise of these; `None` without a tunnel run among them.
     #[must_use]
     pub fn beside(&self, campaign: &Campaign, runs: &[usize]) -> Option<Self> {
         let own = Campaign { knowledge: self.campaign.knowledge.clone(), ..campaign.clone() };
-        Some(Self { noise: self.noise, slack: self.slack, ..Self::new(&own, runs)? })
+        Some(Self { noise: self.noise, slack: self.slack, von_karman: self.von_karman, ..Self::new(&own, runs)? })
     }
 
     /// The campaign with what its runs leave uncertain: the instant of a pose within its sample interval.
@@ -263,7 +265,8 @@ impl Engine {
                 other => other.clone(),
             };
             let columns: Vec<SensitivityColumn> = columns.iter().map(of_run).collect();
-            pass(run, &PassSetting { plant: &own, noise: &self.noise, columns: &columns, slack: self.slack, keep })
+            let (noise, slack, von_karman) = (&self.noise, self.slack, self.von_karman);
+            pass(run, &PassSetting { plant: &own, noise, columns: &columns, slack, von_karman, keep })
         };
         let seen: Vec<Result<Seen, Departed>> = self.runs.par_iter().map(one).collect();
         seen.into_iter().collect()

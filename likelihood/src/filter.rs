@@ -78,6 +78,8 @@ pub(crate) struct PassSetting<'a> {
     pub(crate) columns: &'a [SensitivityColumn],
     /// Share of [`SLACK`] that the accelerations are left free by from node to node.
     pub(crate) slack: f64,
+    /// Whether gusts are of von Kármán's form in place of Dryden's.
+    pub(crate) von_karman: bool,
     pub(crate) keep: Keep,
 }
 
@@ -185,7 +187,7 @@ impl<'a> Filter<'a> {
     fn new(run: &'a Prepared, s: &PassSetting<'a>) -> Option<Self> {
         let craft = Craft::complete(s.plant).ok()?;
         let step_s = run.step_s() / (1.0 + s.plant.sensors.time_base);
-        let random = inputs(s.plant, run.speed_m_s, step_s);
+        let random = inputs(s.plant, run.speed_m_s, step_s, s.von_karman);
         let coloured: Vec<(usize, MeanNoise)> =
             (0..POSE).filter(|&c| s.noise[c].coloured > 0.0).map(|c| (c, s.noise[c].of_means(run.block))).collect();
         let nm = if s.plant.vehicle.loose.is_some() { MOTION } else { STATES };

@@ -66,9 +66,10 @@ pub(crate) struct Input {
     pub(crate) broad: f64,
 }
 
-/// The random inputs of a plant at mean speed, for steps of `step_s`.
-pub(crate) fn inputs(plant: &Plant, speed_m_s: f64, step_s: f64) -> Vec<Input> {
-    plant.disturbances(speed_m_s).iter().map(|d| input(d, step_s)).collect()
+/// The random inputs of a plant at mean speed, for steps of `step_s`; where `von_karman`, of that form of the same sizes and lengths in
+/// place of Dryden's.
+pub(crate) fn inputs(plant: &Plant, speed_m_s: f64, step_s: f64, von_karman: bool) -> Vec<Input> {
+    plant.disturbances(speed_m_s).iter().map(|d| input(d, step_s, von_karman)).collect()
 }
 
 fn rows(m: &Rates) -> Block {
@@ -116,9 +117,11 @@ fn driven(a: &Rates, b: &States, step_s: f64) -> Driven {
     Driven { whole: phi.fixed_view::<ORDER, ORDER>(0, 0).into_owned(), sums: [j0, j1, j2], added: Box::new(added), stages }
 }
 
-fn input(d: &Disturbance, step_s: f64) -> Input {
+fn input(d: &Disturbance, step_s: f64, von_karman: bool) -> Input {
     // Rates of the states, where white noise enters, and the form by the states.
     let (order, (a, b, form)) = match d.shape {
+        Shape::DrydenLongitudinal { time_s } if von_karman => (3, ratio(time_s, &ALONG)),
+        Shape::DrydenLateral { time_s } if von_karman => (4, ratio(time_s, &ACROSS)),
         Shape::DrydenLongitudinal { time_s } => (3, gust(time_s, 1.0)),
         Shape::DrydenLateral { time_s } => (3, gust(time_s, 3.0_f64.sqrt())),
         Shape::Band { centre_rad_s, bandwidth_rad_s } => (4, band(centre_rad_s, bandwidth_rad_s / centre_rad_s)),
@@ -131,7 +134,12 @@ fn input(d: &Disturbance, step_s: f64) -> Input {
     };
     let p = lyapunov(&a, &b);
     // The size is that of the form itself: the lag takes off its fast part, and must not add to the slow one.
-    let size = d.rms / (form.transpose() * p * form)[(0, 0)].sqrt();
+    let share = match d.shape {
+        Shape::DrydenLongitudinal { .. } if von_karman => ALONG.share,
+        Shape::DrydenLateral { .. } if von_karman => ACROSS.share,
+        _ => 1.0,
+    };
+    let size = d.rms * (share / (form.transpose() * p * form)[(0, 0)]).sqrt();
     let rate = if matches!(d.entry, Entry::AirVelocity(_)) { a.row(0).transpose() } else { States::zeros() };
     let step = driven(&a, &(b * size), step_s);
     // Rows that make the integrals of the input and of its rate from those of the states.
@@ -170,6 +178,37 @@ fn gust(time_s: f64, zeta: f64) -> (Rates, States, States) {
     let mut a = -Rates::identity();
     a.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::new(-fast, fast, fast * zeta, 0.0, 0.0, per, 0.0, -per, -2.0 * per));
     (a, States::z(), States::y() + zeta * States::z())
+}
+
+/// A ratio of polynomials of `T s`, coefficients by rising power, that is near a form of von Kármán's (Campbell, Monte Carlo turbulence
+/// simulation using rational approximations to von Karman spectra, AIAA J. 24, 1986), and its share of that form's variance: it has less of
+/// what is fast.
+struct Ratio {
+    above: &'static [f64],
+    below: &'static [f64],
+    share: f64,
+}
+const ALONG: Ratio = Ratio { above: &[1.0, 0.25], below: &[1.0, 1.357, 0.1987], share: 0.9686 };
+const ACROSS: Ratio = Ratio { above: &[1.0, 2.7478, 0.3398], below: &[1.0, 2.9958, 1.9754, 0.1539], share: 0.9623 };
+
+/// Such a ratio behind the same lag as [`gust`].
+fn ratio(time_s: f64, of: &Ratio) -> (Rates, States, States) {
+    let fast = 1.0 / (FAST * time_s).clamp(FAST_S[0], FAST_S[1]);
+    let (per, last) = (1.0 / time_s, of.below.len() - 1);
+    let (mut a, mut b, mut form) = (-Rates::identity(), States::zeros(), States::zeros());
+    a[(0, 0)] = -fast;
+    for (k, x) in of.above.iter().enumerate() {
+        (form[1 + k], a[(0, 1 + k)]) = (*x, fast * x);
+    }
+    // A state and its derivatives, time in units of T.
+    for k in 1..last {
+        (a[(k, k)], a[(k, k + 1)]) = (0.0, per);
+    }
+    for (k, x) in of.below[..last].iter().enumerate() {
+        a[(last, 1 + k)] = -per * x / of.below[last];
+    }
+    b[last] = 1.0;
+    (a, b, form)
 }
 
 /// Butterworth's band-pass filter `b² s² / ((s² + 1)² + √2 b s (s² + 1) + b² s²)`, s in units of the centre.
@@ -211,7 +250,7 @@ mod tests {
     fn exact_stationary_covariance() {
         for time_s in [0.01, 0.08, 0.5] {
             let d = Disturbance { entry: Entry::AirVelocity(1), rms: 0.3, shape: Shape::DrydenLateral { time_s } };
-            let i = input(&d, 0.02);
+            let i = input(&d, 0.02, false);
             // Displacement and rate are uncorrelated: x² + 3 (T ẋ)².
             assert!((i.stationary[1][1] + 3.0 * i.stationary[2][2] - 0.09).abs() < 1e-14);
             assert!((0.6..1.0).contains(&(i.stationary[0][0] / 0.09)));
@@ -229,13 +268,42 @@ mod tests {
         }
     }
 
+    /// Von Kármán's density, both components, within what the ratio leaves of it (4 % up to ten times the corner).
+    #[test]
+    fn exact_von_karman() {
+        let (time_s, rms) = (0.08, 0.3);
+        for (shape, lateral) in [(Shape::DrydenLongitudinal { time_s }, false), (Shape::DrydenLateral { time_s }, true)] {
+            let i = input(&Disturbance { entry: Entry::AirVelocity(1), rms, shape }, 0.02, true);
+            let of = if lateral { &ACROSS } else { &ALONG };
+            let (a, _, form) = ratio(time_s, of);
+            let p = Rates::from_fn(|r, c| i.stationary[r][c]);
+            assert!(((form.transpose() * p * form)[(0, 0)] / (of.share * rms * rms) - 1.0).abs() < 1e-9);
+            let left = a * p + p * a.transpose();
+            let (last, driven) = (i.order - 1, left[(i.order - 1, i.order - 1)]);
+            for x in [0.1, 1.0, 3.0, 10.0] {
+                let w = x / time_s;
+                let m = nalgebra::Matrix4::<nalgebra::Complex<f64>>::from_fn(|r, c| {
+                    nalgebra::Complex::new(-a[(r, c)], if r == c { w } else { 0.0 })
+                });
+                let states =
+                    m.lu().solve(&States::ith(last, 1.0).map(|v| nalgebra::Complex::new(v, 0.0))).expect("a stable filter");
+                let h: nalgebra::Complex<f64> = (0..ORDER).map(|k| states[k] * form[k]).sum();
+                let found = -driven * h.norm_sqr() / std::f64::consts::PI;
+                let y = (1.339 * x).powi(2);
+                let expected = rms * rms * time_s / std::f64::consts::PI
+                    * if lateral { (1.0 + 8.0 / 3.0 * y) / (1.0 + y).powf(11.0 / 6.0) } else { 2.0 / (1.0 + y).powf(5.0 / 6.0) };
+                assert!((found / expected - 1.0).abs() < 0.04, "{lateral} {x}: {found} for {expected}");
+            }
+        }
+    }
+
     /// A band's variance is what was asked for, its output's rate has no white noise in it, and its density is the model's: two-sided
     /// σ² |H|² with H by the states.
     #[test]
     fn exact_band() {
         let (centre_rad_s, bandwidth_rad_s) = (12.0, 16.0);
         let d = Disturbance { entry: Entry::AirVelocity(1), rms: 0.3, shape: Shape::Band { centre_rad_s, bandwidth_rad_s } };
-        let i = input(&d, 0.02);
+        let i = input(&d, 0.02, false);
         assert!((i.stationary[0][0] - 0.09).abs() < 1e-14);
         let (a, b, _) = band(centre_rad_s, bandwidth_rad_s / centre_rad_s);
         let of = |m: &Block| Rates::from_fn(|r, c| m[r][c]);

@@ -3,12 +3,14 @@
 //! Of short gusts the motion shows the product of their variance and their length; the likelihood of the length alone falls off slowly on one
 //! side and steeply on the other, which no standard error at its top says. Where the logarithm of a shape is known worse than [`WIDE`] the
 //! posterior is walked along its ridge (profile likelihood: Pawitan, In All Likelihood, 2001, §3.4), flat beforehand in the logarithm.
+//! Dryden's gusts and von Kármán's of another size and length move a model alike: intervals are the average's over both forms, by
+//! their likelihoods (Hoeting et al., Bayesian model averaging, Statistical Science 14, 1999).
 
-use crate::engine::Engine;
+use crate::engine::{Engine, Fit};
 use crate::model::Model;
 use crate::random_fit::{log_range, random_numbers};
 use nalgebra::DMatrix;
-use windfall_model::Role;
+use windfall_model::{Role, Shape};
 
 /// What is known of one number of a random member.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,8 +48,32 @@ fn log_normal(value: f64, s: f64, [low, high]: [f64; 2]) -> [f64; 2] {
 }
 
 impl Engine {
-    /// Of every number of the random members; none where a model departs.
-    pub(crate) fn random_ranges(&self, model: &Model) -> Vec<RandomRange> {
+    /// Of every number of a fit's random members; none where a model departs.
+    pub(crate) fn random_ranges(&self, fit: &Fit) -> Vec<RandomRange> {
+        /// Most steps of scoring in the other form, which starts near.
+        const STEPS: usize = 4;
+        let own = self.ranges_in(&fit.model);
+        let dryden = |d: &Shape| matches!(d, Shape::DrydenLongitudinal { .. } | Shape::DrydenLateral { .. });
+        let plant = fit.model.plant(&self.campaign);
+        if self.von_karman || !plant.disturbances(1.0).iter().any(|d| dryden(&d.shape)) {
+            return own;
+        }
+        let mut other = self.clone();
+        other.von_karman = true;
+        let Ok(start) = other.climb(&fit.model, false, 0) else { return own };
+        let end = other.settle_random(&start, STEPS);
+        let ranges = other.ranges_in(&end.model);
+        let odds = (end.total - fit.total).exp();
+        let value = |model: &Model, (m, i): (usize, usize)| model.members[m].values[i];
+        let with_other = |one: RandomRange| match ranges.iter().find(|r| r.place == one.place) {
+            Some(two) => averaged(one, value(&fit.model, one.place), *two, value(&end.model, one.place), odds),
+            None => one,
+        };
+        own.into_iter().map(with_other).collect()
+    }
+
+    /// The same in one form of the gusts' spectrum.
+    fn ranges_in(&self, model: &Model) -> Vec<RandomRange> {
         let places = random_numbers(model);
         if places.is_empty() {
             return Vec::new();
@@ -129,6 +155,29 @@ impl Engine {
     }
 }
 
+/// What is known of a number whose estimate is `at` by one model and `away` by another that is `odds` times as likely; departures from `at`.
+fn averaged(one: RandomRange, at: f64, two: RandomRange, away: f64, odds: f64) -> RandomRange {
+    let share = if odds.is_finite() { odds / (1.0 + odds) } else { 1.0 };
+    // Each side of a number's logarithm is a normal one's, as wide as its interval says.
+    let below = |r: &RandomRange, centre: f64, x: f64| {
+        let end = if x < centre { r.ci95[0] } else { r.ci95[1] };
+        let spread = (end.max(1e-300) / centre).ln().abs().max(1e-9) / 1.96;
+        statrs::function::erf::erfc(-(x / centre).ln() / (spread * std::f64::consts::SQRT_2)) / 2.0
+    };
+    let all = |x: f64| (1.0 - share) * below(&one, at, x) + share * below(&two, away, x);
+    let ends = [one.ci95[0].min(two.ci95[0]).max(1e-300), one.ci95[1].max(two.ci95[1]).max(1e-300)];
+    let quantile = |p: f64| {
+        let [mut low, mut high] = ends.map(f64::ln);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if all(middle.exp()) < p { low = middle } else { high = middle }
+        }
+        (0.5 * (low + high)).exp()
+    };
+    let square = (1.0 - share) * one.std.powi(2) + share * (two.std.powi(2) + (away - at).powi(2));
+    RandomRange { std: square.sqrt(), ci95: [quantile(0.025), quantile(0.975)], ..one }
+}
+
 /// The strength that hangs on a shape most, of the same member.
 fn partner(model: &Model, places: &[(usize, usize)], covariance: &DMatrix<f64>, w: usize) -> Option<usize> {
     let strength = |j: usize| model.members[places[j].0].parameters[places[j].1].role == Role::Strength;
@@ -186,6 +235,20 @@ mod tests {
         assert!(low < 1e-12 && (high - 2.0).abs() < 1e-12);
         let [low, high] = log_normal(0.1, 0.1, [0.0, 2.0]);
         assert!((low / 0.1 - (-0.196_f64).exp()).abs() < 1e-12 && (high / 0.1 - 0.196_f64.exp()).abs() < 1e-12);
+    }
+
+    /// A model that is as likely as another of the same size leaves the interval, one that is far likelier gives its own, and one far from the
+    /// other opens it to both.
+    #[test]
+    fn exact_average_over_two_models() {
+        let range = |value: f64| RandomRange { place: (0, 0), std: 0.1 * value, ci95: log_normal(value, 0.1, [0.0, 10.0]) };
+        let close = |a: RandomRange, b: RandomRange| a.ci95.iter().zip(&b.ci95).all(|(x, y)| (x / y - 1.0).abs() < 1e-5);
+        assert!(close(averaged(range(1.0), 1.0, range(1.0), 1.0, 1.0), range(1.0)));
+        assert!(close(averaged(range(1.0), 1.0, range(2.0), 2.0, 1e12), range(2.0)));
+        let both = averaged(range(1.0), 1.0, range(2.0), 2.0, 1.0);
+        // Five per cent of each lie outside: Φ(-1.645) on its outer side.
+        assert!((both.ci95[0].ln() + 0.1645).abs() < 1e-3 && ((both.ci95[1] / 2.0).ln() - 0.1645).abs() < 1e-3, "{both:?}");
+        assert!((both.std - (0.5 * (0.01 + 0.04 + 1.0_f64)).sqrt()).abs() < 1e-12);
     }
 
     /// Points of a Gaussian ridge in logarithms: the shape's interval is that Gaussian's, the size's has the ridge's slope.

@@ -70,8 +70,8 @@ fn slopes(z: &[f64], of: impl Fn(&[f64]) -> DVector<f64>) -> DMatrix<f64> {
 /// Mean of all measurements, what an uncertain start adds to their covariance, and what gusts and instruments do.
 fn written_out(plant: &Plant, noise: &[ChannelNoise; CHANNELS]) -> (DVector<f64>, DMatrix<f64>, DMatrix<f64>) {
     let run = prepared(STEP_S / FINER as f64, NODES * FINER);
-    let f =
-        Filter::new(&run, &PassSetting { plant, noise, columns: &[], slack: 0.0, keep: Keep::Nothing }).expect("a whole model");
+    let f = Filter::new(&run, &PassSetting { plant, noise, columns: &[], slack: 0.0, von_karman: false, keep: Keep::Nothing })
+        .expect("a whole model");
     let (mut z, p) = f.start();
     let n = f.n;
     let is_motion = |i: usize| i < f.nm;
@@ -127,7 +127,8 @@ fn exact_against_one_gaussian() {
                 .iter_mut()
                 .enumerate()
                 .for_each(|(k, node)| node.y.copy_from_slice(&y.as_slice()[k * POSE..(k + 1) * POSE]));
-            let setting = PassSetting { plant: &plant, noise: &noise, columns: &[], slack: 0.0, keep: Keep::Nothing };
+            let setting =
+                PassSetting { plant: &plant, noise: &noise, columns: &[], slack: 0.0, von_karman: false, keep: Keep::Nothing };
             let filter = super::pass(&run, &setting).expect("a pass").log_likelihood;
             differences.push(filter - dense);
         }
