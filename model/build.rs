@@ -19,7 +19,8 @@ fn main() -> io::Result<()> {
     println!("cargo::rerun-if-changed=src/effects");
     let named = |name| env::var_os(name).map(PathBuf::from).ok_or_else(|| io::Error::other("cargo names its folders"));
     // Links followed, or `..` would leave them for somewhere else.
-    let (folder, out) = (fs::canonicalize(named("CARGO_MANIFEST_DIR")?.join("src/effects"))?, fs::canonicalize(named("OUT_DIR")?)?);
+    let (folder, out) =
+        (fs::canonicalize(named("CARGO_MANIFEST_DIR")?.join("src/effects"))?, fs::canonicalize(named("OUT_DIR")?)?);
     let mut names = Vec::new();
     for entry in fs::read_dir(&folder)? {
         let path = entry?.path();
