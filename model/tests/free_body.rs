@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 use windfall_model::frames::{Body, Rotation, Tunnel, Vec3};
 use windfall_model::{
     Aero, Coefficient as C, Contribution, Environment, Factor, FreeBody, FreeFlight, FreeState, Inertia, MeanFlow, MovedPart,
-    Plant, PointMass, Sensors, Setting, Structure, Term, Turbulence, Variable as V, Vehicle, WakeShedding,
+    Plant, PointMass, Sensors, Setting, Structure, Term, Thrust, Turbulence, Variable as V, Vehicle, WakeShedding,
 };
 
 type Vector = Vector3<f64>;
@@ -23,6 +23,9 @@ const TURN: [f64; 3] = [0.4, 0.5, -0.6];
 const DAMPING: [f64; 3] = [-0.05, -0.03, -0.02];
 const EXCESS: [f64; 3] = [0.25, -0.5, 0.75];
 const COEFFICIENTS: [f64; 6] = [0.4, -0.1, 0.7, 0.02, -0.03, 0.05];
+/// A steady thrust, N, and where it acts, m.
+const THRUST: [f64; 3] = [0.9, 0.0, -1.2];
+const THRUST_AT: [f64; 3] = [0.1, 0.4, 0.2];
 const LENGTH: f64 = 0.3;
 const AREA: f64 = 0.25;
 const DENSITY: f64 = 1.2;
@@ -66,6 +69,11 @@ fn plant(wind_axes: bool) -> Plant {
             parts: vec![MovedPart {
                 mass_kg: PART,
                 place_m: [Setting::Fixed(PLACE[0]), Setting::Input(0), Setting::Fixed(PLACE[2])],
+            }],
+            thrusts: vec![Thrust {
+                size_n: Setting::Fixed(1.5),
+                direction: Vec3::new(0.6, 0.0, -0.8),
+                place_m: THRUST_AT.map(Setting::Fixed),
             }],
             part_shift: Vec3::new(SHIFT, SHIFT, SHIFT),
             apparent_kg: APPARENT,
@@ -133,7 +141,7 @@ fn law_momentum_changes_by_force_and_moment() {
     same(rate(&|t| at(t).1), r0 * (moment - left), 1e-7);
 }
 
-/// Weight, lift of the displaced air, push, turn and air by unit vectors, along body and along wind axes (drag along the flow, lift across it
+/// Weight, lift of the displaced air, thrust, push, turn and air by unit vectors, along body and along wind axes (drag along the flow, lift across it
 /// in the body's plane of symmetry).
 #[test]
 fn exact_forces_and_moments_by_unit_vectors() {
@@ -153,18 +161,20 @@ fn exact_forces_and_moments_by_unit_vectors() {
         let about = |i: usize| c[3 + i] * q * AREA * LENGTH + DAMPING[i] * (1.0 + EXCESS[i]) * w[i];
         let air_moment = x * about(0) + y * about(1) + z * about(2);
         let weight = down * ((m - LIFTED) * GRAVITY);
-        let f = weight + to_body * Vector::from(PUSH) * m + air;
+        let f = weight + Vector::from(THRUST) + to_body * Vector::from(PUSH) * m + air;
         let hung = (first - Vector::from(LIFTS_AT) * LIFTED).cross(&down) * GRAVITY;
         let [found_f, found_m] = FreeBody::new(&plant(wind_axes)).expect("has a mass matrix").wrench(&s).map(|x| x.xyz);
         same(found_f, f, 1e-13);
-        same(found_m, hung + air_moment + second * Vector::from(TURN), 1e-13);
+        let thrust = Vector::from(THRUST_AT).cross(&Vector::from(THRUST));
+        same(found_m, hung + thrust + air_moment + second * Vector::from(TURN), 1e-13);
     }
-    // At rest in the air nothing is left but the damping, and it turns with no flow.
+    // At rest in the air.
     let resting = FreeState {
         v_tunnel_origin: Rotation::<Tunnel, Body>::from_quaternion(start().attitude).inverse() * Vec3::from_array(WIND),
         ..start()
     };
     let [f, _] = FreeBody::new(&plant(false)).expect("has a mass matrix").wrench(&resting).map(|x| x.xyz);
     let to_body = rotation(&resting).transpose();
-    same(f, to_body * (Vector::x() * ((m - LIFTED) * GRAVITY) + Vector::from(PUSH) * m), 1e-13);
+    let still = to_body * (Vector::x() * ((m - LIFTED) * GRAVITY) + Vector::from(PUSH) * m);
+    same(f, still + Vector::from(THRUST), 1e-13);
 }

@@ -3,8 +3,9 @@
 use windfall_model::frames::Vec3;
 use windfall_model::{
     Acts, Aero, ApparentMass, CATALOGUE, Coefficient, Contact, Environment, Factor, Flight, FlowState, FreeFlight, FroudeScale,
-    Given, Inertia, LooseMass, MeanFlow, Numerics, Operator, PLANT_NUMBERS, Pivot, Plant, PlantNumber, PointMass, Release,
-    Sensors, Structure, Term, TestSection, Tether, TunnelSpeed, Turbulence, Use, Variable, Vehicle, WakeShedding, effects,
+    Given, Inertia, LooseMass, MeanFlow, Numerics, Operator, PLANT_NUMBERS, Pivot, Plant, PlantNumber, PointMass, PointRecord,
+    Record, Release, Sensors, Structure, Term, TestSection, Tether, TunnelSpeed, Turbulence, Use, Variable, Vehicle,
+    WakeShedding, effects,
 };
 
 /// A plant that has every part.
@@ -270,6 +271,26 @@ fn exact_periodic_moments_lie_across_the_wind() {
         let (pitch, yaw) = (c[Coefficient::Cm as usize], c[Coefficient::Cn as usize]);
         assert!((pitch - size * clock.cos()).abs() < 1e-12 && (yaw + size * clock.sin()).abs() < 1e-12, "{pitch} {yaw}");
     }
+}
+
+/// Seven samples over 3 s that begin at 2 s; and what one run has otherwise is added to what the campaign says.
+#[test]
+fn exact_intervals_and_departures_of_records() {
+    let series = || vec![0.0; 7];
+    let record = Record {
+        t_s: (0..7).map(|i| 2.0 + 0.5 * f64::from(i)).collect(),
+        position_m: [series(), series(), series()],
+        attitude_rad: [series(), series(), series()],
+        vw_m_s: series(),
+        ps_pa: series(),
+        ts_k: series(),
+        qw_pa: None,
+        bridged: Vec::new(),
+    };
+    assert_eq!((record.interval_s(), record.duration_s()), (0.5, 3.0));
+    let mass = PLANT_NUMBERS.iter().position(|n| n.key == "vehicle.mass_kg").expect("in the table");
+    let run = PointRecord { own_departures: vec![(mass, 0.25)], ..PointRecord::default() };
+    assert_eq!(run.plant(&plant(), 0, &[]).vehicle.mass_kg, 0.8 + 0.25);
 }
 
 /// k (V/7.5 m/s − 1) cos α_T on top of C_A, and nothing else.
