@@ -293,6 +293,7 @@ mod tests {
         let number = |i, freedom| Unknown::linear(UnknownId::Parameter(i), ["a", "b", "c", "d"][i], i as f64, freedom);
         let all = [Freedom::Tied(1), Freedom::Free(0), Freedom::Held(7.0), Freedom::Free(1)];
         let mut u = Unknowns::from(all.into_iter().enumerate().map(|(i, f)| number(i, f)).collect::<Vec<_>>());
+        assert_eq!((u.act(crate::CATALOGUE[0]), u.act(crate::CATALOGUE[1])), (0, 1));
         u.know(3, 4.0, 0.5);
         u.know(1, 3.0, 2.0);
         u.know(3, 3.0, 1.0);

@@ -3,8 +3,9 @@
 use windfall_model::frames::Vec3;
 use windfall_model::{
     Acts, Aero, ApparentMass, CATALOGUE, Coefficient, Contact, Environment, Factor, Flight, FlowState, FreeFlight, FroudeScale,
-    Given, Inertia, LooseMass, MeanFlow, Numerics, Operator, PLANT_NUMBERS, Pivot, Plant, PlantNumber, PointMass, Release,
-    Sensors, Structure, Term, TestSection, Tether, TunnelSpeed, Turbulence, Use, Variable, Vehicle, WakeShedding, effects,
+    Given, Inertia, LooseMass, MeanFlow, Numerics, Operator, PLANT_NUMBERS, Pivot, Plant, PlantNumber, PointMass, PointRecord,
+    Record, Release, Sensors, Structure, Term, TestSection, Tether, TunnelSpeed, Turbulence, Use, Variable, Vehicle,
+    WakeShedding, effects,
 };
 
 /// A plant that has every part.
@@ -215,6 +216,7 @@ fn exact_a_flight_scales_by_hand() {
         hold_x_m: 2.0,
     };
     assert_eq!(scale.flight(&order(TunnelSpeed::Operator(hand))).speed, TunnelSpeed::Operator(larger));
+    assert_eq!((scale.area(), scale.inertia()), (64.0, 3.0 * 32768.0));
     // Mass 3 · 8³ = 1536, force twice that, impulse for twice the time, about an arm of eight times the length.
     let mut touched = plant();
     touched.contacts = vec![Contact {
@@ -224,7 +226,9 @@ fn exact_a_flight_scales_by_hand() {
         impulse: Vec3::new(1.0, 2.0, 3.0),
         angular_impulse: Vec3::new(1.0, 0.0, -1.0),
     }];
-    let contact = scale.plant(&touched).contacts[0];
+    let larger = scale.plant(&touched);
+    assert_eq!((larger.vehicle.mass_kg, larger.vehicle.diameter_m), (0.8 * 1536.0, 1.6));
+    let contact = larger.contacts[0];
     assert_eq!((contact.start_s, contact.duration_s), (2.0, 1.0));
     assert_eq!(contact.impulse, Vec3::new(6144.0, 12288.0, 18432.0));
     assert_eq!(contact.angular_impulse, Vec3::new(49152.0, 0.0, -49152.0));
@@ -266,6 +270,58 @@ fn exact_periodic_moments_lie_across_the_wind() {
         let size = 0.5 * alpha.sin() * wave;
         let (pitch, yaw) = (c[Coefficient::Cm as usize], c[Coefficient::Cn as usize]);
         assert!((pitch - size * clock.cos()).abs() < 1e-12 && (yaw + size * clock.sin()).abs() < 1e-12, "{pitch} {yaw}");
+    }
+}
+
+/// Seven samples over 3 s that begin at 2 s; and what one run has otherwise is added to what the campaign says.
+#[test]
+fn exact_intervals_and_departures_of_records() {
+    let series = || vec![0.0; 7];
+    let record = Record {
+        t_s: (0..7).map(|i| 2.0 + 0.5 * f64::from(i)).collect(),
+        position_m: [series(), series(), series()],
+        attitude_rad: [series(), series(), series()],
+        vw_m_s: series(),
+        ps_pa: series(),
+        ts_k: series(),
+        qw_pa: None,
+        bridged: Vec::new(),
+    };
+    assert_eq!((record.interval_s(), record.duration_s()), (0.5, 3.0));
+    let mass = PLANT_NUMBERS.iter().position(|n| n.key == "vehicle.mass_kg").expect("in the table");
+    let run = PointRecord { own_departures: vec![(mass, 0.25)], ..PointRecord::default() };
+    assert!((run.plant(&plant(), 0, &[]).vehicle.mass_kg - 1.05).abs() < 1e-15);
+}
+
+/// k (V/7.5 m/s − 1) cos α_T on top of C_A, and nothing else.
+#[test]
+fn exact_axial_speed_by_hand() {
+    let mut plant = plant();
+    (effects::find("axial-speed", Acts::Lander).expect("of the catalogue").apply)(&mut plant, &[0.5]);
+    for (speed, angle) in [(7.5, 0.2_f64), (9.0, 0.4), (3.0, 0.0)] {
+        let u = Vec3::new(angle.cos(), angle.sin(), 0.0) * speed;
+        let c = plant.aero.coefficients(&FlowState::new(u, Vec3::zero(), Vec3::zero(), 0.2));
+        let expected = 0.5 * (speed / 7.5 - 1.0) * angle.cos();
+        assert!((c[0] - expected).abs() < 1e-14 && c[1..].iter().all(|c| c.abs() < 1e-14), "{c:?} {expected}");
+    }
+}
+
+/// Coefficients that follow inputs are added to those that are there, in lists just long enough.
+#[test]
+fn exact_lists_by_input_are_added() {
+    let named = |family: &str, acts: Acts| effects::find(family, acts).expect("of the catalogue");
+    for before in [vec![], vec![0.5, 0.25]] {
+        let of = |k: usize, x: f64| before.get(k).copied().unwrap_or(0.0) + x;
+        let mut ball = plant();
+        ball.point.lift_per_input = before.clone();
+        ball.point.side_per_input = before.clone();
+        ball.point.pressure_per_input = before.clone();
+        (named("spin-lift", Acts::PointMass).apply)(&mut ball, &[0.125, 2.0, 3.0, 4.0, 0.5, 6.0]);
+        (named("static-pressure", Acts::Altimeter).apply)(&mut ball, &[1.0, 8.0, 16.0]);
+        assert_eq!(ball.point.lift_per_input, [of(0, 0.125), of(1, 2.0)]);
+        assert_eq!(ball.point.side_per_input, [of(0, 4.0), of(1, 0.5)]);
+        assert_eq!(ball.point.pressure_per_input, [of(0, 8.0), of(1, 16.0)]);
+        assert_eq!((ball.point.lift_constant, ball.point.side_constant, ball.point.pressure_coefficient), (3.0, 6.0, 1.0));
     }
 }
 

@@ -31,6 +31,20 @@ proptest! {
     }
 
     #[test]
+    fn law_a_turn_is_by_its_angle_and_a_quaternion_of_any_length(q in quaternion(), axis in quaternion(), angle in 0.0_f64..3.1, length in 0.1_f64..10.0) {
+        let r = Rotation::<Tunnel, Body>::from_quaternion(q);
+        let (n, (s, c)) = (axis[1].hypot(axis[2]).hypot(axis[3]), (0.5 * angle).sin_cos());
+        prop_assume!(n > 0.01);
+        let turn = Rotation::<Body, Body>::from_quaternion([c, s * axis[1] / n, s * axis[2] / n, s * axis[3] / n]);
+        prop_assert!((r.angle_to(r * turn) - angle).abs() < 10.0 * ROUNDING, "{} {angle}", r.angle_to(r * turn));
+        let long = Rotation::<Tunnel, Body>::from_quaternion(q.map(|x| x * length));
+        prop_assert!((long.matrix - r.matrix).norm() < ROUNDING, "{long:?} {r:?}");
+        let e = EulerXyz::from_rotation(r);
+        let down = r * Vec3::new(1.0, 0.0, 0.0);
+        prop_assert!((e.off_vertical_rad().cos() - down.x()).abs() < 10.0 * ROUNDING, "{e:?}");
+    }
+
+    #[test]
     fn law_quaternions_and_angles_round_trip(q in quaternion(), rx in -3.1_f64..3.1, ry in -1.5_f64..1.5, rz in -1.5_f64..1.5) {
         let r = Rotation::<Tunnel, Body>::from_quaternion(q);
         let again = r.to_quaternion();

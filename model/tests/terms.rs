@@ -5,9 +5,9 @@
 
 use windfall_model::frames::{Body, EulerXyz, Rotation, Tunnel, Vec3};
 use windfall_model::{
-    Aero, AirState, ApparentMass, Coefficient as C, Contact, Environment, Factor, FlowState, Inertia, LooseMass, MeanFlow,
-    Motion, Pivot, Plant, PointAir, PointMass, Sensors, Structure, Tether, Turbulence, Variable as V, Vehicle, WakeShedding,
-    Wrench, dynamic_pressure_pa, wrench_at_cm,
+    Aero, AirState, ApparentMass, Coefficient as C, CoefficientTable, Contact, Environment, Factor, FlowState, Inertia,
+    LooseMass, MeanFlow, Motion, Pivot, Plant, PointAir, PointMass, Sensors, Structure, Tether, Turbulence, Variable as V,
+    Vehicle, WakeShedding, Wrench, dynamic_pressure_pa, wrench_at_cm,
 };
 
 const H: f64 = 1e-5;
@@ -270,6 +270,32 @@ fn exact_apparent_mass_takes_the_impulse_of_the_air() {
     same((m.r_tunnel_body * got.m).to_array(), combine(carried.map(|x| -x), -1.0, difference(angular)), 1e-7);
 }
 
+/// As far as gusts are told, they are air like the wind; as far as it is told, momentum of turning is not turned.
+#[test]
+fn exact_apparent_mass_in_gusts_and_unturned() {
+    let mut plant = plant();
+    let m = motion(0.0);
+    let whole = plant.apparent_wrench(&m, &air(0.0));
+    plant.vehicle.apparent.unturned = 0.25;
+    let part = plant.apparent_wrench(&m, &air(0.0));
+    let [_, q, r] = W.map(|w| 0.002 * w);
+    same(part.f.to_array(), whole.f.to_array(), 0.0);
+    same(part.m.to_array(), combine(whole.m.to_array(), 0.25, cross(W, [0.0, q, r])), 1e-12);
+    let k = ApparentMass { unturned: 0.0, in_gusts: 0.5, ..plant.vehicle.apparent };
+    plant.vehicle.apparent = k;
+    let relative = |t: f64| {
+        let (m, a) = (motion(t), air(t));
+        let wind = plant.flow.wind(m.p_tunnel_cm, m.v_tunnel_cm, a.vw_m_s, a.vw_rate_m_s2).v_tunnel_air + a.gust * 0.5;
+        m.r_tunnel_body.inverse() * (m.v_tunnel_cm - wind)
+    };
+    let linear = |t: f64| {
+        let u = relative(t);
+        (motion(t).r_tunnel_body * Vec3::new(k.axial_kg * u.x(), k.radial_kg * u.y(), k.radial_kg * u.z())).to_array()
+    };
+    let found = plant.apparent_wrench(&m, &air(0.0)).f;
+    same((m.r_tunnel_body * found).to_array(), difference(linear).map(|x| -x), 1e-7);
+}
+
 #[test]
 fn exact_flow_state_sees_gusts_and_turning_axes() {
     let plant = plant();
@@ -376,7 +402,13 @@ fn exact_loose_part_oscillates_and_pushes_back() {
     same(found.m.to_array(), combine(cross([0.07, 0.01, -0.02], f), 1.0, displaced), 1e-12);
     let first = LooseMass { in_full: 0.0, ..part };
     same(first.carried(state, vec(w), vec(w_rate)).to_array(), [0.0; 3], 0.0);
-    same(first.wrench(state, [3.0, -2.0], vec(push), Vec3::zero()).f.to_array(), [0.0, -0.15, 0.1], 1e-12);
+    let found = first.wrench(state, [3.0, -2.0], vec(push), Vec3::zero());
+    same(found.f.to_array(), [0.0, -0.15, 0.1], 1e-12);
+    same(found.m.to_array(), combine(cross([0.07, 0.0, 0.0], [0.0, -0.15, 0.1]), 1.0, displaced), 1e-12);
+    // What carries it pushes it as the mount does.
+    let both = part.acceleration(state, vec(push), vec([0.0, 0.25, -0.5]));
+    let mount = part.acceleration(state, vec(push), Vec3::zero());
+    same([both[0], both[1], 0.0], [mount[0] - 0.25, mount[1] + 0.5, 0.0], 1e-12);
 }
 
 /// A body on a pivot, turning either way, at a rate where dry friction has not yet its full size.
@@ -404,6 +436,18 @@ fn exact_moments_about_a_pivot() {
         let expected = (weight + friction + air) / (inertia + m * arm * arm);
         close(plant.pivot_acceleration_rad_s2(angle, rate), expected, 1e-12);
     }
+}
+
+/// Height of a static pressure that is off by a share of the dynamic pressure: −C_p v²/2g with v = 7 m/s.
+#[test]
+fn exact_altimeter_reads_too_much() {
+    let mut plant = plant();
+    plant.environment.gravity_m_s2 = 9.8;
+    let v = vec::<Tunnel>([-2.0, 6.0, 3.0]);
+    assert!(plant.altimeter_error_m(v).abs() <= 0.0);
+    plant.point =
+        PointMass { pressure_coefficient: -0.2, pressure_per_input: vec![0.03], inputs: vec![2.0], ..PointMass::default() };
+    close(plant.altimeter_error_m(v), 0.14 * 2.5, 1e-12);
 }
 
 /// A ball with everything that acts on balls; vectors and triple products instead of components.
@@ -445,6 +489,13 @@ fn exact_point_mass_forces() {
     let expected = combine([0.01, 0.02, -0.03], 1.0 / (0.8 + 0.5 * displaced), force);
     let air = PointAir { density_kg_m3: 1.2, sound_m_s: f64::INFINITY };
     same(plant.point_acceleration_in(vec::<Tunnel>(v), air).to_array(), expected, 1e-12);
+    // A table over Mach number multiplies the structure's parameter, not what comes on top; half-way between 1 and 2 at Mach 0.7.
+    let mut fast = plant.clone();
+    fast.point.drag_over_mach = CoefficientTable::new(vec![0.6, 0.8], vec![1.0, 2.0]);
+    plant.aero.values[0] *= 1.5;
+    let thin = PointAir { density_kg_m3: 1.2, sound_m_s: 10.0 };
+    let [a, b] = [&fast, &plant].map(|p| p.point_acceleration_in(vec::<Tunnel>(v), thin).to_array());
+    same(a, b, 1e-12);
     let falls = plant.point_acceleration_in(Vec3::new(3.0, 0.0, 0.0), air);
     assert!((falls.y() - 0.02).abs() < 1e-15 && (falls.z() + 0.03).abs() < 1e-15, "no lift without a launch direction");
 }
