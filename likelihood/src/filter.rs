@@ -11,12 +11,12 @@ mod predict;
 mod update;
 
 use crate::columns::{Basis, SensitivityColumn, Shown, View, body_to_tunnel, lag_s, shown};
-use crate::noise::{CHANNELS, ChannelNoise, MeanNoise, POSE};
+use crate::noise::{ChannelNoise, MeanNoise};
 use crate::random::{Input, ORDER, inputs};
 use crate::run::Prepared;
 use crate::shock::{Taken, Trace};
 use nalgebra::{DMatrix, DVector};
-use windfall_model::{Entry, Plant};
+use windfall_model::{Entry, POSE, PerChannel, Plant};
 use windfall_pid::equations::{ADDED, Craft, LOOSE, MOTION, STATES, TunnelAir};
 
 /// Spread of the first state about its start: wide, so that the data decide (m, rad, m/s, rad/s).
@@ -71,7 +71,7 @@ impl Departed {
 #[derive(Clone, Copy)]
 pub(crate) struct PassSetting<'a> {
     pub(crate) plant: &'a Plant,
-    pub(crate) noise: &'a [ChannelNoise; CHANNELS],
+    pub(crate) noise: &'a PerChannel<ChannelNoise>,
     pub(crate) columns: &'a [SensitivityColumn],
     /// Share of [`SLACK`] that the accelerations are left free by from node to node.
     pub(crate) slack: f64,
