@@ -5,12 +5,12 @@
 //! coefficient, and drifts of every channel of the instruments. They have priors and cost like effects; one that is in the best set says that no
 //! effect of the catalogue accounts for what it does.
 
-use crate::columns::{Along, Basis, CHANNEL_NAMES, LOADS};
+use crate::columns::{Along, Basis, LOADS};
 use crate::engine::{Engine, Summed};
 use crate::hum::{FORCE, HumStream, MOMENT, ROLL, of_instrument};
 use crate::model::Model;
-use crate::noise::POSE;
 use crate::spectrum::periodogram;
+use windfall_model::{CHANNEL_NAMES, POSE};
 
 /// A group of generic columns: functions of one variable in one load or channel.
 #[derive(Clone, Debug)]

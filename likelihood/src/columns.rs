@@ -1,8 +1,7 @@
 //! likelihood: columns, directions in which the model may be changed. In: numbers of a plant, or forces and errors over a variable. Out:
 //! what each does to the rates of motion and to what is measured, at one instant.
 
-use crate::noise::{CHANNELS, POSE};
-use windfall_model::{Plant, Sensors};
+use windfall_model::{POSE, Plant, Sensors};
 use windfall_pid::equations::{STATES, Scalar};
 
 /// What a column is a change of.
@@ -141,8 +140,6 @@ impl Basis {
 
 /// Names of the body loads.
 pub(crate) const LOADS: [&str; 6] = ["CA", "CY", "CN", "Cl", "Cm", "Cn"];
-/// Names of the channels.
-pub const CHANNEL_NAMES: [&str; CHANNELS] = ["X_m", "Y_m", "Z_m", "Rx_deg", "Ry_deg", "Rz_deg", "VW_m_s"];
 
 /// What a channel shows at one node.
 pub(crate) type Shown = [f64; POSE];

@@ -7,10 +7,9 @@ use crate::check::{Lead, lines, outliers};
 use crate::engine::{Engine, Fit};
 use crate::gram::Gram;
 use crate::model::{Member, Model, catalogue};
-use crate::noise::POSE;
 use crate::random_range::RandomRange;
 use crate::search::Unit;
-use windfall_model::Use;
+use windfall_model::{POSE, Use};
 
 mod contest;
 mod polish;

@@ -5,14 +5,14 @@ use crate::filter::{Departed, Keep, PassSetting, Seen, pass};
 use crate::gram::Gram;
 use crate::hum::{Hum, take_off};
 use crate::model::{Id, Model, Number, VAGUE_PRIOR};
-use crate::noise::{CHANNELS, ChannelNoise, POSE, declared, learn};
+use crate::noise::{ChannelNoise, declared, learn};
 use crate::run::Prepared;
 use crate::shock::{Shock, shocks};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use windfall_model::{Campaign, Constant, Data, Plant, Record};
+use windfall_model::{Campaign, Constant, Data, POSE, PerChannel, Plant, Record};
 use windfall_pid::StopReason;
 
 /// Runs of a campaign made ready, with their noise.
@@ -21,7 +21,7 @@ pub struct Engine {
     pub(crate) campaign: Campaign,
     pub(crate) runs: Vec<Prepared>,
     /// Noise of the pose channels.
-    pub noise: [ChannelNoise; CHANNELS],
+    pub noise: PerChannel<ChannelNoise>,
     /// Lines of the instruments that were taken off the records.
     pub hum: Vec<Hum>,
     /// Freedom of the accelerations at a search's start, zero otherwise.
@@ -48,7 +48,7 @@ pub struct Fit {
     /// Sum of whitened squares of the pose over their count.
     pub chi: f64,
     /// Per channel: mean square of the innovations, of what is expected of them, of both's ratio, and count.
-    pub channels: [[f64; 4]; CHANNELS],
+    pub channels: PerChannel<[f64; 4]>,
     /// Why it ended.
     pub stop: StopReason,
 }
@@ -74,12 +74,12 @@ pub(crate) struct Summed {
     pub(crate) g: DMatrix<f64>,
     pub(crate) b: DVector<f64>,
     pub(crate) log_likelihood: f64,
-    pub(crate) channels: [[f64; 4]; CHANNELS],
+    pub(crate) channels: PerChannel<[f64; 4]>,
     pub(crate) runs: Vec<Seen>,
 }
 
 /// A model with its normal equations and channels.
-type SteppedModel = (Model, Gram, [[f64; 4]; CHANNELS]);
+type SteppedModel = (Model, Gram, PerChannel<[f64; 4]>);
 
 /// Normal equations of `n` numbers and log-likelihood of all runs.
 pub(crate) fn totals(runs: &[Seen], n: usize) -> (DMatrix<f64>, DVector<f64>, f64) {
@@ -174,7 +174,7 @@ impl Engine {
 
     /// The same with other noise.
     #[must_use]
-    pub(crate) fn with_noise(&self, noise: [ChannelNoise; CHANNELS]) -> Self {
+    pub(crate) fn with_noise(&self, noise: PerChannel<ChannelNoise>) -> Self {
         Self { noise, ..self.clone() }
     }
 
@@ -294,7 +294,7 @@ impl Engine {
     }
 
     /// Normal equations of numbers at a model.
-    pub(crate) fn gram(&self, model: &Model, numbers: Vec<Number>) -> Result<(Gram, [[f64; 4]; CHANNELS]), Departed> {
+    pub(crate) fn gram(&self, model: &Model, numbers: Vec<Number>) -> Result<(Gram, PerChannel<[f64; 4]>), Departed> {
         let s = self.sum(model, &numbers, &[])?;
         Ok((Gram::new(numbers, s.g, s.b, s.log_likelihood), s.channels))
     }

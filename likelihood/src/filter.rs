@@ -12,14 +12,14 @@ mod rows;
 mod update;
 
 use crate::columns::{Basis, SensitivityColumn, Shown, View, body_to_tunnel, lag_s, shown};
-use crate::noise::{CHANNELS, ChannelNoise, MeanNoise, POSE};
+use crate::noise::{ChannelNoise, MeanNoise};
 use crate::random::{Input, ORDER, inputs};
 use crate::run::Prepared;
 use crate::shock::{Taken, Trace};
 use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, Simd, WithSimd};
 use rows::VECTOR;
-use windfall_model::{Entry, Plant};
+use windfall_model::{Entry, POSE, PerChannel, Plant};
 use windfall_pid::equations::{ADDED, Craft, LOOSE, MOTION, STATES, TunnelAir};
 
 /// Spread of the first state about its start: wide, so that the data decide (m, rad, m/s, rad/s).
@@ -74,7 +74,7 @@ impl Departed {
 #[derive(Clone, Copy)]
 pub(crate) struct PassSetting<'a> {
     pub(crate) plant: &'a Plant,
-    pub(crate) noise: &'a [ChannelNoise; CHANNELS],
+    pub(crate) noise: &'a PerChannel<ChannelNoise>,
     pub(crate) columns: &'a [SensitivityColumn],
     /// Share of [`SLACK`] that the accelerations are left free by from node to node.
     pub(crate) slack: f64,

@@ -3,10 +3,9 @@
 //! Mains hum and vibrating cameras put narrow lines into the pose. Above the model's modes such a line asks for loads that the air cannot
 //! give; it is then the instrument's, and is fitted by least squares and taken off.
 
-use crate::noise::POSE;
 use crate::spectrum::{hann, periodogram};
 use std::f64::consts::TAU;
-use windfall_model::{Plant, Record};
+use windfall_model::{POSE, Plant, Record};
 use windfall_pid::equations::{ADDED, Craft, MOTION, TunnelAir};
 use windfall_pid::golden::minimise;
 

@@ -3,7 +3,7 @@
 use crate::engine::Engine;
 use crate::filter::SETTLED_S;
 use crate::model::Model;
-use crate::noise::POSE;
+use windfall_model::POSE;
 
 /// Whitened innovations of one run: standard normal and independent where the model and its noise are right.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,7 +12,7 @@ pub struct Innovations {
     pub run: usize,
     /// Time from one row to the next, s.
     pub step_s: f64,
-    /// Rows in the order of [`crate::CHANNEL_NAMES`], the pose's six; an exact zero where nothing was measured.
+    /// Rows in the order of [`windfall_model::CHANNEL_NAMES`], the pose's six; an exact zero where nothing was measured.
     pub rows: Vec<[f64; POSE]>,
 }
 

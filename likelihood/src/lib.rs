@@ -29,13 +29,12 @@ mod spectrum;
 mod wind;
 
 pub use check::Lead;
-pub use columns::CHANNEL_NAMES;
 pub use discover::{Contest, Discovery, RivalPair, Rivals, Unseen, discover, identify, log_odds};
 pub use engine::{Engine, Fit};
 pub use gram::{Gram, Posterior};
 pub use hum::Hum;
 pub use innovations::Innovations;
 pub use model::{Id, Member, Model, Number};
-pub use noise::{ChannelNoise, POSE, declared as declared_noise};
+pub use noise::{ChannelNoise, declared as declared_noise};
 pub use random_range::RandomRange;
 pub use search::{Set, Unit};

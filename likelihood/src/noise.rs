@@ -4,12 +4,7 @@
 //! autoregressive one is fitted there by Whittle's likelihood (Whittle 1953); what is declared is a prior where little is seen.
 
 use crate::spectrum::periodogram;
-use windfall_model::{Record, Sensors};
-
-/// Channels of the pose: X, Y, Z (m), R_x, R_y, R_z (rad).
-pub const POSE: usize = 6;
-/// All channels whose noise is learnt: the pose and V_W (m/s).
-pub(crate) const CHANNELS: usize = POSE + 1;
+use windfall_model::{CHANNELS, PerChannel, Record, Sensors};
 
 /// Noise of one channel: variance of its samples' white part, and variance and lag-one correlation of its coloured part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,22 +67,21 @@ const DIFFERENT: f64 = 60.0;
 
 /// Declared noise of the channels.
 #[must_use]
-pub fn declared(s: &Sensors) -> [ChannelNoise; CHANNELS] {
-    let (p, a) = (s.position_std_m, s.pitch_yaw_std_rad);
-    [p, p, p, s.roll_std_rad, a, a, s.wind_std_m_s].map(ChannelNoise::white)
+pub fn declared(s: &Sensors) -> PerChannel<ChannelNoise> {
+    s.std_by_channel().map(ChannelNoise::white)
 }
 
 /// Learnt noise of the pose channels of these runs together. White noise is measured above the motion; where there is colour, one
 /// correlation for all channels is fitted from lower frequencies on, with the motion's steep spectrum beside it, or one for each channel
 /// where that says much more.
 #[must_use]
-pub(crate) fn learn(records: &[&Record], sensors: &Sensors) -> [ChannelNoise; CHANNELS] {
+pub(crate) fn learn(records: &[&Record], sensors: &Sensors) -> PerChannel<ChannelNoise> {
     let prior = declared(sensors);
-    let spectra: [Vec<Ordinate>; CHANNELS] = std::array::from_fn(|c| records.iter().flat_map(|r| spectrum(r, c)).collect());
+    let spectra: PerChannel<Vec<Ordinate>> = std::array::from_fn(|c| records.iter().flat_map(|r| spectrum(r, c)).collect());
     if spectra.iter().any(|s| s.iter().filter(|o| o.noise_alone).count() < 50) {
         return prior;
     }
-    let plain: [f64; CHANNELS] = std::array::from_fn(|c| {
+    let plain: PerChannel<f64> = std::array::from_fn(|c| {
         let alone: Vec<Ordinate> = spectra[c].iter().copied().filter(|o| o.noise_alone).collect();
         Search { spectrum: &alone, motion: false }.at(0.0, 0.0).1
     });

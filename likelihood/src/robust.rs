@@ -7,9 +7,9 @@
 use crate::engine::{Engine, Fit};
 use crate::filter::{SETTLED_S, Seen};
 use crate::model::Model;
-use crate::noise::POSE;
 use crate::random_fit::RandomSlopes;
 use nalgebra::{DMatrix, DVector, SMatrix};
+use windfall_model::POSE;
 
 /// Time over which innovations may be correlated, s; Bartlett's weights fall to zero there.
 const MEMORY_S: f64 = 1.0;

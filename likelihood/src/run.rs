@@ -3,9 +3,9 @@
 //! A node stands for a block of samples: the mean of what was measured less what motion over the block explains carries all that a filter
 //! can use below the block's own rate, at a fraction of its cost. Missing samples leave a node with fewer, or none.
 
-use crate::noise::{ChannelNoise, POSE};
+use crate::noise::ChannelNoise;
 use crate::wind::Speed;
-use windfall_model::Record;
+use windfall_model::{POSE, Record};
 
 /// Mean over the samples of a block that were measured.
 #[derive(Clone, Copy, Debug, Default)]

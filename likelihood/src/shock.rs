@@ -3,8 +3,8 @@
 //! A kick before a node changes all later innovations; its score and information follow from one pass backward over the run (the
 //! disturbance smoother's auxiliary residuals: de Jong and Penzer 1998; Durbin and Koopman 2012, §4.5 and §7.5).
 
-use crate::noise::POSE;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use windfall_model::POSE;
 
 /// Velocities and body rates among the states.
 const KICKED: [usize; 6] = [6, 7, 8, 9, 10, 11];

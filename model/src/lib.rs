@@ -8,6 +8,7 @@ mod aero;
 mod aero_program;
 mod air;
 mod campaign;
+mod channel;
 mod disturbance;
 pub mod effects;
 mod flow;
@@ -34,6 +35,7 @@ pub use aero::{Aero, Coefficient, Contribution, Factor, Structure, Term, Wrench,
 pub use aero_program::AeroProgram;
 pub use air::{Environment, dynamic_pressure_pa};
 pub use campaign::{Campaign, Data, Run};
+pub use channel::{CHANNEL_NAMES, CHANNELS, POSE, PerChannel, RunChannel};
 pub use disturbance::{Disturbance, Entry, Shape, ShapingFilter, StateForm, Turbulence, WakeShedding};
 pub use effects::{Acts, CATALOGUE, Effect, Parameter, Role};
 pub use flow::{FlowState, MeanFlow, VARIABLES, Variable, Wind};

@@ -1,5 +1,6 @@
 //! model: the run record, what was measured. In: columns in SI and rad. Out: checked series of one length.
 
+use crate::channel::PerChannel;
 use crate::plant::Plant;
 use crate::point::CoefficientTable;
 use crate::quantity::PLANT_NUMBERS;
@@ -55,9 +56,9 @@ impl Record {
     pub fn duration_s(&self) -> f64 {
         self.interval_s() * self.len().saturating_sub(1) as f64
     }
-    /// The seven measured motion signals in channel order: X, Y, Z (m), R_x, R_y, R_z (rad), V_W (m/s).
+    /// The seven measured motion signals in the order of [`crate::RunChannel`]: X, Y, Z (m), R_x, R_y, R_z (rad), V_W (m/s).
     #[must_use]
-    pub fn channels(&self) -> [&[f64]; 7] {
+    pub fn channels(&self) -> PerChannel<&[f64]> {
         let [x, y, z] = &self.position_m;
         let [rx, ry, rz] = &self.attitude_rad;
         [x, y, z, rx, ry, rz, &self.vw_m_s]

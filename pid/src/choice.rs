@@ -3,13 +3,10 @@
 use crate::error::PidError;
 use crate::identification::Identification;
 use crate::identify::{Method, identify_by};
-use crate::output_error::{CHANNELS, EstimateOptions, NOT_NOISE};
+use crate::output_error::{EstimateOptions, NOT_NOISE};
 use crate::plant::{PROCESS_NOISE, TURBULENCE};
 use crate::{StopReason, filter_error, output_error};
-use windfall_model::Campaign;
-
-/// Channels that test the declared model; the tunnel speed, the last, tests the smoothness that it is taken to have.
-const POSE: usize = CHANNELS - 1;
+use windfall_model::{CHANNELS, Campaign, POSE};
 
 /// Identifies by output error where its residual is noise; by filter error where process noise explains what output error leaves; by
 /// equation error where neither follows the runs or the plant has what they do not integrate. [`Identification::reason`] says which
@@ -80,7 +77,8 @@ fn because(mut found: Identification, reason: String) -> Identification {
     found
 }
 
-/// Channels of all runs together whose residual is not noise, in words; nothing where all are.
+/// Channels of all runs together whose residual is not noise, in words; nothing where all are. The pose tests the declared model, the
+/// tunnel speed the smoothness that it is taken to have.
 fn left(found: &Identification) -> String {
     let fits = found.of_all_runs().map_or(&[][..], |d| &d.fits);
     let bad = fits.iter().take(POSE).filter(|f| f.residual_whiteness_p < NOT_NOISE / CHANNELS as f64);

@@ -2,18 +2,18 @@
 
 use crate::euler::{euler_rates, rates, t_bef};
 use crate::smooth::{Signal, Smoothed};
-use windfall_model::Sensors;
+use windfall_model::{PerChannel, RunChannel, Sensors};
 
-/// Value, first and second derivative of the seven channels at one sample.
-pub(crate) type Sample = [[f64; 3]; 7];
+/// Value, first and second derivative of every channel at one sample.
+pub(crate) type Sample = PerChannel<[f64; 3]>;
 
 /// Sample i with the clock, delays, scales and misalignment taken out: rates are those by true time.
 pub(crate) fn sample(s: &Smoothed, sensors: &Sensors, i: usize) -> Sample {
     // Recorded seconds per true one.
     let ticks = 1.0 + sensors.time_base;
-    let mut x: Sample = std::array::from_fn(|c| {
-        let delay = if c == 6 { sensors.wind_delay_s } else { sensors.pose_delay_s };
-        later(&s.channels[c], s.interval_s, i, delay * ticks)
+    let mut x: Sample = RunChannel::ALL.map(|c| {
+        let delay = if c == RunChannel::Wind { sensors.wind_delay_s } else { sensors.pose_delay_s };
+        later(&s.channels[c.at()], s.interval_s, i, delay * ticks)
     });
     if sensors.time_base != 0.0 {
         x = x.map(|[value, rate, second]| [value, rate * ticks, second * ticks * ticks]);
@@ -23,7 +23,8 @@ pub(crate) fn sample(s: &Smoothed, sensors: &Sensors, i: usize) -> Sample {
         *axis = axis.map(|v| v / longer);
     }
     let scale = 1.0 + sensors.wind_scale;
-    x[6] = x[6].map(|v| v / scale);
+    let wind = &mut x[RunChannel::Wind.at()];
+    *wind = wind.map(|v| v / scale);
     if sensors.misalignment_rad.iter().any(|a| *a != 0.0) {
         turn(&mut x, sensors.misalignment_rad);
     }

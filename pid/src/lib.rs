@@ -40,4 +40,5 @@ pub use identification::{CoefficientFit, Curve, DataSet, Estimate, Held, Identif
 pub use identify::{Method, RunRows, estimated, identify, identify_by, identify_with, process};
 pub use information::{Correlation, Identifiability};
 pub use interval::{NORMAL_95, relative_percent};
+pub use plant::{PROCESS_NOISE, TURBULENCE};
 pub use stop::{SearchKind, StopReason, departure};

@@ -10,12 +10,12 @@ use crate::choice::identify_chosen;
 use crate::equations::{Craft, Drive, Extra, INPUTS, STATES, Segment, Transition, TunnelAir, origin};
 use crate::error::PidError;
 use crate::filter_error::{Filter, NONE_M_S, Random};
-use crate::output_error::{CHANNELS, EstimateOptions, FreeColumns, NODE, PreparedRun, SPEED, ready, run_plants, unknowns};
+use crate::output_error::{EstimateOptions, FreeColumns, NODE, PreparedRun, SPEED, ready, run_plants, unknowns};
 use crate::plant::START_SCALE_M;
 use crate::{SearchKind, StopReason};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
-use windfall_model::{Campaign, Plant, Record, Turbulence, Unknowns};
+use windfall_model::{CHANNELS, Campaign, PerChannel, Plant, Record, Turbulence, Unknowns};
 
 /// Release angles tried, deg.
 const RELEASES_DEG: [f64; 8] = [2.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0];
@@ -143,7 +143,7 @@ struct Scene<'s> {
     plant: &'s Plant,
     unknowns: &'s Unknowns,
     turbulence: Turbulence,
-    noise: [f64; CHANNELS],
+    noise: PerChannel<f64>,
     jerk_root: f64,
     interval_s: f64,
     ps_pa: f64,

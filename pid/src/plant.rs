@@ -6,8 +6,9 @@ use crate::identification::{DataSet, Estimate};
 use windfall_model::{Plant, Turbulence};
 
 /// Under what the random drive is reported.
-pub(crate) const TURBULENCE: &str = "turbulence";
-pub(crate) const PROCESS_NOISE: &str = "process-noise";
+pub const TURBULENCE: &str = "turbulence";
+/// The same of random moments beside gusts.
+pub const PROCESS_NOISE: &str = "process-noise";
 /// Scale of gusts where nothing is known of it, three model diameters (m).
 pub(crate) const START_SCALE_M: f64 = 0.6;
 

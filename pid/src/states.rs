@@ -6,7 +6,7 @@ use crate::PidError;
 use crate::euler::{rates, t_bef, t_bef_rate};
 use crate::instrument::{Sample, sample};
 use crate::smooth::Smoothed;
-use windfall_model::Plant;
+use windfall_model::{Plant, RunChannel};
 
 /// Everything that a coefficient or regressor is made of, at one sample. SI, rad; axes in the names.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +87,7 @@ pub(crate) fn state(t_s: f64, x: &Sample, density: f64, plant: &Plant) -> Result
     let uvw_rate = add(add(transposed(&t_dot, velocity), transposed(&t, acceleration)), cross(pqr_rate, r_cm));
     let p_cm = add(position, times(&t, r_cm));
     let v_cm = add(velocity, times(&t_dot, r_cm));
-    let (vw, vw_rate) = (x[6][0], x[6][1]);
+    let [vw, vw_rate, _] = x[RunChannel::Wind.at()];
     let (wind, wind_rate) = wind(plant, p_cm, v_cm, vw, vw_rate);
     // Eqs B.37-B.41, for a wind with all three components.
     let uvw_air = sub(uvw, transposed(&t, wind));

@@ -11,7 +11,7 @@ use serde::de::DeserializeOwned;
 use std::path::PathBuf;
 use std::sync::Arc;
 use windfall::files::json_text;
-use windfall::model::{Record, Use};
+use windfall::model::{CHANNEL_NAMES, Record, RunChannel, Use};
 use windfall::results::{Identification, Truth};
 use windfall::{RunColumns, Scenario};
 
@@ -54,15 +54,12 @@ fn degrees(mut x: Vec<f64>) -> Vec<f64> {
 /// A record in the columns of the run file.
 fn record_columns(py: Python<'_>, r: Record) -> PyResult<Bound<'_, PyDict>> {
     let d = PyDict::new(py);
-    let ([x, y, z], [rx, ry, rz]) = (r.position_m, r.attitude_rad);
     give(&d, "t_s", r.t_s)?;
-    for (name, series) in [("X_m", x), ("Y_m", y), ("Z_m", z)] {
+    let pose = r.position_m.into_iter().chain(r.attitude_rad.map(degrees));
+    for (name, series) in CHANNEL_NAMES.into_iter().zip(pose) {
         give(&d, name, series)?;
     }
-    for (name, series) in [("Rx_deg", rx), ("Ry_deg", ry), ("Rz_deg", rz)] {
-        give(&d, name, degrees(series))?;
-    }
-    for (name, series) in [("ps_Pa", r.ps_pa), ("VW_m_s", r.vw_m_s), ("Ts_K", r.ts_k)] {
+    for (name, series) in [("ps_Pa", r.ps_pa), (CHANNEL_NAMES[RunChannel::Wind.at()], r.vw_m_s), ("Ts_K", r.ts_k)] {
         give(&d, name, series)?;
     }
     r.qw_pa.map_or(Ok(()), |q| give(&d, "qW_Pa", q))?;

@@ -48,7 +48,7 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
     let root = source.parse()?;
     crate::planet::refuse(&source, &text)?;
     let file = Table::new(&source, "", &root, 0..0, &keys::CAMPAIGN_FILE);
-    let name = file.table("campaign", &keys::CAMPAIGN).map(|t| {
+    let name = file.table(&keys::CAMPAIGN).map(|t| {
         t.text_if("note");
         t.text("name")
     });
@@ -120,7 +120,7 @@ fn down_of(file: &Table<'_>, declared: Option<&Declared>) -> Option<Down> {
     if !point_mass {
         if file.has("axes")
             && declared.is_some()
-            && let Some(t) = file.table("axes", &keys::AXES)
+            && let Some(t) = file.table(&keys::AXES)
         {
             let what = "a run with attitude has tunnel axes (X down)";
             t.source.fault(Some(t.span.clone()), "[axes]", "", what, "[columns.axes]; this table is for [aero.point_mass]");
@@ -129,7 +129,7 @@ fn down_of(file: &Table<'_>, declared: Option<&Declared>) -> Option<Down> {
     }
     let pivoted = declared.is_some_and(|d| d.plant.point.pivot.is_some());
     if pivoted {
-        if let Some(t) = file.has("axes").then(|| file.table("axes", &keys::AXES)).flatten() {
+        if let Some(t) = file.table_if(&keys::AXES) {
             let what = "an angle about a pivot has no axes";
             t.source.fault(Some(t.span.clone()), "[axes]", "", what, "remove the table");
         }
@@ -140,7 +140,7 @@ fn down_of(file: &Table<'_>, declared: Option<&Declared>) -> Option<Down> {
         file.source.fault(None, "[axes] down", "", what, "[axes]\ndown = \"-Z\"");
         return None;
     }
-    file.table("axes", &keys::AXES)?.choice("down").map(Down::from_choice)
+    file.table(&keys::AXES)?.choice("down").map(Down::from_choice)
 }
 
 fn entries(file: &Table<'_>, declared: Option<&Declared>) -> Vec<RunEntry> {
@@ -148,7 +148,7 @@ fn entries(file: &Table<'_>, declared: Option<&Declared>) -> Vec<RunEntry> {
     let tracked = declared.is_some_and(Declared::tracked);
     let all_runs = own::read(file, point).unwrap_or_default();
     let all: Vec<RunEntry> = file
-        .tables("run", &keys::RUN)
+        .tables(&keys::RUN)
         .iter()
         .map(|t| {
             let name = t.text("file");

@@ -13,20 +13,20 @@ pub(crate) const TURBULENCE_COLUMNS: [&str; 5] =
 
 /// Reads `[environment] turbulence`, `[uncertainty.vehicle]` and `[uncertainty.initial]`; none where one of them is wrong.
 pub(crate) fn dispersions(file: &Table<'_>, environment: &Table<'_>, point: bool) -> Option<Dispersions> {
-    let gusts = if environment.has("turbulence") { Some(turbulence(environment)?) } else { None };
-    let outer = file.has("uncertainty").then(|| file.table("uncertainty", &keys::UNCERTAINTY_PLANET)).flatten();
+    let gusts = if environment.has(keys::TURBULENCE_PLANET.name()) { Some(turbulence(environment)?) } else { None };
+    let outer = file.table_if(&keys::UNCERTAINTY_PLANET);
     if let Some(table) = outer.as_ref().filter(|_| point) {
         let what = "is about a rigid body, and [aero.point_mass] is none";
         table.source.fault(Some(table.span.clone()), "[uncertainty]", "", what, "remove the table");
     }
-    let inner = |name: &str, spec| outer.as_ref().filter(|t| t.has(name)).and_then(|t| t.table(name, spec));
-    let vehicle = inner("vehicle", &keys::UNCERTAINTY_VEHICLE_PLANET).map_or_else(VehicleDispersion::default, |t| vehicle(&t));
-    let start = inner("initial", &keys::UNCERTAINTY_INITIAL).map_or_else(StartDispersion::default, |t| initial(&t));
+    let inner = |spec| outer.as_ref().and_then(|t: &Table<'_>| t.table_if(spec));
+    let vehicle = inner(&keys::UNCERTAINTY_VEHICLE_PLANET).map_or_else(VehicleDispersion::default, |t| vehicle(&t));
+    let start = inner(&keys::UNCERTAINTY_INITIAL).map_or_else(StartDispersion::default, |t| initial(&t));
     Some(Dispersions { gusts, start, vehicle })
 }
 
 fn turbulence(environment: &Table<'_>) -> Option<GustProfile> {
-    let t = environment.table("turbulence", &keys::TURBULENCE_PLANET)?;
+    let t = environment.table(&keys::TURBULENCE_PLANET)?;
     let own = TURBULENCE_COLUMNS[1..].iter().map(|k| (*k, t.number_if(k)));
     let own: Vec<(&str, Option<f64>)> = own.collect();
     let of = |[axial_rms_m_s, lateral_rms_m_s, axial_scale_m, lateral_scale_m]: [f64; 4]| Turbulence {
@@ -60,7 +60,7 @@ fn numbers_or_zero(t: &Table<'_>, key: &str) -> [f64; 3] {
 }
 
 fn vehicle(t: &Table<'_>) -> VehicleDispersion {
-    let inertia = t.has("inertia_kg_m2").then(|| t.table("inertia_kg_m2", &keys::UNCERTAINTY_INERTIA)).flatten();
+    let inertia = t.table_if(&keys::UNCERTAINTY_INERTIA);
     let of = |key: &str| inertia.as_ref().and_then(|i| i.number_if(key)).unwrap_or(0.0);
     VehicleDispersion {
         mass_kg: t.number_if("mass_kg").unwrap_or(0.0),

@@ -1,13 +1,13 @@
 //! scenarios: what campaigns of rigid bodies in free flight say of body, parts, thrusts and sensors. In: open tables. Out: parts of a plant.
 
-use crate::keys;
+use crate::keys::{self, TableSpec};
 use crate::table::{Table, Value, number};
 use windfall_model::frames::{Body, Vec3};
 use windfall_model::{Factor, FreeFlight, Measured, MovedPart, Plant, Sensors, Setting, Thrust};
 
 /// `[free_flight]`, without parts and thrusts, and whether its coefficients are held.
 pub(crate) fn free_flight(file: &Table<'_>) -> Option<(FreeFlight, bool)> {
-    let t = file.table("free_flight", &keys::FREE_FLIGHT)?;
+    let t = file.table(&keys::FREE_FLIGHT)?;
     let free = FreeFlight {
         area_m2: t.number("reference_area_m2"),
         wind_axes: t.choice("coefficient_axes")? == 1,
@@ -21,7 +21,7 @@ pub(crate) fn free_flight(file: &Table<'_>) -> Option<(FreeFlight, bool)> {
 
 /// `[sensors]` of such a body, what they measure, and whether their noise is exact.
 pub(crate) fn sensors(file: &Table<'_>) -> Option<(Sensors, Measured, bool)> {
-    let t = file.table("sensors", &keys::SENSORS_FREE)?;
+    let t = file.table(&keys::SENSORS_FREE)?;
     let exact = t.has("noise") && t.choice("noise") == Some(1);
     let sensors = Sensors {
         position_std_m: t.number("position_std_m"),
@@ -57,16 +57,16 @@ pub(crate) fn fits(file: &Table<'_>, plant: &Plant) {
 /// `[[part]]` and `[[thrust]]`, whose places and sizes name inputs of the runs, into the plant's body in free flight.
 pub(crate) fn parts_and_thrusts(file: &Table<'_>, inputs: &[String], plant: &mut Plant) {
     let Some(free) = plant.free_flight.as_mut() else {
-        for key in ["part", "thrust"].into_iter().filter(|k| file.has(k)) {
+        for key in [&keys::PART, &keys::THRUST].map(|t| t.name()).into_iter().filter(|k| file.has(k)) {
             let what = "is for a rigid body in free flight";
             file.source.fault(file.at(key), format!("[[{key}]]"), "", what, "[free_flight], or remove it");
         }
         return;
     };
-    let open = |key: &str, spec| if file.has(key) { file.tables(key, spec) } else { Vec::new() };
+    let open = |spec: &'static TableSpec| if file.has(spec.name()) { file.tables(spec) } else { Vec::new() };
     let part = |t: &Table<'_>| Some(MovedPart { mass_kg: t.number("mass_kg"), place_m: place(t, inputs)? });
-    free.parts = open("part", &keys::PART).iter().filter_map(part).collect();
-    free.thrusts = open("thrust", &keys::THRUST).iter().filter_map(|t| thrust(t, inputs)).collect();
+    free.parts = open(&keys::PART).iter().filter_map(part).collect();
+    free.thrusts = open(&keys::THRUST).iter().filter_map(|t| thrust(t, inputs)).collect();
 }
 
 fn thrust(t: &Table<'_>, inputs: &[String]) -> Option<Thrust> {

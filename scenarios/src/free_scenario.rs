@@ -101,13 +101,13 @@ pub fn read_bundled_free(name: &str) -> Result<Option<FreeFile>, ReadError> {
 fn parsed(source: &Source<'_>, text: &str, input: String) -> Result<FreeFile, ReadError> {
     let root = source.parse()?;
     let file = Table::new(source, "", &root, 0..0, &keys::FREE_FILE);
-    let head = file.table("scenario", &keys::SCENARIO).map(|t| (t.text("name"), t.text_if("note")));
+    let head = file.table(&keys::SCENARIO).map(|t| (t.text("name"), t.text_if("note")));
     let seed = file.integer_if("seed").unwrap_or(DEFAULT_SEED);
     if file.has("provenance") {
-        file.table("provenance", &keys::PROVENANCE);
+        file.table(&keys::PROVENANCE);
     }
     let mut declared = read_declared(&file, false);
-    let tables = file.tables("flight", &keys::FLIGHT_FREE);
+    let tables = file.tables(&keys::FLIGHT_FREE);
     let settings: Vec<BTreeMap<String, f64>> = tables.iter().map(settings).collect();
     let inputs: Vec<String> = settings.first().map_or_else(Vec::new, |s| s.keys().cloned().collect());
     for (t, s) in tables.iter().zip(&settings).filter(|(_, s)| !s.keys().eq(inputs.iter())) {
@@ -166,7 +166,7 @@ fn flight(t: &Table<'_>, inputs: Vec<f64>) -> Option<FreeOrder> {
     name_of_file(t, &name);
     let (duration_s, rate_hz) = (t.number("duration_s"), t.number("rate_hz"));
     limits::samples(t, duration_s, rate_hz);
-    let release = t.table("release", &keys::RELEASE_FREE)?;
+    let release = t.table(&keys::RELEASE_FREE)?;
     let attitude_rad = release.numbers::<3>("attitude_level_deg").map(f64::to_radians);
     let r_tunnel_body = r_ned_tunnel().inverse() * r_ned_body(attitude_rad);
     Some(FreeOrder {

@@ -6,7 +6,7 @@ use windfall_model::{Integrator, Numerics};
 
 /// Settings of `[numerics]`; what it does not say is as in `default`.
 pub(crate) fn numerics(file: &Table<'_>, default: Numerics) -> Numerics {
-    let Some(t) = file.has("numerics").then(|| file.table("numerics", &keys::NUMERICS)).flatten() else { return default };
+    let Some(t) = file.table_if(&keys::NUMERICS) else { return default };
     Numerics {
         method: match t.has("method").then(|| t.choice("method")).flatten() {
             Some(0) => Integrator::Dopri5,

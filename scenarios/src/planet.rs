@@ -89,13 +89,13 @@ pub fn read_bundled_planet(name: &str) -> Result<Option<PlanetFile>, ReadError> 
 fn parsed(source: Source<'_>, text: &str, input: String) -> Result<PlanetFile, ReadError> {
     let root = source.parse()?;
     let file = Table::new(&source, "", &root, 0..0, &keys::PLANET_FILE);
-    let head = file.table("scenario", &keys::SCENARIO).map(|t| (t.text("name"), t.text_if("note")));
+    let head = file.table(&keys::SCENARIO).map(|t| (t.text("name"), t.text_if("note")));
     let seed = file.integer_if("seed");
     if file.has("provenance") {
-        file.table("provenance", &keys::PROVENANCE);
+        file.table(&keys::PROVENANCE);
     }
     if file.has("sensors") {
-        file.table("sensors", &keys::SENSORS);
+        file.table(&keys::SENSORS);
     }
     if file.has("tether") {
         source.fault(
@@ -109,12 +109,12 @@ fn parsed(source: Source<'_>, text: &str, input: String) -> Result<PlanetFile, R
     let aero = read_aero(&file, false);
     let point = aero.as_ref().is_some_and(|a| a.aero.structure.name == Structure::point_mass().name);
     let body = body(&file, point);
-    let environment = file.table("environment", &keys::ENVIRONMENT_PLANET);
+    let environment = file.table(&keys::ENVIRONMENT_PLANET);
     let planet = environment.as_ref().and_then(planet);
     let dispersions: Option<Dispersions> = environment.as_ref().and_then(|e| dispersions(&file, e, point));
     let numerics = numerics(&file, PlanetFlight::default_numerics());
     let flights: Vec<PlanetFlight> =
-        file.one_or_more("flight", &keys::FLIGHT_PLANET).iter().filter_map(|t| flight(t, point, numerics)).collect();
+        file.one_or_more(&keys::FLIGHT_PLANET).iter().filter_map(|t| flight(t, point, numerics)).collect();
     limits::unique_files(&source, &flights.iter().map(|f| f.name.as_str()).collect::<Vec<_>>(), &["-truth.csv"]);
     limits::of_file(&source, "flight", flights.len(), flights.iter().map(|f| f.duration_s * f.rate_hz).sum());
     let built = (|| {
@@ -130,7 +130,7 @@ fn parsed(source: Source<'_>, text: &str, input: String) -> Result<PlanetFile, R
 
 /// Mass side and reference lengths.
 fn body(file: &Table<'_>, point: bool) -> Option<(Vehicle, Reference)> {
-    let t = file.table("vehicle", &keys::VEHICLE_PLANET)?;
+    let t = file.table(&keys::VEHICLE_PLANET)?;
     let diameter = t.number_if("reference_diameter_m");
     let of_diameter = diameter.map(Reference::of_diameter);
     let length = |key: &str, of: fn(Reference) -> f64, needed: bool| match (t.number_if(key), of_diameter) {
@@ -216,7 +216,7 @@ fn gravity(t: &Table<'_>) -> Option<Gravity> {
 }
 
 fn wind(t: &Table<'_>) -> Option<Winds> {
-    let w = t.table("wind", &keys::WIND_PLANET)?;
+    let w = t.table(&keys::WIND_PLANET)?;
     let (north, east) = (w.number_if("north_m_s"), w.number_if("east_m_s"));
     if w.has("file") {
         if north.is_some() || east.is_some() {
@@ -256,7 +256,7 @@ fn flight(t: &Table<'_>, point: bool, numerics: Numerics) -> Option<PlanetFlight
     }
     let (duration_s, rate_hz) = (t.number("duration_s"), t.number("rate_hz"));
     limits::samples(t, duration_s, rate_hz);
-    let start = start(&t.table("initial", &keys::INITIAL)?, point);
+    let start = start(&t.table(&keys::INITIAL)?, point);
     Some(PlanetFlight { name, duration_s, rate_hz, start, numerics })
 }
 

@@ -3,6 +3,7 @@
 use crate::columns::write_columns_csv;
 use crate::dispersions::TURBULENCE_COLUMNS;
 use crate::error::WriteError;
+use crate::keys;
 use crate::planet::{GRAVITIES, PlanetFile, WIND_COLUMNS};
 use crate::profile::ATMOSPHERE_COLUMNS;
 use crate::toml_out::{Toml, aero_table, degrees_of, digits, inertia_line, numerics_table, write_structure_beside};
@@ -149,11 +150,11 @@ fn environment(t: &mut Toml, p: &Planet) {
 /// Gusts end the table of the environment; uncertainties have their own.
 fn dispersions(t: &mut Toml, d: &Dispersions) {
     if table_of_gusts(d).is_some() {
-        t.raw("turbulence", &format!("{{ file = \"{TURBULENCE_FILE}\" }}"));
+        t.raw(keys::TURBULENCE_PLANET.name(), &format!("{{ file = \"{TURBULENCE_FILE}\" }}"));
     } else if let Some((_, g)) = d.gusts.as_ref().and_then(|g| g.rows().first()) {
         let numbers = [g.axial_rms_m_s, g.lateral_rms_m_s, g.axial_scale_m, g.lateral_scale_m];
         let pairs = TURBULENCE_COLUMNS[1..].iter().zip(numbers).map(|(key, x)| format!("{key} = {}", digits(x)));
-        t.raw("turbulence", &format!("{{ {} }}", pairs.collect::<Vec<_>>().join(", ")));
+        t.raw(keys::TURBULENCE_PLANET.name(), &format!("{{ {} }}", pairs.collect::<Vec<_>>().join(", ")));
     }
     if !d.vehicle.numbers().is_empty() {
         t.table("uncertainty.vehicle");

@@ -95,7 +95,7 @@ fn no_point_mass(scenario: bool, free: bool) -> Option<[&'static str; 2]> {
 }
 
 fn vehicle(file: &Table<'_>, scenario: bool, free: bool) -> Option<Vehicle> {
-    let t = file.table("vehicle", &keys::VEHICLE)?;
+    let t = file.table(&keys::VEHICLE)?;
     let (inertia, mass_kg, diameter_m) = (inertia_of(&t, !free), t.number("mass_kg"), t.number("reference_diameter_m"));
     // A campaign's records say more of what is wrong with its constants; they are asked later.
     if let Some(inertia) = inertia.as_ref().filter(|_| scenario) {
@@ -135,7 +135,7 @@ pub(crate) fn inertia(t: &Table<'_>) -> Option<Inertia> {
 /// The same; in free flight through air as heavy as the body (`real` is false), what is declared may have the air's share in it, which no
 /// triangle binds: the reader of campaigns warns of it.
 fn inertia_of(t: &Table<'_>, real: bool) -> Option<Inertia> {
-    t.table("inertia_kg_m2", &keys::INERTIA).map(|i| {
+    t.table(&keys::INERTIA).map(|i| {
         let read = Inertia {
             xx: i.number("xx"),
             yy: i.number("yy"),
@@ -157,7 +157,7 @@ fn inertia_of(t: &Table<'_>, real: bool) -> Option<Inertia> {
 }
 
 fn vehicle_point(file: &Table<'_>) -> Option<Vehicle> {
-    let t = file.table("vehicle", &keys::VEHICLE_POINT)?;
+    let t = file.table(&keys::VEHICLE_POINT)?;
     Some(Vehicle {
         mass_kg: t.number("mass_kg"),
         diameter_m: t.number("reference_diameter_m"),
@@ -172,7 +172,7 @@ fn tether(file: &Table<'_>, point_mass: bool) -> Option<Tether> {
     if !file.has("tether") {
         return None;
     }
-    let t = file.table("tether", &keys::TETHER)?;
+    let t = file.table(&keys::TETHER)?;
     if point_mass {
         t.source.fault(Some(t.span.clone()), "[tether]", "", "a point mass has no tether", "remove the table");
     }
@@ -201,7 +201,7 @@ fn environment(file: &Table<'_>, scenario: bool, point: Option<&mut PointMass>) 
         (false, true) => &keys::ENVIRONMENT_POINT,
         (false, false) => &keys::ENVIRONMENT,
     };
-    let Some(t) = file.table("environment", spec) else { return (None, [f64::NAN; 2]) };
+    let Some(t) = file.table_named("environment", spec) else { return (None, [f64::NAN; 2]) };
     if let Some(point) = point {
         return (Some(point_body::environment(&t, point)), [f64::NAN; 2]);
     }
@@ -213,7 +213,7 @@ fn environment(file: &Table<'_>, scenario: bool, point: Option<&mut PointMass>) 
 
 /// Instruments of a body with attitude, and whether their noise is exact.
 fn sensors(file: &Table<'_>) -> Option<(Sensors, Measured, bool)> {
-    let t = file.table("sensors", &keys::SENSORS)?;
+    let t = file.table(&keys::SENSORS)?;
     let exact = t.has("noise") && t.choice("noise") == Some(1);
     let all = Sensors {
         position_std_m: t.number("position_std_m"),

@@ -85,7 +85,7 @@ pub(crate) fn environment(t: &Table<'_>, into: &mut PointMass) -> Environment {
 
 /// `[pivot]`.
 pub(crate) fn pivot(file: &Table<'_>) -> Option<Pivot> {
-    let t = file.has("pivot").then(|| file.table("pivot", &keys::PIVOT)).flatten()?;
+    let t = file.table_if(&keys::PIVOT)?;
     Some(Pivot {
         arm_m: t.number("arm_m"),
         inertia_kg_m2: t.number("inertia_kg_m2"),
@@ -96,7 +96,7 @@ pub(crate) fn pivot(file: &Table<'_>) -> Option<Pivot> {
 
 /// `[sensors]`: noise, what was measured, and whether heights are an altimeter's; whether the noise is exact.
 pub(crate) fn sensors(file: &Table<'_>, into: &mut PointMass) -> Option<(Sensors, Measured, bool)> {
-    let t = file.table("sensors", &keys::SENSORS_POINT)?;
+    let t = file.table(&keys::SENSORS_POINT)?;
     let exact = t.has("noise") && t.choice("noise") == Some(1);
     let all = [
         ("position_std_m", Measured::Position),
@@ -180,7 +180,7 @@ pub(crate) fn run_own(t: &Table<'_>, tracked: bool) -> RunOwn {
         return own;
     }
     for (name, spec) in [("vehicle", &keys::RUN_VEHICLE), ("environment", &keys::RUN_ENVIRONMENT)] {
-        let Some(inner) = t.has(name).then(|| t.table(name, spec)).flatten() else { continue };
+        let Some(inner) = t.has(name).then(|| t.table_named(name, spec)).flatten() else { continue };
         for key in spec.keys {
             let number = PLANT_NUMBERS.iter().find(|n| n.key.split_once('.') == Some((name, key.name)));
             if let (Some(n), Some(value)) = (number, inner.number_if(key.name)) {
@@ -188,7 +188,7 @@ pub(crate) fn run_own(t: &Table<'_>, tracked: bool) -> RunOwn {
             }
         }
     }
-    if let Some(aero) = t.has("aero").then(|| t.table("aero", &keys::RUN_AERO)).flatten()
+    if let Some(aero) = t.table_if(&keys::RUN_AERO)
         && let Some(at) = aero.value("CD")
     {
         own.drag = table_of(t.source, &aero.full("CD"), at);

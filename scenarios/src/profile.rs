@@ -13,7 +13,7 @@ pub(crate) const ATMOSPHERE_COLUMNS: [&str; 4] = ["height_m", "pressure_Pa", "te
 
 /// `atmosphere` of an `[environment]`: a word or a file.
 pub(crate) fn atmosphere(t: &Table<'_>) -> Option<Atmosphere> {
-    match t.word_or_table("atmosphere", &keys::ATMOSPHERE_PLANET)? {
+    match t.word_or_table(&keys::ATMOSPHERE_PLANET)? {
         Ok(0) => Some(Atmosphere::Us1976),
         Ok(_) => Some(Atmosphere::Venus),
         Err(table) => {

@@ -8,7 +8,7 @@ use crate::grid::Grid;
 use crate::own::{Own, QUATERNION};
 use crate::units;
 use std::path::Path;
-use windfall_model::{Record, Sensors};
+use windfall_model::{CHANNEL_NAMES, Record, Sensors};
 
 /// Longest dropout that is bridged, s.
 pub const LONGEST_BRIDGE_S: f64 = 0.1;
@@ -18,10 +18,11 @@ pub const SHORTEST_PIECE_S: f64 = 1.0;
 pub const FEWEST_SAMPLES: usize = 30;
 /// More spikes than this fraction of the samples are no spikes.
 const MOST_SPIKES: f64 = 0.05;
-/// Needed columns, in the order of the channels.
-pub(crate) const NEEDED: [&str; 9] = ["X_m", "Y_m", "Z_m", "Rx_deg", "Ry_deg", "Rz_deg", "VW_m_s", "ps_Pa", "Ts_K"];
-/// Those of the motion and what drives it.
-const MOTION: [&str; 7] = ["X_m", "Y_m", "Z_m", "Rx_deg", "Ry_deg", "Rz_deg", "VW_m_s"];
+/// Needed columns, those of [`CHANNEL_NAMES`] first.
+pub(crate) const NEEDED: [&str; 9] = {
+    let [x, y, z, rx, ry, rz, wind] = CHANNEL_NAMES;
+    [x, y, z, rx, ry, rz, wind, "ps_Pa", "Ts_K"]
+};
 /// Column that may be absent.
 pub(crate) const QW: &str = "qW_Pa";
 /// Deviation of a slow channel (pressure, temperature) below which nothing is a spike, as a fraction of its value.
@@ -208,7 +209,7 @@ fn despike(
             faults.push(fault(path, None, name, "", &what, remedy));
         }
         notes.extend(spikes.iter().map(|s| spike_note(name, grid.t_s[s.index], s)));
-        spikes.iter().filter(|_| MOTION.contains(name)).for_each(|s| replaced[s.index] = true);
+        spikes.iter().filter(|_| CHANNEL_NAMES.contains(name)).for_each(|s| replaced[s.index] = true);
     }
     if faults.is_empty() { Ok(replaced) } else { Err(ReadError::Faults(faults)) }
 }
@@ -292,7 +293,7 @@ fn piece(
 
 /// Which samples of a piece are not as measured in all motion channels; empty when all are.
 fn bridged(channels: &[(&str, Vec<f64>)], spikes: &[bool], rows: &std::ops::Range<usize>) -> Vec<bool> {
-    let motion = channels.iter().filter(|(n, _)| MOTION.contains(n));
+    let motion = channels.iter().filter(|(n, _)| CHANNEL_NAMES.contains(n));
     let mut all = spikes[rows.clone()].to_vec();
     for (_, x) in motion {
         all.iter_mut().zip(&x[rows.clone()]).for_each(|(b, x)| *b |= !x.is_finite());

@@ -105,11 +105,14 @@ mod tests {
 
     #[test]
     fn frozen_reference_file_is_current() {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("KEYS.md");
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/reference/keys.md");
         if std::env::var_os("WINDFALL_WRITE_REFERENCE").is_some() {
-            crate::text_atomically(&path, &super::key_reference()).expect("the room's folder is writable");
+            crate::text_atomically(&path, &super::key_reference()).expect("the folder of the reference is writable");
         }
         let stored = std::fs::read_to_string(&path).unwrap_or_default();
-        assert!(stored == super::key_reference(), "KEYS.md is old: run the tests once with WINDFALL_WRITE_REFERENCE=1");
+        assert!(
+            stored == super::key_reference(),
+            "docs/reference/keys.md is old: run the tests once with WINDFALL_WRITE_REFERENCE=1"
+        );
     }
 }

@@ -87,10 +87,10 @@ fn parse(path: &Path, text: &str, input: &str) -> Result<ScenarioFile, ReadError
     let root = source.parse()?;
     crate::planet::refuse(&source, text)?;
     let file = Table::new(&source, "", &root, 0..0, &keys::SCENARIO_FILE);
-    let head = file.table("scenario", &keys::SCENARIO).map(|t| (t.text("name"), t.text_if("note")));
+    let head = file.table(&keys::SCENARIO).map(|t| (t.text("name"), t.text_if("note")));
     let seed = file.integer_if("seed").unwrap_or(DEFAULT_SEED);
     if file.has("provenance") {
-        file.table("provenance", &keys::PROVENANCE);
+        file.table(&keys::PROVENANCE);
     }
     let declared = read_declared(&file, true);
     let effects = read_effects(&file);
@@ -99,7 +99,7 @@ fn parse(path: &Path, text: &str, input: &str) -> Result<ScenarioFile, ReadError
         numerics: numerics(&file, Numerics::default()),
         air: declared.as_ref().map_or([f64::NAN; 2], |d| d.air),
     };
-    let flights: Vec<Flight> = file.tables("flight", &keys::FLIGHT).iter().filter_map(|t| flight(t, &common)).collect();
+    let flights: Vec<Flight> = file.tables(&keys::FLIGHT).iter().filter_map(|t| flight(t, &common)).collect();
     // A flight alone makes run.csv and truth.csv, whatever its name.
     limits::unique_files(&source, &flights.iter().map(|f| f.name.as_str()).collect::<Vec<_>>(), &[".csv", "-truth.csv"]);
     limits::of_file(&source, "flight", flights.len(), flights.iter().map(|f| f.duration_s * f.rate_hz).sum());
@@ -150,7 +150,7 @@ pub(crate) fn effect_tables(
         return Vec::new();
     }
     let spec = if starting { &keys::CAMPAIGN_EFFECTS } else { &keys::EFFECTS };
-    let Some(outer) = file.table("effects", spec) else { return Vec::new() };
+    let Some(outer) = file.table_named("effects", spec) else { return Vec::new() };
     let families: Vec<&str> = CATALOGUE.iter().filter(|e| e.acts.on(acts)).map(|e| e.family).collect();
     let mut all = Vec::new();
     for (family, body) in outer.entries() {
@@ -244,7 +244,7 @@ fn section(file: &Table<'_>) -> Option<TestSection> {
     if !file.has("section") {
         return None;
     }
-    let t = file.table("section", &keys::SECTION)?;
+    let t = file.table(&keys::SECTION)?;
     let s = TestSection { radius_m: t.number("radius_m"), top_x_m: t.number("top_x_m"), bottom_x_m: t.number("bottom_x_m") };
     if s.top_x_m >= s.bottom_x_m {
         let what = "must be above the lower net: X points down, so top_x_m < bottom_x_m";
@@ -256,14 +256,14 @@ fn section(file: &Table<'_>) -> Option<TestSection> {
 fn flight(t: &Table<'_>, common: &Common) -> Option<Flight> {
     let name = t.text("name");
     name_of_file(t, &name);
-    let release = t.table("release", &keys::RELEASE).map(|r| Release {
+    let release = t.table(&keys::RELEASE).map(|r| Release {
         position_m: r.numbers("position_m"),
         velocity_m_s: r.numbers("velocity_m_s"),
         attitude_rad: r.numbers::<3>("attitude_deg").map(f64::to_radians),
         rates_rad_s: r.numbers::<3>("rates_deg_s").map(f64::to_radians),
     });
     let (duration_s, rate_hz) = (t.number("duration_s"), t.number("rate_hz"));
-    let speed = t.table("speed", &keys::SPEED).and_then(|s| speed(&s, duration_s));
+    let speed = t.table(&keys::SPEED).and_then(|s| speed(&s, duration_s));
     limits::samples(t, duration_s, rate_hz);
     Some(Flight {
         name,
@@ -289,12 +289,12 @@ fn speed(t: &Table<'_>, duration_s: f64) -> Option<TunnelSpeed> {
         return None;
     };
     Some(match one {
-        "operator" => TunnelSpeed::Operator(operator(&t.table(one, &keys::OPERATOR)?, duration_s)),
+        "operator" => TunnelSpeed::Operator(operator(&t.table_named(one, &keys::OPERATOR)?, duration_s)),
         "history" => {
-            let h = t.table(one, &keys::HISTORY)?;
+            let h = t.table_named(one, &keys::HISTORY)?;
             TunnelSpeed::History { interval_s: h.number("interval_s"), vw_m_s: h.series("vw_m_s") }
         }
-        _ => TunnelSpeed::Constant(t.table(one, &keys::CONSTANT)?.number("vw_m_s")),
+        _ => TunnelSpeed::Constant(t.table_named(one, &keys::CONSTANT)?.number("vw_m_s")),
     })
 }
 

@@ -126,13 +126,12 @@ fn parse(path: &Path, text: &str) -> Result<StatisticsFile, ReadError> {
     let source = Source::new(path, text);
     let root = source.parse()?;
     let file = Table::new(&source, "", &root, 0..0, &FILE);
-    let head =
-        file.table("statistics", &STATISTICS).map(|t| (t.text("name"), t.text("source"), t.integer_if("seed").unwrap_or(1)));
+    let head = file.table(&STATISTICS).map(|t| (t.text("name"), t.text("source"), t.integer_if("seed").unwrap_or(1)));
     let declared = read_declared(&file, true);
     let section = section(&file);
     let air = declared.as_ref().map_or([f64::NAN; 2], |d| d.air);
-    let flight = file.table("run", &RUN).and_then(|t| flight(&t, section, air));
-    let figures: Vec<PublishedFigure> = file.tables("figure", &FIGURE).iter().filter_map(published).collect();
+    let flight = file.table(&RUN).and_then(|t| flight(&t, section, air));
+    let figures: Vec<PublishedFigure> = file.tables(&FIGURE).iter().filter_map(published).collect();
     if !figures.iter().any(|f| f.fitted) {
         source.fault(None, "[[figure]] use", "", "no figure is fitted", "use = \"fit\" for at least one");
     }
@@ -166,18 +165,18 @@ fn published(t: &Table<'_>) -> Option<PublishedFigure> {
 }
 
 fn section(file: &Table<'_>) -> Option<TestSection> {
-    let t = file.has("section").then(|| file.table("section", &keys::SECTION)).flatten()?;
+    let t = file.table_if(&keys::SECTION)?;
     Some(TestSection { radius_m: t.number("radius_m"), top_x_m: t.number("top_x_m"), bottom_x_m: t.number("bottom_x_m") })
 }
 
 fn flight(t: &Table<'_>, section: Option<TestSection>, [ps_pa, ts_k]: [f64; 2]) -> Option<Flight> {
-    let release = t.table("release", &keys::RELEASE).map(|r| Release {
+    let release = t.table(&keys::RELEASE).map(|r| Release {
         position_m: r.numbers("position_m"),
         velocity_m_s: r.numbers("velocity_m_s"),
         attitude_rad: r.numbers::<3>("attitude_deg").map(f64::to_radians),
         rates_rad_s: r.numbers::<3>("rates_deg_s").map(f64::to_radians),
     });
-    let operator = t.table("operator", &keys::OPERATOR).map(|o| Operator {
+    let operator = t.table(&keys::OPERATOR).map(|o| Operator {
         trim_m_s: o.number_if("trim_m_s"),
         height_gain_per_s: o.number("height_gain_per_s"),
         rate_gain: o.number("rate_gain"),

@@ -25,7 +25,7 @@ pub(crate) struct DeclaredAero {
 /// Reads the one table under `[aero]`. In a campaign (`zero_undeclared`) parameters that are not declared are zero.
 pub(crate) fn read_aero(file: &Table<'_>, zero_undeclared: bool) -> Option<DeclaredAero> {
     let source = file.source;
-    let outer = file.table("aero", &keys::AERO)?;
+    let outer = file.table_named("aero", &keys::AERO)?;
     let mut models = outer.entries();
     let (Some((name, body)), None) = (models.next(), models.next()) else {
         source.fault(
@@ -188,8 +188,7 @@ fn structure_of_text(path: &Path, text: &str, name: &str) -> Result<Structure, R
     let root = source.parse()?;
     let file = Table::new(&source, "", &root, 0..0, &keys::STRUCTURE_FILE);
     let parameters = words(&file, "parameters");
-    let contributions: Vec<Contribution> =
-        file.tables("term", &keys::TERM).iter().filter_map(|t| contribution(t, &parameters)).collect();
+    let contributions: Vec<Contribution> = file.tables(&keys::TERM).iter().filter_map(|t| contribution(t, &parameters)).collect();
     unused(&file, &parameters, &contributions);
     source.finish(Some(Structure { name: name.to_owned(), parameters, contributions }))
 }

@@ -86,7 +86,7 @@ pub fn read_study(path: &Path) -> Result<StudyFile, ReadError> {
     let source = Source::new(path, &text);
     let root = source.parse()?;
     let file = Table::new(&source, "", &root, 0..0, &keys::STUDY_FILE);
-    let Some(head) = file.table("study", &keys::STUDY) else { return source.finish(None) };
+    let Some(head) = file.table(&keys::STUDY) else { return source.finish(None) };
     let name = head.text("name");
     head.text_if("note");
     let counts = [count(&head, "draws"), head.integer_if("seed"), count(&head, "part_draws")];
@@ -251,7 +251,7 @@ fn bare(base: &Base, all_effects: &[EffectValues], flights: Vec<Flight>) -> Opti
 }
 
 fn steps(file: &Table<'_>) -> Steps {
-    let Some(t) = file.has("do").then(|| file.table("do", &keys::DO)).flatten() else { return Steps::default() };
+    let Some(t) = file.table_if(&keys::DO) else { return Steps::default() };
     let identify: Vec<String> =
         if t.has("identify") { t.words("identify").into_iter().map(|w| w.0).collect() } else { Vec::new() };
     let resimulate = t.has("resimulate") && t.bool("resimulate");
@@ -266,7 +266,7 @@ fn steps(file: &Table<'_>) -> Steps {
 }
 
 fn keep(file: &Table<'_>) -> Keep {
-    let t = file.has("keep").then(|| file.table("keep", &keys::KEEP)).flatten();
+    let t = file.table_if(&keys::KEEP);
     let kept = |name| t.as_ref().is_none_or(|t| !t.has(name) || t.bool(name));
     Keep {
         flights: kept("flights"),
@@ -281,7 +281,7 @@ fn vary(file: &Table<'_>, study: &StudyOrder, all_effects: &[EffectValues]) -> V
     if !file.has("vary") {
         return Vec::new();
     }
-    let tables = file.tables("vary", &keys::VARY);
+    let tables = file.tables(&keys::VARY);
     let all: Vec<Vary> = tables.iter().filter_map(|t| varied(t, study, all_effects)).collect();
     for (i, v) in all.iter().enumerate() {
         if all[..i].iter().any(|o| o.name == v.name) {
@@ -419,7 +419,7 @@ fn distribution(t: &Table<'_>) -> Option<Distribution> {
     };
     Some(match one {
         "normal" => {
-            let d = t.table(one, &keys::NORMAL)?;
+            let d = t.table_named(one, &keys::NORMAL)?;
             let (low, high) = (d.number_if("low").unwrap_or(f64::NEG_INFINITY), d.number_if("high").unwrap_or(f64::INFINITY));
             let (mean, std) = (d.number("mean"), d.number("std"));
             ordered(&d, low, high);
@@ -430,16 +430,16 @@ fn distribution(t: &Table<'_>) -> Option<Distribution> {
             Distribution::Normal { mean, std, low, high }
         }
         "uniform" => {
-            let d = t.table(one, &keys::UNIFORM)?;
+            let d = t.table_named(one, &keys::UNIFORM)?;
             let (low, high) = (d.number("low"), d.number("high"));
             ordered(&d, low, high);
             Distribution::Uniform { low, high }
         }
         "log_normal" => {
-            let d = t.table(one, &keys::LOG_NORMAL)?;
+            let d = t.table_named(one, &keys::LOG_NORMAL)?;
             Distribution::LogNormal { median: d.number("median"), sigma: d.number("sigma") }
         }
-        _ => Distribution::Choice { values: t.table(one, &keys::CHOICE)?.series("values") },
+        _ => Distribution::Choice { values: t.table_named(one, &keys::CHOICE)?.series("values") },
     })
 }
 
@@ -449,7 +449,7 @@ fn correlation(file: &Table<'_>, vary: &[Vary]) -> Root {
     }
     let mut entries: Vec<(usize, usize, f64)> = Vec::new();
     let names: Vec<&str> = vary.iter().map(|v| v.name.as_str()).collect();
-    for t in file.tables("correlation", &keys::CORRELATION) {
+    for t in file.tables(&keys::CORRELATION) {
         let mut pair = Vec::new();
         for (word, span) in t.words("between") {
             match names.iter().position(|n| *n == word) {
@@ -482,7 +482,7 @@ fn correlation(file: &Table<'_>, vary: &[Vary]) -> Root {
 }
 
 fn histories(file: &Table<'_>, study: &StudyOrder, inputs: &mut Vec<(String, String)>) -> Option<Histories> {
-    let t = file.has("histories").then(|| file.table("histories", &keys::HISTORIES)).flatten()?;
+    let t = file.table_if(&keys::HISTORIES)?;
     let flights = flights_of(&t, study);
     let mut speeds = Vec::new();
     for (word, span) in t.words("files") {
@@ -505,7 +505,7 @@ fn histories(file: &Table<'_>, study: &StudyOrder, inputs: &mut Vec<(String, Str
 }
 
 fn stop(file: &Table<'_>) -> Option<StopRule> {
-    let t = file.has("stop").then(|| file.table("stop", &keys::STOP)).flatten()?;
+    let t = file.table_if(&keys::STOP)?;
     Some(StopRule {
         column: t.text("column"),
         half_width: t.number("half_width"),

@@ -269,8 +269,16 @@ impl<'a> Table<'a> {
             false
         })
     }
-    /// A table inside this one, opened with its own keys.
-    pub(crate) fn table(&self, name: &str, spec: &'static TableSpec) -> Option<Table<'a>> {
+    /// A table inside this one under its own name, opened with its own keys.
+    pub(crate) fn table(&self, spec: &'static TableSpec) -> Option<Table<'a>> {
+        self.table_named(spec.name(), spec)
+    }
+    /// The same, where it is there.
+    pub(crate) fn table_if(&self, spec: &'static TableSpec) -> Option<Table<'a>> {
+        self.has(spec.name()).then(|| self.table(spec)).flatten()
+    }
+    /// The same under another name.
+    pub(crate) fn table_named(&self, name: &str, spec: &'static TableSpec) -> Option<Table<'a>> {
         let at = self.value(name)?;
         let path = if self.path.is_empty() { name.to_owned() } else { format!("{}.{name}", self.path) };
         self.open(name, at, &path, spec)
@@ -285,11 +293,12 @@ impl<'a> Table<'a> {
         }
     }
     /// One of the words of a key that may be a table as well; `Err` holds the table, opened.
-    pub(crate) fn word_or_table(&self, name: &str, spec: &'static TableSpec) -> Option<Result<usize, Table<'a>>> {
+    pub(crate) fn word_or_table(&self, spec: &'static TableSpec) -> Option<Result<usize, Table<'a>>> {
+        let name = spec.name();
         let at = self.value(name)?;
         let Kind::WordOrTable(words) = self.key(name).kind else { return None };
         if at.get_ref().as_table().is_some() {
-            return self.table(name, spec).map(Err);
+            return self.table(spec).map(Err);
         }
         let found = at.get_ref().as_str().and_then(|s| words.iter().position(|w| *w == s));
         if found.is_none() {
@@ -299,14 +308,16 @@ impl<'a> Table<'a> {
         found.map(Ok)
     }
     /// One table or a list of them, each opened.
-    pub(crate) fn one_or_more(&self, name: &str, spec: &'static TableSpec) -> Vec<Table<'a>> {
+    pub(crate) fn one_or_more(&self, spec: &'static TableSpec) -> Vec<Table<'a>> {
+        let name = spec.name();
         match self.table.get(name) {
             Some(at) if at.get_ref().as_table().is_some() => self.open(name, at, name, spec).into_iter().collect(),
-            _ => self.tables(name, spec),
+            _ => self.tables(spec),
         }
     }
     /// A list of tables, each opened; an empty list is a fault.
-    pub(crate) fn tables(&self, name: &str, spec: &'static TableSpec) -> Vec<Table<'a>> {
+    pub(crate) fn tables(&self, spec: &'static TableSpec) -> Vec<Table<'a>> {
+        let name = spec.name();
         let Some(at) = self.value(name) else { return Vec::new() };
         match at.get_ref().as_array() {
             Some(list) if !list.is_empty() => {

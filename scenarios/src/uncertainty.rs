@@ -7,7 +7,7 @@ use windfall_model::{Constant, Knowledge, PLANT_NUMBERS, Plant, PlantNumber};
 
 /// Reads the uncertainties of a campaign or scenario file. Zero is exact: no constant is made of it.
 pub(crate) fn read_uncertainty(file: &Table<'_>, plant: &Plant, point_mass: bool, into: &mut Knowledge) {
-    let Some(outer) = file.has("uncertainty").then(|| file.table("uncertainty", &keys::UNCERTAINTY)).flatten() else { return };
+    let Some(outer) = file.table_if(&keys::UNCERTAINTY) else { return };
     let specs: &[(&str, &'static TableSpec)] = if plant.free_flight.is_some() {
         &[
             ("vehicle", &keys::UNCERTAINTY_VEHICLE),
@@ -32,7 +32,7 @@ pub(crate) fn read_uncertainty(file: &Table<'_>, plant: &Plant, point_mass: bool
         ]
     };
     for &(name, spec) in specs {
-        let Some(t) = outer.has(name).then(|| outer.table(name, spec)).flatten() else { continue };
+        let Some(t) = outer.has(name).then(|| outer.table_named(name, spec)).flatten() else { continue };
         if name == "tether" && plant.tether.is_none() {
             let what = "is about a tether, and the file declares none";
             t.source.fault(Some(t.span.clone()), "[uncertainty.tether]", "", what, "add [tether], or remove this table");
@@ -64,7 +64,7 @@ fn table(t: &Table<'_>, path: &str, spec: &'static TableSpec, into: &mut Vec<Con
     for key in spec.keys.iter().filter(|k| t.has(k.name)) {
         let full = format!("{path}.{}", key.name);
         if key.kind == Kind::Table {
-            if let Some(inner) = t.table(key.name, &keys::UNCERTAINTY_INERTIA) {
+            if let Some(inner) = t.table_named(key.name, &keys::UNCERTAINTY_INERTIA) {
                 table(&inner, &full, &keys::UNCERTAINTY_INERTIA, into);
             }
             continue;
@@ -83,7 +83,7 @@ fn constant(n: &PlantNumber, std: f64) -> Constant {
 /// `[uncertainty.aero.<name>]`: how far each parameter may be from its starting value.
 fn aero(outer: &Table<'_>, plant: &Plant, into: &mut Knowledge) {
     let structure = &plant.aero.structure;
-    let Some(models) = outer.table("aero", &keys::UNCERTAINTY_AERO) else { return };
+    let Some(models) = outer.table_named("aero", &keys::UNCERTAINTY_AERO) else { return };
     for (name, body) in models.entries() {
         if name.get_ref().as_ref() != structure.name {
             models.unknown(name, body, &[structure.name.as_str()]);

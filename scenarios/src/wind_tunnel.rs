@@ -22,7 +22,7 @@ pub(crate) fn tests(file: &Table<'_>, declared: &Declared) -> Vec<StaticPoints> 
     if !file.has("wind_tunnel") {
         return Vec::new();
     }
-    let all = file.tables("wind_tunnel", &keys::WIND_TUNNEL);
+    let all = file.tables(&keys::WIND_TUNNEL);
     if let Some(t) = all.first().filter(|_| declared.point_mass || declared.plant.free_flight.is_some()) {
         let what = "has coefficients over the total angle of attack, which is for tunnel runs with attitude";
         t.source.fault(Some(t.span.clone()), "[[wind_tunnel]]", "", what, "remove the table");

@@ -4,11 +4,9 @@ use super::polish::polish;
 use super::weigh::{GENERIC, SURE, Weighed, weigh, weigh_beside, with_set};
 use super::{describe, moves_air, random_cost, score};
 use crate::check::{Alternative, Lead, alternatives};
-use crate::columns::CHANNEL_NAMES;
 use crate::engine::{Engine, Fit};
 use crate::model::{Member, Model};
-use crate::noise::POSE;
-use windfall_model::{CATALOGUE, Shape};
+use windfall_model::{CATALOGUE, CHANNEL_NAMES, POSE, Shape};
 
 /// Outcome of a contest between effects and generic alternatives.
 #[derive(Clone, Debug)]

@@ -2,13 +2,13 @@
 //! run, from slopes of the flown motion by central differences at steps four times as fine, without a single update.
 
 use super::{Filter, Keep, PassSetting, Ready, Work};
-use crate::noise::{CHANNELS, ChannelNoise, POSE};
+use crate::noise::ChannelNoise;
 use crate::run::Prepared;
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
-use windfall_model::{CATALOGUE, Plant, Record};
+use windfall_model::{CATALOGUE, POSE, PerChannel, Plant, Record};
 
 /// Nodes, and their distance, s.
 const NODES: usize = 30;
@@ -68,7 +68,7 @@ fn slopes(z: &[f64], of: impl Fn(&[f64]) -> DVector<f64>) -> DMatrix<f64> {
 }
 
 /// Mean of all measurements, what an uncertain start adds to their covariance, and what gusts and instruments do.
-fn written_out(plant: &Plant, noise: &[ChannelNoise; CHANNELS]) -> (DVector<f64>, DMatrix<f64>, DMatrix<f64>) {
+fn written_out(plant: &Plant, noise: &PerChannel<ChannelNoise>) -> (DVector<f64>, DMatrix<f64>, DMatrix<f64>) {
     let run = prepared(STEP_S / FINER as f64, NODES * FINER);
     let f = Filter::new(&run, &PassSetting { plant, noise, columns: &[], slack: 0.0, von_karman: false, keep: Keep::Nothing })
         .expect("a whole model");
@@ -106,7 +106,7 @@ fn written_out(plant: &Plant, noise: &[ChannelNoise; CHANNELS]) -> (DVector<f64>
 fn exact_against_one_gaussian() {
     let file = windfall_scenarios::read_bundled("sage-unperturbed").expect("a bundled scenario");
     let turbulence = CATALOGUE.iter().find(|e| e.family == "turbulence").expect("an effect of the catalogue");
-    let noise: [ChannelNoise; CHANNELS] = [7.5e-4, 7.5e-4, 7.5e-4, 1.1e-3, 1.9e-3, 1.9e-3, 1e-5].map(ChannelNoise::white);
+    let noise: PerChannel<ChannelNoise> = [7.5e-4, 7.5e-4, 7.5e-4, 1.1e-3, 1.9e-3, 1.9e-3, 1e-5].map(ChannelNoise::white);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     for bandwidth in [0.0, 1.5] {
         let mut differences = Vec::new();

@@ -3,9 +3,9 @@
 use super::rows::axpy;
 use super::{Filter, Ready, SETTLED_S, Seen, Work};
 use crate::columns::{Shown, View, shown};
-use crate::noise::POSE;
 use crate::run::Node;
 use crate::shock::Innovation;
+use windfall_model::POSE;
 use windfall_pid::equations::{Dual, MOTION, STATES};
 
 impl Filter<'_> {

@@ -11,9 +11,9 @@
 //! therefore means over two opposite points of that part (statistical linearisation; Gelb 1974, §6.2).
 
 use crate::equations::{Drive, INPUTS, STATES, Segment, Transition, origin_slopes};
-use crate::output_error::{CHANNELS, FreeColumns, PreparedRun, SPEED};
+use crate::output_error::{FreeColumns, PreparedRun, SPEED};
 use nalgebra::{DMatrix, DVector};
-use windfall_model::{Disturbance, Entry, ShapingFilter, StateForm, Turbulence};
+use windfall_model::{CHANNELS, Disturbance, Entry, PerChannel, ShapingFilter, StateForm, Turbulence};
 
 /// Gust states, and all states.
 const GUSTS: usize = 6;
@@ -50,7 +50,7 @@ pub(crate) struct FilteredRun {
 pub(crate) struct Filter<'r, 'a> {
     pub(crate) run: &'r PreparedRun<'a>,
     piece: usize,
-    noise: [f64; CHANNELS],
+    noise: PerChannel<f64>,
 }
 
 /// What drives a run at random.
@@ -108,7 +108,7 @@ fn inputs_at(tau: f64, ns: usize, filters: &[(usize, ShapingFilter<2>)]) -> Vec<
 }
 
 impl<'r, 'a> Filter<'r, 'a> {
-    pub(crate) fn new(run: &'r PreparedRun<'a>, noise: [f64; CHANNELS]) -> Self {
+    pub(crate) fn new(run: &'r PreparedRun<'a>, noise: PerChannel<f64>) -> Self {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
         let piece = ((PIECE_S / run.interval_s).round() as usize).max(1);
         Self { run, piece, noise }

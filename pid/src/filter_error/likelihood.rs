@@ -3,9 +3,10 @@
 use super::filter::{Filter, FilteredRun, Pass};
 use super::point::{RANDOM, SCALE_PRIOR, SIZES, SearchPoint};
 use crate::equations::Transition;
-use crate::output_error::{CHANNELS, FreeColumns};
+use crate::output_error::FreeColumns;
 use crate::plant::START_SCALE_M;
 use nalgebra::{DMatrix, DVector};
+use windfall_model::{CHANNELS, PerChannel};
 
 /// Difference of a logarithm.
 const STEP: f64 = 1e-3;
@@ -16,9 +17,9 @@ pub(super) struct LocalLikelihood {
     pub(super) score: DVector<f64>,
     pub(super) information: DMatrix<f64>,
     /// Whitened innovations of every run, by channel.
-    pub(super) whitened: Vec<[Vec<f64>; CHANNELS]>,
+    pub(super) whitened: Vec<PerChannel<Vec<f64>>>,
     /// Sum of squared innovations by channel.
-    pub(super) left: [f64; CHANNELS],
+    pub(super) left: PerChannel<f64>,
     pub(super) samples: f64,
 }
 
@@ -93,7 +94,7 @@ impl LocalLikelihood {
     fn add(&mut self, seen: &FilteredRun, varied: &[Option<Pass>; RANDOM], free: usize) {
         let pass = &seen.pass;
         self.log_likelihood2 += pass.log_likelihood2();
-        let mut whitened: [Vec<f64>; CHANNELS] = Default::default();
+        let mut whitened: PerChannel<Vec<f64>> = Default::default();
         // Slopes of an innovation in its own standard deviations.
         let mut slopes = DVector::zeros(free + RANDOM);
         for (row, (innovation, variance)) in pass.innovation.iter().zip(&pass.variance).enumerate() {

@@ -6,11 +6,11 @@ use super::likelihood::LocalLikelihood;
 use super::point::{RANDOM, SCALE_PRIOR, SIZES, SearchPoint};
 use crate::identification::{CoefficientFit, DataSet, Estimate, Held, in_unit_of};
 use crate::interval::{NORMAL_95, relative_percent};
-use crate::output_error::{CHANNELS, NOT_NOISE, aligned, estimates, low_frequency_p, spread};
+use crate::output_error::{NOT_NOISE, aligned, estimates, low_frequency_p, spread};
 use crate::plant::{Gust, PROCESS_NOISE, START_SCALE_M, TURBULENCE};
 use nalgebra::DMatrix;
 use realfft::RealFftPlanner;
-use windfall_model::Campaign;
+use windfall_model::{CHANNEL_NAMES, CHANNELS, Campaign, POSE};
 
 /// Coefficient and name of what drives the runs at random.
 const NAMES: [(&str, &str); RANDOM] = [
@@ -62,15 +62,15 @@ pub(super) fn data_set(
             let series: Vec<&[f64]> = now.whitened.iter().map(|w| w[c].as_slice()).collect();
             let total: f64 = filters.iter().map(|f| spread(f.run.record.channels()[c])).sum();
             CoefficientFit {
-                coefficient: crate::smooth::CHANNELS[c].to_owned(),
+                coefficient: CHANNEL_NAMES[c].to_owned(),
                 r2: if total > 0.0 { 1.0 - now.left[c] / total } else { 0.0 },
-                residual_std: in_unit_of(crate::smooth::CHANNELS[c], (now.left[c] / now.samples).sqrt()),
+                residual_std: in_unit_of(CHANNEL_NAMES[c], (now.left[c] / now.samples).sqrt()),
                 residual_whiteness_p: low_frequency_p(&series, &intervals, &mut planner),
             }
         })
         .collect();
     // The innovations of the tunnel speed test the smoothness that it is taken to have, not the declared model.
-    let bad: Vec<&str> = fits[..6]
+    let bad: Vec<&str> = fits[..POSE]
         .iter()
         .filter(|f| f.residual_whiteness_p < NOT_NOISE / CHANNELS as f64)
         .map(|f| f.coefficient.as_str())

@@ -11,11 +11,11 @@ use super::report::data_set;
 use crate::equations::Transition;
 use crate::identifiability::of_runs;
 use crate::identification::{ALL_RUNS, DataSet, Identification};
-use crate::output_error::{CHANNELS, EstimateOptions, PreparedRun, kinds, ready, run_plants, unknowns};
+use crate::output_error::{EstimateOptions, PreparedRun, kinds, ready, run_plants, unknowns};
 use crate::plant::START_SCALE_M;
 use crate::{Method, PidError, SearchKind, StopReason};
 use nalgebra::{DMatrix, DVector};
-use windfall_model::{Campaign, Unknowns};
+use windfall_model::{Campaign, PerChannel, Unknowns};
 
 /// Sizes tried for a start, m/s: from 1 % of the tunnel speed by this factor, up or down, within these bounds.
 const START_SIZE_M_S: f64 = 0.08;
@@ -112,7 +112,7 @@ pub(super) fn no_answer(stop: StopReason, campaign: &Campaign, set: &str) -> Pid
 }
 
 /// Noise of each channel, root mean square over runs.
-pub(super) fn noise_of(runs: &[&PreparedRun<'_>]) -> [f64; CHANNELS] {
+pub(super) fn noise_of(runs: &[&PreparedRun<'_>]) -> PerChannel<f64> {
     std::array::from_fn(|c| (runs.iter().map(|r| r.noise_std[c].powi(2)).sum::<f64>() / runs.len() as f64).sqrt().max(1e-9))
 }
 

@@ -5,8 +5,8 @@
 //! than positions, and a reported origin that is not where it is declared in the body (Klein and Morelli 2006, ch. 10; Jategaonkar
 //! 2015, ch. 10). A late pose is a tunnel speed that is early: no record of both tells one from the other.
 
-use super::CHANNELS;
 use crate::equations::{STATES, Scalar, each, matrix};
+use windfall_model::PerChannel;
 
 /// Number of errors.
 pub(crate) const ERRORS: usize = 9;
@@ -69,7 +69,7 @@ pub(crate) const VARIABLES: usize = 9 + ERRORS;
 pub(crate) const STATE_OF: [usize; 6] = [3, 4, 5, 9, 10, 11];
 
 /// What the instruments show.
-pub(crate) fn observe<S: Scalar>(v: &[S; VARIABLES], known: &Known) -> [S; CHANNELS] {
+pub(crate) fn observe<S: Scalar>(v: &[S; VARIABLES], known: &Known) -> PerChannel<S> {
     let (euler, w) = ([v[0], v[1], v[2]], [v[3], v[4], v[5]]);
     let e = &v[9..];
     // Attitude a delay ago: back along the Euler rates of half the delay ago, an error of third order in under half a sample.
@@ -126,6 +126,7 @@ pub(crate) fn variables(x: &[f64; STATES], speed: [f64; 3], errors: &Errors) -> 
 mod tests {
     use super::*;
     use crate::equations::Dual;
+    use windfall_model::CHANNELS;
 
     const KNOWN: Known = Known {
         p_cm: [0.3, -0.2, 0.1],

@@ -16,9 +16,6 @@ mod run;
 mod speed;
 mod unknowns;
 
-/// Channels: X, Y, Z, R_x, R_y, R_z, V_W.
-pub(crate) const CHANNELS: usize = 7;
-
 pub use identify::identify;
 pub(crate) use identify::{NOT_NOISE, aligned, estimates, kinds, not_noise, ready, run_plants};
 pub(crate) use instruments::KINDS;

@@ -1,12 +1,11 @@
 //! pid: the search for the most likely parameters. In: runs made ready, starting values, what is free. Out: a solution.
 
-use super::CHANNELS;
 use super::normal::{MOST_SHORT, Normal, Pace};
 use super::run::{FreeColumns, Linearised, Misfit, Nominal, PreparedRun};
 use crate::StopReason;
 use crate::equations::Transition;
 use nalgebra::{DMatrix, DVector};
-use windfall_model::Unknowns;
+use windfall_model::{POSE, PerChannel, Unknowns};
 
 /// A finished search.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +19,7 @@ pub struct Solution {
     /// Covariance for white residuals (the Cramér-Rao bound).
     pub covariance: DMatrix<f64>,
     /// Standard deviation of each channel: X, Y, Z (m), R_x, R_y, R_z (rad), V_W (m/s).
-    pub noise_std: [f64; CHANNELS],
+    pub noise_std: PerChannel<f64>,
     /// Condition number of the information's root with columns of unit length.
     pub condition: f64,
     /// Twice the log-likelihood, up to a constant.
@@ -52,7 +51,7 @@ pub(crate) struct Solved {
     pub(crate) unknowns: Unknowns,
     pub(crate) nominals: Vec<Nominal>,
     pub(crate) linear: Vec<Linearised>,
-    pub(crate) residuals: Vec<[Vec<f64>; CHANNELS]>,
+    pub(crate) residuals: Vec<PerChannel<Vec<f64>>>,
 }
 
 /// What is left to go, by the last two steps' ratio, below this part of every standard error ends the search.
@@ -64,7 +63,7 @@ const NEARLY: f64 = 0.1;
 /// Smallest noise of a channel, as part of its sensor's: exact data must not divide by zero.
 const FLOOR: f64 = 1e-4;
 /// What sensors are taken to have where a plant states nothing: thesis Table A.3 (m, rad, m/s).
-const TABLE_A_3: [f64; CHANNELS] = [7.5e-4, 7.5e-4, 7.5e-4, 1.09e-3, 1.92e-3, 1.92e-3, 2.57e-3];
+const TABLE_A_3: PerChannel<f64> = [7.5e-4, 7.5e-4, 7.5e-4, 1.09e-3, 1.92e-3, 1.92e-3, 2.57e-3];
 /// By how much the misfit may grow in a step: one squared standard deviation. Gaps between pieces are closed at that price, and the
 /// noise's variance moves between steps.
 const SLACK: f64 = 1.0;
@@ -88,7 +87,7 @@ pub(crate) fn one_step(
     runs: &[PreparedRun<'_>],
     unknowns: &Unknowns,
     nominals: &[Nominal],
-    std: &[f64; CHANNELS],
+    std: &PerChannel<f64>,
 ) -> Option<Result<Glance, usize>> {
     let (c, mut work) = (FreeColumns::of(unknowns), Transition::default());
     let linear: Option<Vec<Linearised>> =
@@ -101,7 +100,7 @@ pub(crate) fn solve_from(
     runs: &[PreparedRun<'_>],
     unknowns: Unknowns,
     nominals: Vec<Nominal>,
-    std: [f64; CHANNELS],
+    std: PerChannel<f64>,
     iterations: usize,
 ) -> Outcome {
     let mut search = Search { runs, unknowns, nominals, std, work: Transition::default() };
@@ -158,17 +157,15 @@ pub(crate) fn sensitivities(linear: &[Linearised], free: usize) -> DMatrix<f64> 
 }
 
 /// Root mean square over the runs of what smoothing sees as noise.
-fn first_noise(runs: &[PreparedRun<'_>]) -> [f64; CHANNELS] {
+fn first_noise(runs: &[PreparedRun<'_>]) -> PerChannel<f64> {
     let mean = |c: usize| runs.iter().map(|r| r.noise_std[c].powi(2)).sum::<f64>() / runs.len() as f64;
     let floor = floor(runs);
     std::array::from_fn(|c| mean(c).sqrt().max(floor[c]))
 }
 
 /// Smallest noise that a channel is given.
-pub(crate) fn floor(runs: &[PreparedRun<'_>]) -> [f64; CHANNELS] {
-    let s = runs[0].craft.plant.sensors;
-    let (p, a) = (s.position_std_m, s.pitch_yaw_std_rad);
-    let declared = [p, p, p, s.roll_std_rad, a, a, s.wind_std_m_s];
+pub(crate) fn floor(runs: &[PreparedRun<'_>]) -> PerChannel<f64> {
+    let declared = runs[0].craft.plant.sensors.std_by_channel();
     std::array::from_fn(|c| FLOOR * if declared[c] > 0.0 { declared[c] } else { TABLE_A_3[c] })
 }
 
@@ -176,7 +173,7 @@ struct Search<'r, 'a> {
     runs: &'r [PreparedRun<'a>],
     unknowns: Unknowns,
     nominals: Vec<Nominal>,
-    std: [f64; CHANNELS],
+    std: PerChannel<f64>,
     work: Transition,
 }
 
@@ -221,7 +218,7 @@ impl Search<'_, '_> {
         for (c, floor) in floor.into_iter().enumerate() {
             let squares: f64 = misfits.iter().flat_map(|m| &m.residuals[c]).map(|r| r * r).sum();
             let count: usize = misfits.iter().map(|m| m.residuals[c].len()).sum();
-            let taken = if c < 6 { 2.0 * self.runs.len() as f64 } else { 0.0 };
+            let taken = if c < POSE { 2.0 * self.runs.len() as f64 } else { 0.0 };
             self.std[c] = (squares / (count as f64 - taken).max(1.0)).sqrt().max(floor);
         }
     }

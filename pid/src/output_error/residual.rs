@@ -1,7 +1,6 @@
 //! pid: whether residuals are noise, and what follows for the errors when they are not. In: residuals of all runs, and how outputs
 //! depend on the parameters. Out: a probability per channel; a covariance for coloured residuals.
 
-use super::CHANNELS;
 use super::problem::{Solved, floor};
 use super::run::{FreeColumns, PreparedRun};
 use crate::equations::Transition;
@@ -9,6 +8,7 @@ use nalgebra::DMatrix;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use windfall_model::{CHANNEL_NAMES, CHANNELS};
 
 /// Quality of one channel.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,7 +49,7 @@ pub(crate) fn channel_fits(runs: &[PreparedRun<'_>], solved: &Solved) -> Vec<Cha
             },
         }
     };
-    crate::smooth::CHANNELS.into_iter().enumerate().map(fit).collect()
+    CHANNEL_NAMES.into_iter().enumerate().map(fit).collect()
 }
 
 /// Sum of squares about the mean.

@@ -6,7 +6,6 @@
 
 mod linear;
 
-use super::CHANNELS;
 use super::instruments::{Errors, KINDS, Known, STATE_OF, VARIABLES, observe, variables};
 use super::speed::liveliness;
 use super::unknowns::ANGLE_BIASES;
@@ -15,7 +14,7 @@ use crate::equations::{Craft, Drive, Dual, Extra, INPUTS, STATES, Segment, Trans
 use crate::smooth::{Smoother, smooth};
 use crate::states::states;
 pub(crate) use linear::Linearised;
-use windfall_model::{Plant, Record, Unknown, UnknownId, Unknowns};
+use windfall_model::{CHANNELS, PerChannel, Plant, Record, RunChannel, Unknown, UnknownId, Unknowns};
 
 /// Input states: tunnel speed and its first and second derivative.
 pub(crate) const SPEED: usize = 3;
@@ -40,7 +39,7 @@ pub(crate) struct PreparedRun<'a> {
     /// Root of the intensity of that jump's process, m/s³ per root second.
     pub(crate) jerk_root: f64,
     /// Noise as smoothing sees it.
-    pub(crate) noise_std: [f64; CHANNELS],
+    pub(crate) noise_std: PerChannel<f64>,
     /// The run's trajectory as smoothing sees it.
     pub(crate) smoothed: Nominal,
 }
@@ -59,9 +58,9 @@ pub(crate) struct FreeColumns {
     /// Column of each; none where held.
     pub(crate) columns: Vec<Option<usize>>,
     /// Bias of each channel, SI.
-    pub(crate) biases: [f64; CHANNELS],
+    pub(crate) biases: PerChannel<f64>,
     /// Column of each bias; none where held.
-    pub(crate) bias_columns: [Option<usize>; CHANNELS],
+    pub(crate) bias_columns: PerChannel<Option<usize>>,
     /// Other errors of the instruments; none where they are as the plant has them.
     pub(crate) errors: Option<Errors>,
     /// Number of columns.
@@ -109,7 +108,7 @@ impl<'a> PreparedRun<'a> {
         let piece_s = piece as f64 * interval_s;
         let scale = 1.0 + plant.sensors.wind_scale;
         let node = |i: usize| {
-            let (x, v) = (&seen[i], &smoothed.channels[6]);
+            let (x, v) = (&seen[i], &smoothed.channels[RunChannel::Wind.at()]);
             let [p, e, u, w] = [x.p_tunnel_cm, x.euler_rad, x.v_tunnel_cm, x.pqr];
             let mut z = [0.0; NODE];
             for k in 0..3 {
@@ -119,7 +118,7 @@ impl<'a> PreparedRun<'a> {
             z
         };
         let mut noise_std = smoothed.noise_std;
-        noise_std[6] = lively.noise_std;
+        noise_std[RunChannel::Wind.at()] = lively.noise_std;
         Ok(Self {
             name,
             record,
@@ -141,7 +140,7 @@ impl<'a> PreparedRun<'a> {
         plant: &'a Plant,
         first: [f64; NODE],
         jerk_root: f64,
-        noise_std: [f64; CHANNELS],
+        noise_std: PerChannel<f64>,
     ) -> Result<Self, PidError> {
         let interval_s = record.interval_s();
         Ok(Self {
@@ -183,7 +182,7 @@ impl<'a> PreparedRun<'a> {
     }
 
     /// Residuals (measured less predicted) of one sample.
-    pub(crate) fn residual(&self, sample: usize, x: &[f64; STATES], vw_m_s: f64, c: &FreeColumns) -> [f64; CHANNELS] {
+    pub(crate) fn residual(&self, sample: usize, x: &[f64; STATES], vw_m_s: f64, c: &FreeColumns) -> PerChannel<f64> {
         let p = origin(x, self.craft.plant.vehicle.p_origin_cm.to_array());
         let scale = 1.0 + self.craft.plant.sensors.wind_scale;
         let predicted = [p[0], p[1], p[2], x[3], x[4], x[5], vw_m_s * scale];
@@ -194,7 +193,7 @@ impl<'a> PreparedRun<'a> {
     /// Residuals of all samples, channel by channel, and what is left between pieces, in units of [`MEETING`], squared and summed
     /// with the jumps. `None` where the flight cannot go on.
     pub(crate) fn misfit(&self, nominal: &Nominal, c: &FreeColumns, work: &mut Transition) -> Option<Misfit> {
-        let mut residuals: [Vec<f64>; CHANNELS] = std::array::from_fn(|_| Vec::with_capacity(self.record.len()));
+        let mut residuals: PerChannel<Vec<f64>> = std::array::from_fn(|_| Vec::with_capacity(self.record.len()));
         let (mut gaps, mut jumps) = (0.0_f64, 0.0);
         for (k, node) in nominal.nodes.iter().enumerate() {
             let (first, samples) = self.span(k);
@@ -243,7 +242,7 @@ impl<'a> PreparedRun<'a> {
         width: usize,
         out: &mut [f64],
     ) {
-        if channel == 6 {
+        if channel == RunChannel::Wind.at() {
             let t = i as f64 * self.interval_s;
             let scale = 1.0 + self.craft.plant.sensors.wind_scale;
             (out[12], out[13], out[14]) = (scale, scale * t, scale * 0.5 * t * t);
@@ -267,7 +266,7 @@ impl<'a> PreparedRun<'a> {
     }
 
     /// [`PreparedRun::residual`], with errors of the instruments where there are such; zero where a delay leaves the record.
-    fn left(&self, sample: usize, x: &[f64; STATES], speed: [f64; SPEED], c: &FreeColumns) -> [f64; CHANNELS] {
+    fn left(&self, sample: usize, x: &[f64; STATES], speed: [f64; SPEED], c: &FreeColumns) -> PerChannel<f64> {
         let Some(errors) = &c.errors else { return self.residual(sample, x, speed[0], c) };
         let seen = observe(&variables(x, speed, errors), &self.known(sample, x, speed, errors, c));
         let measured = self.record.channels();
@@ -350,13 +349,13 @@ enum Outputs {
     /// Of the origin's position by the Euler angles; the rest are ones.
     Plain([[f64; 3]; 3]),
     /// Of every channel by its variables; NaN where the record has no sample of it.
-    WithErrors(Box<[[f64; VARIABLES]; CHANNELS]>),
+    WithErrors(Box<PerChannel<[f64; VARIABLES]>>),
 }
 
 /// What a trajectory leaves.
 #[derive(Clone, Debug)]
 pub(crate) struct Misfit {
-    pub(crate) residuals: [Vec<f64>; CHANNELS],
+    pub(crate) residuals: PerChannel<Vec<f64>>,
     pub(crate) gaps: f64,
     pub(crate) jumps: f64,
 }

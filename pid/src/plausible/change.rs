@@ -5,6 +5,7 @@ use super::motion::MotionSample;
 use crate::euler::{euler_rates, t_bef};
 use crate::instrument::Sample;
 use nalgebra::{Matrix3, Vector3};
+use windfall_model::RunChannel;
 
 /// Another reading of a record.
 #[derive(Clone, Debug)]
@@ -210,9 +211,10 @@ impl Act {
                 t_s *= f;
                 to = to.map(|[value, rate, second]| [value, rate / f, second / (f * f)]);
             }
-            Self::Late(k) => to[6] = if k == 0 { m[6] } else { i.later[k - 1] },
+            Self::Late(0) => {}
+            Self::Late(k) => to[RunChannel::Wind.at()] = i.later[k - 1],
             Self::Frames => {}
-            Self::Wind(f) => to[6] = to[6].map(|v| v * f),
+            Self::Wind(f) => to[RunChannel::Wind.at()] = m[RunChannel::Wind.at()].map(|v| v * f),
         }
         Point { t_s, motion: to, ps_pa: i.ps_pa, ts_k: i.ts_k }
     }

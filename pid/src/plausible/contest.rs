@@ -5,7 +5,7 @@ use super::balance::{Balance, GROUPS, PER_S, Point, Ratio, balance};
 use super::change::{Act, Change, all};
 use super::motion::{DELAYS, MotionSample};
 use super::{GrossFault, median};
-use windfall_model::{Campaign, Coefficient, Factor, Plant, Variable};
+use windfall_model::{Campaign, Coefficient, Factor, Plant, RunChannel, Variable};
 
 /// What is left of a group of accelerations counts down to this share: below it is undeclared detail.
 const FLOOR: f64 = 0.05;
@@ -124,7 +124,7 @@ pub(super) fn fault(
 /// that is seen: drag that varies with speed, a line that pulls by its rate. With them and a late anemometer (V_W some tenths of a
 /// second old) a sound record closes.
 fn effects(campaign: &Campaign, instants: &[MotionSample]) -> Vec<Plant> {
-    let speed = median(&instants.iter().map(|i| i.motion[6][0]).collect::<Vec<_>>());
+    let speed = median(&instants.iter().map(|i| i.motion[RunChannel::Wind.at()][0]).collect::<Vec<_>>());
     let aero = &campaign.plant.aero;
     let drag =
         aero.structure.contributions.iter().find(|c| c.coefficient == Coefficient::CA).map_or(0.0, |c| aero.values[c.parameter]);

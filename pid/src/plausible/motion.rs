@@ -6,7 +6,7 @@
 use super::median;
 use crate::instrument::Sample;
 use nalgebra::DMatrix;
-use windfall_model::Record;
+use windfall_model::{Record, RunChannel};
 
 /// Half-width of a window, s, for place and speed, and for angles; and the least number of samples.
 const HALF_S: [f64; 2] = [0.35, 0.2];
@@ -65,12 +65,11 @@ fn of_run(r: &Record, stride: usize) -> Vec<MotionSample> {
                 [x[i] + sum(0), sum(1), sum(2)]
             };
             let channels = r.channels();
-            let motion = std::array::from_fn(|c| {
-                let (h, weights) = if (3..6).contains(&c) { (half[1], &narrow) } else { (half[0], &wide) };
-                fit(channels[c], i, h, weights)
+            let motion = RunChannel::ALL.map(|c| {
+                let (h, weights) = if c.is_angle() { (half[1], &narrow) } else { (half[0], &wide) };
+                fit(channels[c.at()], i, h, weights)
             });
-            let later =
-                std::array::from_fn(|k| fit(channels[6], (i + step * (k + 1)).min(r.len() - 1 - half[0]), half[0], &wide));
+            let later = std::array::from_fn(|k| fit(&r.vw_m_s, (i + step * (k + 1)).min(r.len() - 1 - half[0]), half[0], &wide));
             MotionSample { t_s: r.t_s[i], span_s: dt * stride as f64, motion, later, ps_pa: p, ts_k: t }
         })
         .collect()

@@ -5,15 +5,16 @@ use crate::PidError;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 use std::f64::consts::PI;
+use windfall_model::{CHANNELS, PerChannel};
 
 /// Smooths seven channels with given cutoffs (Hz), or with those that the spectra show.
-pub(super) fn smooth(raw: [&[f64]; 7], dt: f64, cutoffs_hz: Option<[f64; 7]>) -> Result<Fit, PidError> {
+pub(super) fn smooth(raw: PerChannel<&[f64]>, dt: f64, cutoffs_hz: Option<PerChannel<f64>>) -> Result<Fit, PidError> {
     if let Some(value) = cutoffs_hz.iter().flatten().copied().find(|f| f.is_nan() || *f <= 0.0) {
         return Err(PidError::Setting { setting: "cutoff frequency, Hz", value, allowed: "above 0, or infinite for no filter" });
     }
     let mut planner = RealFftPlanner::new();
-    let mut bandwidth_hz = [0.0; 7];
-    let mut noise_std = [0.0; 7];
+    let mut bandwidth_hz = [0.0; CHANNELS];
+    let mut noise_std = [0.0; CHANNELS];
     let mut c = 0;
     let channels = raw.map(|x| {
         let trend = Trend::of(x);

@@ -3,9 +3,10 @@
 use super::{Fit, Signal};
 use crate::PidError;
 use nalgebra::DMatrix;
+use windfall_model::{CHANNELS, PerChannel};
 
 /// Smooths seven channels, each with its half-width.
-pub(super) fn smooth(raw: [&[f64]; 7], dt: f64, half_width_s: &[f64; 7], degree: usize) -> Result<Fit, PidError> {
+pub(super) fn smooth(raw: PerChannel<&[f64]>, dt: f64, half_width_s: &PerChannel<f64>, degree: usize) -> Result<Fit, PidError> {
     if !(2..=12).contains(&degree) {
         return Err(PidError::Setting { setting: "degree", value: degree as f64, allowed: "2 to 12" });
     }
@@ -17,7 +18,7 @@ pub(super) fn smooth(raw: [&[f64]; 7], dt: f64, half_width_s: &[f64; 7], degree:
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive, and clamped to the run")]
     let half = half_width_s.map(|h| ((h / dt).round().min(n as f64) as usize).clamp(fewest, ((n - 1) / 2).max(fewest)));
     let bandwidth_hz = half.map(|h| 1.0 / (4.0 * h as f64 * dt));
-    let mut fit = Fit { channels: Default::default(), noise_std: [0.0; 7], weight: vec![1.0; n], bandwidth_hz };
+    let mut fit = Fit { channels: Default::default(), noise_std: [0.0; CHANNELS], weight: vec![1.0; n], bandwidth_hz };
     for c in 0..7 {
         let window = Window::new(half[c], degree);
         fit.channels[c] = window.apply(raw[c], dt);

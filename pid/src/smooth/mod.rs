@@ -7,13 +7,10 @@ mod local;
 mod spline;
 
 use crate::PidError;
-use windfall_model::Record;
-
-/// Names of the seven smoothed channels, as in the run file.
-pub const CHANNELS: [&str; 7] = ["X_m", "Y_m", "Z_m", "Rx_deg", "Ry_deg", "Rz_deg", "VW_m_s"];
+use windfall_model::{CHANNEL_NAMES, PerChannel, Record};
 
 /// Cutoff frequencies of thesis Table 3.1, Hz, in channel order.
-pub const TABLE_3_1_HZ: [f64; 7] = [1.5, 1.5, 1.5, 1.5, 2.5, 2.5, 1.5];
+pub const TABLE_3_1_HZ: PerChannel<f64> = [1.5, 1.5, 1.5, 1.5, 2.5, 2.5, 1.5];
 
 /// A smoothed signal at the sample times: m, rad or m/s, and per s and s².
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,18 +31,18 @@ pub struct Smoothed {
     /// Sample interval, s.
     pub interval_s: f64,
     /// X, Y, Z (m), R_x, R_y, R_z (rad), V_W (m/s).
-    pub channels: [Signal; 7],
+    pub channels: PerChannel<Signal>,
     /// Static pressure, Pa, as recorded.
     pub ps_pa: Vec<f64>,
     /// Static temperature, K, as recorded.
     pub ts_k: Vec<f64>,
     /// Estimated standard deviation of each channel's noise, in the channel's unit.
-    pub noise_std: [f64; 7],
+    pub noise_std: PerChannel<f64>,
     /// For each sample, how precise its second derivatives are against those inside the run, in (0, 1]: the factor that rows
     /// of a regression deserve. Ones for the thesis' smoothing.
     pub weight: Vec<f64>,
     /// What the smoother chose: cutoff frequency (thesis) or half of the knot rate (spline), or 1/(4·half-width) (local), Hz.
-    pub bandwidth_hz: [f64; 7],
+    pub bandwidth_hz: PerChannel<f64>,
 }
 
 /// How to smooth.
@@ -54,14 +51,14 @@ pub enum Smoother {
     /// Global Fourier smoothing with odd reflection and Wiener filter, eqs 3.2-3.19. An infinite cutoff leaves all of the spectrum.
     Thesis {
         /// Cutoff frequency of each channel, Hz.
-        cutoffs_hz: [f64; 7],
+        cutoffs_hz: PerChannel<f64>,
     },
     /// The same, cutoffs where the spectrum sinks into its noise floor.
     ThesisAuto,
     /// Local polynomials (Savitzky and Golay 1964), windows shifted inward at the ends.
     Local {
         /// Half-width of each channel's window, s.
-        half_width_s: [f64; 7],
+        half_width_s: PerChannel<f64>,
         /// Degree, 2 to 12.
         degree: usize,
     },
@@ -105,10 +102,10 @@ pub fn smooth(record: &Record, smoother: &Smoother) -> Result<Smoothed, PidError
 
 /// What a smoother gives for the seven channels.
 struct Fit {
-    channels: [Signal; 7],
-    noise_std: [f64; 7],
+    channels: PerChannel<Signal>,
+    noise_std: PerChannel<f64>,
     weight: Vec<f64>,
-    bandwidth_hz: [f64; 7],
+    bandwidth_hz: PerChannel<f64>,
 }
 
 /// Fewest samples of a run that can be smoothed.
@@ -119,7 +116,7 @@ fn check(r: &Record) -> Result<(), PidError> {
     if n < FEWEST {
         return Err(PidError::TooFewSamples { what: "a run".to_owned(), samples: n, needed: FEWEST });
     }
-    let named = CHANNELS.into_iter().zip(r.channels());
+    let named = CHANNEL_NAMES.into_iter().zip(r.channels());
     for (channel, x) in named.chain([("ps_Pa", r.ps_pa.as_slice()), ("Ts_K", r.ts_k.as_slice()), ("t_s", r.t_s.as_slice())]) {
         if x.len() != n {
             return Err(PidError::Length { channel, found: x.len(), expected: n });

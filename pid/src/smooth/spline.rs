@@ -11,6 +11,7 @@ use super::{Fit, Signal};
 use crate::PidError;
 use crate::shared::Shared;
 use std::sync::{Arc, OnceLock};
+use windfall_model::{CHANNELS, PerChannel};
 
 /// Shortest knot interval that the automatic choice tries, samples.
 const SHORTEST: f64 = 2.0;
@@ -24,7 +25,7 @@ const UNDERSMOOTH: f64 = 0.65;
 const RATIO: f64 = 0.72;
 
 /// Smooths seven channels with a given knot interval (s), or with that of least generalised cross-validation.
-pub(super) fn smooth(raw: [&[f64]; 7], dt: f64, knot_s: Option<f64>) -> Result<Fit, PidError> {
+pub(super) fn smooth(raw: PerChannel<&[f64]>, dt: f64, knot_s: Option<f64>) -> Result<Fit, PidError> {
     let samples = interleave(raw);
     let n = samples.len();
     let intervals = match knot_s {
@@ -45,10 +46,10 @@ pub(super) fn smooth(raw: [&[f64]; 7], dt: f64, knot_s: Option<f64>) -> Result<F
     let free = (n - grid.knots.count()) as f64;
     let bandwidth = 0.5 / (grid.samples_per_interval() * dt);
     let weight = grid.weights.get_or_init(|| grid.weights(factor)).clone();
-    Ok(Fit { channels, noise_std: rss.map(|r| (r / free).sqrt()), weight, bandwidth_hz: [bandwidth; 7] })
+    Ok(Fit { channels, noise_std: rss.map(|r| (r / free).sqrt()), weight, bandwidth_hz: [bandwidth; CHANNELS] })
 }
 
-fn interleave(raw: [&[f64]; 7]) -> Vec<[f64; 7]> {
+fn interleave(raw: PerChannel<&[f64]>) -> Vec<PerChannel<f64>> {
     (0..raw[0].len()).map(|i| raw.map(|x| x[i])).collect()
 }
 
@@ -60,14 +61,14 @@ fn intervals_of(samples: f64, n: usize) -> usize {
 }
 
 /// Number of intervals: cross-validation, then undersmoothing.
-fn choose(samples: &[[f64; 7]], dt: f64) -> usize {
+fn choose(samples: &[PerChannel<f64>], dt: f64) -> usize {
     let n = samples.len();
     let best = cross_validate(samples, dt);
     intervals_of(((n - 1) as f64 / best as f64 * UNDERSMOOTH).max(SHORTEST), n)
 }
 
 /// Knot interval of least Σ over channels of ln GCV, GCV = RSS/n / (1 − p/n)²: equal weight to a relative gain in any channel.
-fn cross_validate(samples: &[[f64; 7]], dt: f64) -> usize {
+fn cross_validate(samples: &[PerChannel<f64>], dt: f64) -> usize {
     let n = samples.len();
     let size2 = sum_of_squares(samples);
     let mut best = (f64::INFINITY, 1);
@@ -88,8 +89,8 @@ fn cross_validate(samples: &[[f64; 7]], dt: f64) -> usize {
     best.1
 }
 
-fn sum_of_squares(samples: &[[f64; 7]]) -> [f64; 7] {
-    let mut s = [0.0; 7];
+fn sum_of_squares(samples: &[PerChannel<f64>]) -> PerChannel<f64> {
+    let mut s = [0.0; CHANNELS];
     for x in samples {
         for (s, x) in s.iter_mut().zip(x) {
             *s += x * x;
@@ -145,15 +146,18 @@ impl Grid {
         (self.knots.interval(x), x)
     }
     /// Each sample with the first coefficient that acts there and the values of the functions.
-    fn rows<'a>(&'a self, samples: &'a [[f64; 7]]) -> impl Iterator<Item = (&'a [f64; 7], usize, &'a [f64; ORDER])> {
+    fn rows<'a>(
+        &'a self,
+        samples: &'a [PerChannel<f64>],
+    ) -> impl Iterator<Item = (&'a PerChannel<f64>, usize, &'a [f64; ORDER])> {
         samples.iter().zip(&self.values).enumerate().map(|(i, (y, b))| (y, self.place(i).0, b))
     }
     /// Least-squares coefficients from normal equations, once more on the residual, which restores the digits that their squared
     /// condition number costs.
-    fn fit(&self, samples: &[[f64; 7]], factor: &BandedFactor) -> Vec<[f64; 7]> {
+    fn fit(&self, samples: &[PerChannel<f64>], factor: &BandedFactor) -> Vec<PerChannel<f64>> {
         let mut c = self.projection(samples);
         factor.solve(&mut c);
-        let mut more = vec![[0.0; 7]; c.len()];
+        let mut more = vec![[0.0; CHANNELS]; c.len()];
         for (y, first, b) in self.rows(samples) {
             let fit = gather(&c[first..first + ORDER], b);
             scatter(&mut more[first..first + ORDER], b, &std::array::from_fn(|k| y[k] - fit[k]));
@@ -165,18 +169,18 @@ impl Grid {
         c
     }
     /// Sums of squared residuals. From the normal equations, yᵀy − cᵀBᵀy; where that has lost its digits, sample by sample.
-    fn residual(&self, samples: &[[f64; 7]], size2: [f64; 7]) -> Option<[f64; 7]> {
+    fn residual(&self, samples: &[PerChannel<f64>], size2: PerChannel<f64>) -> Option<PerChannel<f64>> {
         let factor = self.factor.as_ref()?;
         let projection = self.projection(samples);
         let mut c = projection.clone();
         factor.solve(&mut c);
-        let mut explained = [0.0; 7];
+        let mut explained = [0.0; CHANNELS];
         for (c, b) in c.iter().zip(&projection) {
             for k in 0..7 {
                 explained[k] += c[k] * b[k];
             }
         }
-        let rss: [f64; 7] = std::array::from_fn(|k| size2[k] - explained[k]);
+        let rss: PerChannel<f64> = std::array::from_fn(|k| size2[k] - explained[k]);
         // Cancellation leaves 1e-16/1e-9: seven digits.
         if rss.iter().zip(size2).all(|(r, s)| *r > 1.0e-9 * s || s <= 0.0) {
             Some(rss)
@@ -184,8 +188,8 @@ impl Grid {
             Some(self.residual_by_sample(samples, &c))
         }
     }
-    fn residual_by_sample(&self, samples: &[[f64; 7]], c: &[[f64; 7]]) -> [f64; 7] {
-        let mut rss = [0.0; 7];
+    fn residual_by_sample(&self, samples: &[PerChannel<f64>], c: &[PerChannel<f64>]) -> PerChannel<f64> {
+        let mut rss = [0.0; CHANNELS];
         for (y, first, b) in self.rows(samples) {
             let fit = gather(&c[first..first + ORDER], b);
             for k in 0..7 {
@@ -195,8 +199,8 @@ impl Grid {
         rss
     }
     /// Right-hand sides of the normal equations.
-    fn projection(&self, samples: &[[f64; 7]]) -> Vec<[f64; 7]> {
-        let mut projection = vec![[0.0; 7]; self.knots.count()];
+    fn projection(&self, samples: &[PerChannel<f64>]) -> Vec<PerChannel<f64>> {
+        let mut projection = vec![[0.0; CHANNELS]; self.knots.count()];
         for (y, first, b) in self.rows(samples) {
             scatter(&mut projection[first..first + ORDER], b, y);
         }
@@ -209,14 +213,14 @@ impl Grid {
         };
         self.slopes.get_or_init(|| (0..self.n).map(at).collect())
     }
-    fn evaluate(&self, samples: &[[f64; 7]], c: &[[f64; 7]], dt: f64) -> ([Signal; 7], [f64; 7]) {
+    fn evaluate(&self, samples: &[PerChannel<f64>], c: &[PerChannel<f64>], dt: f64) -> (PerChannel<Signal>, PerChannel<f64>) {
         let per_s = self.per_sample / dt;
-        let mut out: [Signal; 7] = std::array::from_fn(|_| Signal {
+        let mut out: PerChannel<Signal> = std::array::from_fn(|_| Signal {
             value: Vec::with_capacity(self.n),
             rate: Vec::with_capacity(self.n),
             second: Vec::with_capacity(self.n),
         });
-        let mut rss = [0.0; 7];
+        let mut rss = [0.0; CHANNELS];
         for ((y, first, b), [rate, second]) in self.rows(samples).zip(self.slopes()) {
             let local = &c[first..first + ORDER];
             let [value, rate, second] = [b, rate, second].map(|b| gather(local, b));
@@ -260,7 +264,7 @@ impl Grid {
     }
 }
 
-fn scatter(c: &mut [[f64; 7]], b: &[f64; ORDER], y: &[f64; 7]) {
+fn scatter(c: &mut [PerChannel<f64>], b: &[f64; ORDER], y: &PerChannel<f64>) {
     for (c, b) in c.iter_mut().zip(b) {
         for (c, y) in c.iter_mut().zip(y) {
             *c += b * y;
@@ -268,8 +272,8 @@ fn scatter(c: &mut [[f64; 7]], b: &[f64; ORDER], y: &[f64; 7]) {
     }
 }
 
-fn gather(c: &[[f64; 7]], b: &[f64; ORDER]) -> [f64; 7] {
-    let mut sum = [0.0; 7];
+fn gather(c: &[PerChannel<f64>], b: &[f64; ORDER]) -> PerChannel<f64> {
+    let mut sum = [0.0; CHANNELS];
     for (c, b) in c.iter().zip(b) {
         for (s, c) in sum.iter_mut().zip(c) {
             *s += b * c;

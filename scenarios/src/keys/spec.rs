@@ -55,3 +55,10 @@ pub(crate) struct TableSpec {
     /// Empty: keys are not fixed (parameters by name).
     pub(crate) keys: &'static [Key],
 }
+
+impl TableSpec {
+    /// The key that it stands under in the table around it: the last word of its path.
+    pub(crate) fn name(&self) -> &'static str {
+        self.path.rsplit('.').next().unwrap_or(self.path)
+    }
+}

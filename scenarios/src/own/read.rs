@@ -11,7 +11,7 @@ pub(crate) fn read(parent: &Table<'_>, point: bool) -> Option<Own> {
     if !parent.has("columns") {
         return None;
     }
-    parent.table("columns", &keys::COLUMNS).map(|t| own(&t, point))
+    parent.table(&keys::COLUMNS).map(|t| own(&t, point))
 }
 
 fn own(t: &Table<'_>, point: bool) -> Own {
@@ -32,7 +32,7 @@ fn own(t: &Table<'_>, point: bool) -> Own {
         own.axes = axes(t).unwrap_or_default();
     }
     if t.has("attitude") && !point {
-        own.attitude = t.table("attitude", &keys::COLUMNS_ATTITUDE).and_then(|a| attitude(&a));
+        own.attitude = t.table(&keys::COLUMNS_ATTITUDE).and_then(|a| attitude(&a));
         for ours in ANGLES.into_iter().filter(|n| t.has(n)) {
             t.source.fault(
                 t.at(ours),
@@ -68,7 +68,7 @@ fn origin(t: &Table<'_>, ours: &'static str, quantity: UnitQuantity, at: Value<'
         let what = "must be a name, a number or { name = ..., unit = ... }".to_owned();
         return say(what, format!("{ours} = {{ name = \"name\", unit = \"{}\" }}", quantity.ours().word));
     }
-    let t = t.table(ours, &keys::COLUMN)?;
+    let t = t.table_named(ours, &keys::COLUMN)?;
     let parts = if t.has("names") || t.has("along") {
         along(&t)?
     } else {
@@ -124,7 +124,7 @@ fn taken_twice(t: &Table<'_>, own: &Own) {
 }
 
 fn axes(t: &Table<'_>) -> Option<OwnAxes> {
-    let t = t.table("axes", &keys::COLUMNS_AXES)?;
+    let t = t.table(&keys::COLUMNS_AXES)?;
     let room = rows(&t, "tunnel");
     let body = rows(&t, "body");
     let axes = OwnAxes { room: room?, body: body? };

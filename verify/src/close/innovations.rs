@@ -2,7 +2,8 @@
 
 use super::figure::{bin, short};
 use serde::{Deserialize, Serialize};
-use windfall_likelihood::{CHANNEL_NAMES, Engine, Innovations, Model, POSE};
+use windfall_likelihood::{Engine, Innovations, Model};
+use windfall_model::{CHANNEL_NAMES, POSE};
 
 /// Ends of the histograms, standard deviations.
 const ENDS: [f64; 2] = [-5.0, 5.0];

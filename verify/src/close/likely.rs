@@ -9,8 +9,8 @@ use super::{
 use crate::VerifyError;
 use crate::resimulate::hold_out;
 use statrs::distribution::{ContinuousCDF, Normal};
-use windfall_likelihood::{CHANNEL_NAMES, Discovery, Engine, Fit, Id, Lead, Member, discover};
-use windfall_model::{CATALOGUE, Campaign, Data, Effect, Role, Use};
+use windfall_likelihood::{Discovery, Engine, Fit, Id, Lead, Member, discover};
+use windfall_model::{CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, Role, Use};
 
 /// Gain, in nats beyond its cost, from which a generic alternative or a line says that something is unexplained.
 const LEAD: f64 = 4.0;

@@ -9,14 +9,14 @@ use crate::VerifyError;
 use rayon::prelude::*;
 use realfft::RealFftPlanner;
 use serde::{Deserialize, Serialize};
-use windfall_model::{Campaign, Data, Record, Run};
+use windfall_model::{CHANNELS, Campaign, Data, PerChannel, Record, Run};
 use windfall_pid::smooth::{Smoothed, Smoother, smooth};
 
 /// Frequency bands of a spectrum, even on a logarithmic axis.
 const BANDS: usize = 90;
 
 /// Channels and their units on the page; the record's angles are in radians.
-const CHANNELS: [(&str, &str); 7] =
+const SHOWN: PerChannel<(&str, &str)> =
     [("X", "m"), ("Y", "m"), ("Z", "m"), ("Rx", "deg"), ("Ry", "deg"), ("Rz", "deg"), ("V_W", "m/s")];
 
 /// Records before and after smoothing.
@@ -48,34 +48,32 @@ pub fn smoothing(campaign: &Campaign, smoother: &Smoother) -> Result<SmoothingTr
     let pairs = tunnel
         .map(|(run, record)| Ok(SmoothedRun { run, record, smoothed: smooth(record, smoother)? }))
         .collect::<Result<Vec<_>, VerifyError>>()?;
-    let s = &campaign.plant.sensors;
-    let (at, turn) = (s.position_std_m, s.pitch_yaw_std_rad);
-    let noise = [at, at, at, s.roll_std_rad, turn, turn, s.wind_std_m_s];
-    let noise: [f64; 7] = std::array::from_fn(|c| per_unit(c) * noise[c]);
+    let declared = campaign.plant.sensors.std_by_channel();
+    let noise: PerChannel<f64> = std::array::from_fn(|c| per_unit(c) * declared[c]);
     let thin = thinning(campaign, SAMPLES);
     let runs = pairs.iter().map(|p| of_run(p, &noise, thin)).collect();
     let signals = SignalTracks { after: "smoothed".to_owned(), runs, ..empty(campaign) };
-    let spectra = if pairs.is_empty() { Vec::new() } else { (0..7).map(|c| spectrum(c, &pairs, noise[c])).collect() };
+    let spectra = if pairs.is_empty() { Vec::new() } else { (0..CHANNELS).map(|c| spectrum(c, &pairs, noise[c])).collect() };
     Ok(SmoothingTracks { signals, spectra })
 }
 
 /// Degrees of the angles.
 fn per_unit(channel: usize) -> f64 {
-    if CHANNELS[channel].1 == "deg" { 1.0_f64.to_degrees() } else { 1.0 }
+    if SHOWN[channel].1 == "deg" { 1.0_f64.to_degrees() } else { 1.0 }
 }
 
-fn of_run(p: &SmoothedRun<'_>, noise: &[f64; 7], thin: usize) -> RunTracks {
+fn of_run(p: &SmoothedRun<'_>, noise: &PerChannel<f64>, thin: usize) -> RunTracks {
     let one = |(c, (name, unit)): (usize, &(&str, &str))| {
         let some = |x: &[f64]| x.iter().step_by(thin).map(|v| short(per_unit(c) * v)).collect();
         let (raw, smoothed) = (some(p.record.channels()[c]), some(&p.smoothed.channels[c].value));
         TrackSignal { measured: raw, after: smoothed, ..TrackSignal::new(name, unit, Some(noise[c]).filter(|s| *s > 0.0)) }
     };
-    let channels = CHANNELS.iter().enumerate().map(one).collect();
+    let channels = SHOWN.iter().enumerate().map(one).collect();
     RunTracks { t_s: times(&p.record.t_s, thin), channels, ..named(p.run) }
 }
 
 fn spectrum(c: usize, pairs: &[SmoothedRun<'_>], noise: f64) -> Figure {
-    let (name, unit) = CHANNELS[c];
+    let (name, unit) = SHOWN[c];
     let raw: Vec<(&[f64], f64)> = pairs.iter().map(|p| (p.record.channels()[c], p.smoothed.interval_s)).collect();
     let smoothed: Vec<(&[f64], f64)> =
         pairs.iter().map(|p| (p.smoothed.channels[c].value.as_slice(), p.smoothed.interval_s)).collect();

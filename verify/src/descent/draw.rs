@@ -4,11 +4,11 @@ use crate::VerifyError;
 use crate::joint_errors::JointErrors;
 use nalgebra::DMatrix;
 use windfall_model::planet::{PlanetBody, PlanetScenario, UncertainNumber};
-use windfall_pid::{DataSet, PidError};
+use windfall_pid::{DataSet, PROCESS_NOISE, PidError, TURBULENCE};
 use windfall_sim::{Channel, Seed};
 
 /// What an identification says of the gusts and random moments of its tunnel: nothing of the air elsewhere.
-const OF_THE_TUNNEL: [&str; 2] = ["turbulence", "process-noise"];
+const OF_THE_TUNNEL: [&str; 2] = [TURBULENCE, PROCESS_NOISE];
 
 /// A number that is drawn.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,9 +5,10 @@
 //! eliminates the jerk of the tunnel speed and the node's state (square-root information, Bierman 1977, run backward so that the
 //! forward pass needs no inverse of a damped motion). The work is linear in the length of the run.
 
-use super::{CHANNELS, FreeColumns, NODE, Nominal, PreparedRun, SPEED, split};
+use super::{FreeColumns, NODE, Nominal, PreparedRun, SPEED, split};
 use crate::equations::{STATES, Transition};
 use nalgebra::{DMatrix, DVector};
+use windfall_model::{CHANNELS, PerChannel};
 
 /// A linearised run: pieces with their elimination, and what is left for the parameters.
 #[derive(Clone, Debug)]
@@ -39,7 +40,7 @@ impl PreparedRun<'_> {
         &self,
         nominal: &Nominal,
         c: &FreeColumns,
-        std: &[f64; CHANNELS],
+        std: &PerChannel<f64>,
         work: &mut Transition,
     ) -> Option<Linearised> {
         let width = NODE + c.free + 1;
@@ -111,7 +112,7 @@ impl PreparedRun<'_> {
         k: usize,
         nominal: &Nominal,
         c: &FreeColumns,
-        std: &[f64; CHANNELS],
+        std: &PerChannel<f64>,
         work: &Transition,
         a: &mut DMatrix<f64>,
         mut row: usize,
