@@ -26,4 +26,5 @@ def test_law_the_book_has_every_page_and_no_link_is_broken():
     assert set(listed) == pages and len(listed) == len(pages)
     for page in pages:
         for link in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", (DOCS / page).read_text()):
-            assert ((DOCS / page).parent / link).exists(), f"{page}: {link}"
+            to = ((DOCS / page).parent / link).resolve()
+            assert to.exists() and to.is_relative_to(DOCS.resolve()), f"{page}: {link} is no page or file of the book"
