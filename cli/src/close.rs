@@ -115,6 +115,9 @@ fn effect(text: &mut String, e: &EffectLine) {
         let half = half.map_or_else(String::new, |h| format!(" ± {h} (95 %)"));
         let _ = writeln!(text, "  {:<20}{estimate:>12}{half} {unit}", p.name);
     }
+    if let Some([calm, strong]) = e.bursts {
+        let _ = writeln!(text, "  in bursts: between {calm:.2} and {strong:.2} of its mean size in nine tenths of the time");
+    }
     if !e.rivals.is_empty() {
         let rivals = format!("rivals on these data: {}; what would separate them: {}", e.rivals.join(", "), e.separate_by);
         let _ = writeln!(text, "  {}", folded(&rivals, 2));

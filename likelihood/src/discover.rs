@@ -54,6 +54,8 @@ pub struct Discovery {
     pub contest: Option<Contest>,
     /// What gusts weaker than any tunnel's, or of a band as narrow as a tone, may stand for.
     pub faint: Vec<Lead>,
+    /// Families of those gusts: in the fit, where they make up for what they stand for, but no effect that was found.
+    pub stand_ins: Vec<&'static str>,
     /// Gain of log marginal likelihood of each random member, by its place.
     pub random_gains: Vec<(usize, f64)>,
     /// What is known of the random members' numbers.
@@ -90,6 +92,16 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let sets = named(&weighed, &after.model);
     let (random_gains, random_ranges) = (gains(engine, &after), engine.random_ranges(&after));
     let random_bounds = random_bounds(engine, &after);
+    let stand_ins = match faint.is_empty() {
+        true => Vec::new(),
+        false => after
+            .model
+            .members
+            .iter()
+            .filter(|m| m.random && !m.declared && engine.moves_air(m))
+            .map(|m| m.effect.family)
+            .collect(),
+    };
     let after = engine.robust(&after);
     let (before, before_fault) = match before {
         Ok(fit) => (Some(engine.robust(&fit)), Ok(())),
@@ -108,6 +120,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
         families: weighed.families,
         contest,
         faint,
+        stand_ins,
         random_gains,
         random_ranges,
         random_bounds,
@@ -122,7 +135,8 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
 fn searched(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Result<Option<Scored>, String> {
     let noise = engine.noise.map(|n| format!("{:.3e}/{:.2}", n.std(), if n.coloured > 0.0 { n.correlation } else { 0.0 }));
     log.push(format!("noise {}", noise.join(" ")));
-    let Some(mut best) = from_starts(engine, declared, log)? else { return Ok(None) };
+    let Some(best) = from_starts(engine, declared, log)? else { return Ok(None) };
+    let mut best = in_bursts(engine, best, log);
     if !engine.is_exhausted()
         && let Some(more) = with_random(engine, &best.1)
     {
@@ -144,7 +158,35 @@ fn searched(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Res
     {
         best = other;
     }
+    if engine.bursts_price == 0.0 && !engine.is_exhausted() {
+        best = in_bursts(engine, best, log);
+    }
     Ok(Some(best))
+}
+
+/// The best set where the gusts' variance changes along the runs as it is likeliest to do, where that is surely likelier; in it what bursts seemed
+/// to be is weighed again.
+fn in_bursts(engine: &mut Engine, best: Scored, log: &mut Vec<String>) -> Scored {
+    let without = |model: &Model| {
+        let mut model = model.clone();
+        model.members.retain(|m| !m.is_local() || m.declared);
+        model
+    };
+    let calm = without(&best.1.model);
+    let tries = [Some(best.1.model.clone()), (calm.members.len() < best.1.model.members.len()).then_some(calm)];
+    let ends = tries.into_iter().flatten().filter_map(|model| {
+        let bursty = engine.in_bursts(&model)?;
+        log.push(format!("bursts, {:.1} for knowing them ({:.0})", bursty.bursts_price, bursty.passes()));
+        let end = polished(&bursty, model, f64::NEG_INFINITY, false, log)?;
+        Some((bursty, end))
+    });
+    match ends.max_by(|a, b| a.1.0.total_cmp(&b.1.0)) {
+        Some((bursty, end)) if end.0 > best.0 + SURE => {
+            *engine = bursty;
+            end
+        }
+        _ => best,
+    }
 }
 
 /// Noise again, by the likelihood of the best model, and the best model in it. Gusts and coloured noise may stand for each other: where both
@@ -211,7 +253,7 @@ pub fn identify(engine: &Engine, near: Option<&Model>) -> Result<Fit, String> {
     let ends = [Some(&declared), led.as_ref(), near.as_ref()].into_iter().flatten().filter_map(|m| climb_down(engine, m));
     let still = ends.max_by(|a, b| a.total.total_cmp(&b.total));
     let start = still.as_ref().map_or_else(|| led.clone().unwrap_or_else(|| declared.clone()), |f| f.model.clone());
-    let gusts = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random && moves_air(m, engine));
+    let gusts = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random && engine.moves_air(m));
     let gusty = gusts
         .filter(|m| !has(&declared, m))
         .filter_map(|null| {
@@ -228,15 +270,6 @@ pub fn identify(engine: &Engine, near: Option<&Model>) -> Result<Fit, String> {
         (Some(fit), None) | (None, Some((_, fit))) => Ok(fit),
         (None, None) => Err("with the declared model no fit stays within its runs".to_owned()),
     }
-}
-
-/// Whether a random member is a gust.
-fn moves_air(m: &Member, engine: &Engine) -> bool {
-    let mut v = m.values.clone();
-    v[0] = 1.0;
-    let mut plant = engine.campaign.plant.clone();
-    (m.effect.apply)(&mut plant, &v);
-    plant.disturbances(1.0).iter().any(|d| matches!(d.entry, windfall_model::Entry::AirVelocity(_)))
 }
 
 /// Effects that the runs kept for choosing speak for: one whose absence predicts those runs better is left out, worst first.

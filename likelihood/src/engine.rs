@@ -4,7 +4,7 @@ use crate::columns::{Basis, SensitivityColumn};
 use crate::filter::{Departed, Keep, PassSetting, Seen, pass};
 use crate::gram::Gram;
 use crate::hum::{Hum, take_off};
-use crate::model::{Id, Model, Number, VAGUE_PRIOR};
+use crate::model::{Id, Member, Model, Number, VAGUE_PRIOR};
 use crate::noise::{ChannelNoise, declared, learn};
 use crate::run::Prepared;
 use crate::shock::{Shock, shocks};
@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use windfall_model::{Campaign, Constant, Data, POSE, PerChannel, Plant, Record};
+use windfall_model::{Campaign, Constant, Data, Entry, POSE, PerChannel, Plant, Record};
 use windfall_pid::StopReason;
 
 /// Runs of a campaign made ready, with their noise.
@@ -28,6 +28,8 @@ pub struct Engine {
     pub(crate) slack: f64,
     /// Gusts of von Kármán's form in place of Dryden's: motion seldom tells them apart, and their sizes differ.
     pub(crate) von_karman: bool,
+    /// What the changing variance of the gusts takes off the log-likelihood of models with gusts.
+    pub(crate) bursts_price: f64,
     /// Work of all passes so far, of this engine and its copies: nodes times columns and what a node costs without any.
     work: Arc<AtomicU64>,
 }
@@ -134,7 +136,7 @@ impl Engine {
         }
         let (gas, wind) = (campaign.plant.environment.gas_constant_j_kg_k, noise[POSE]);
         let runs = records.par_iter().map(|(i, r)| Prepared::new(*i, &campaign.runs[*i].name, r, gas, NODE_S, &wind)).collect();
-        Some(Self { campaign: owned, runs, noise, hum, slack: 0.0, von_karman: false, work: Arc::default() })
+        Some(Self { campaign: owned, runs, noise, hum, slack: 0.0, von_karman: false, bursts_price: 0.0, work: Arc::default() })
     }
 
     /// Other runs of the campaign, or of one like it, in the noise of these; `None` without a tunnel run among them.
@@ -281,6 +283,16 @@ impl Engine {
     /// Work done so far, in passes over all runs without columns.
     pub(crate) fn passes(&self) -> f64 {
         self.work.load(Ordering::Relaxed) as f64 / (NODE_COST * self.instants() as u64).max(1) as f64
+    }
+
+    /// Whether a random member is a gust.
+    #[must_use]
+    pub fn moves_air(&self, member: &Member) -> bool {
+        let mut plant = self.campaign.plant.clone();
+        let mut values = member.values.clone();
+        values[0] = 1.0;
+        (member.effect.apply)(&mut plant, &values);
+        plant.disturbances(1.0).iter().any(|d| matches!(d.entry, Entry::AirVelocity(_)))
     }
 
     /// Whether a search has done all the work that it may: what no set explains is not worth more.

@@ -15,7 +15,7 @@ use crate::columns::{Basis, SensitivityColumn, Shown, View, body_to_tunnel, lag_
 use crate::noise::{ChannelNoise, MeanNoise};
 use crate::random::{Input, ORDER, inputs};
 use crate::run::Prepared;
-use crate::shock::{Taken, Trace};
+use crate::shock::{Gust, Taken, Trace};
 use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, Simd, WithSimd};
 use rows::VECTOR;
@@ -252,6 +252,7 @@ impl<'a> Filter<'a> {
             }
             if let Some(node) = seen.trace.nodes.last_mut() {
                 node.phi.clone_from(&work.phi);
+                node.gusts.append(&mut work.gusts);
             }
         }
         self.gather(&mut rows, &mut seen);
@@ -295,8 +296,9 @@ impl<'a> Filter<'a> {
             (2..4).for_each(|i| p[(STATES + i) * n + STATES + i] = 1e-4 * f * f);
         }
         for (at, input) in self.inputs() {
+            let now = self.intensity(input, 0);
             for i in 0..input.order {
-                (0..input.order).for_each(|k| p[(at + i) * n + at + k] = input.stationary[i][k]);
+                (0..input.order).for_each(|k| p[(at + i) * n + at + k] = now * input.stationary[i][k]);
             }
         }
         for (at, _, noise) in self.colours() {
@@ -311,6 +313,14 @@ impl<'a> Filter<'a> {
     fn colours(&self) -> impl Iterator<Item = (usize, usize, &MeanNoise)> {
         let from = self.states - 2 * self.coloured.len();
         self.coloured.iter().enumerate().map(move |(j, (channel, noise))| (from + 2 * j, *channel, noise))
+    }
+
+    /// Variance of a random input at a node over its mean.
+    fn intensity(&self, input: &Input, k: usize) -> f64 {
+        match input.entry {
+            Entry::AirVelocity(axis) => self.run.intensity.at(axis, self.run.nodes[k].t_s),
+            Entry::Coefficient(_) => 1.0,
+        }
     }
 
     /// Random inputs with the places of their first states.
@@ -449,6 +459,7 @@ struct Work {
     pushed: [[[f64; ADDED]; MOTION]; 2],
     terms: Vec<f64>,
     values: Vec<f64>,
+    gusts: Vec<Gust>,
 }
 
 impl Work {
@@ -470,6 +481,7 @@ impl Work {
             pushed: [[[0.0; ADDED]; MOTION]; 2],
             terms: Vec::new(),
             values: Vec::new(),
+            gusts: Vec::new(),
         }
     }
 }

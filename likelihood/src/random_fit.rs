@@ -58,7 +58,8 @@ impl Engine {
         }
         let Some(RandomSlopes { information, .. }) = self.random_slopes(model, &[]) else { return 0.0 };
         let scaled = information * (VAGUE * VAGUE) + DMatrix::identity(n, n);
-        scaled.cholesky().map_or(0.0, |c| c.l_dirty().diagonal().iter().map(|x| x.ln()).sum())
+        let own: f64 = scaled.cholesky().map_or(0.0, |c| c.l_dirty().diagonal().iter().map(|x| x.ln()).sum());
+        own + if model.members.iter().any(|m| m.random && self.moves_air(m)) { self.bursts_price } else { 0.0 }
     }
 
     /// A model at its likeliest, sizes and shapes of random members with all other numbers but shapes, by at most `most` steps of scoring

@@ -3,6 +3,7 @@
 //! A node stands for a block of samples: the mean of what was measured less what motion over the block explains carries all that a filter
 //! can use below the block's own rate, at a fraction of its cost. Missing samples leave a node with fewer, or none.
 
+use crate::bursts::Intensity;
 use crate::noise::ChannelNoise;
 use crate::wind::Speed;
 use windfall_model::{POSE, Record};
@@ -45,6 +46,8 @@ pub(crate) struct Prepared {
     pub(crate) speed: Speed,
     /// Mean tunnel speed, m/s.
     pub(crate) speed_m_s: f64,
+    /// Variance of the gusts along the run over its mean.
+    pub(crate) intensity: Intensity,
 }
 
 impl Prepared {
@@ -61,6 +64,7 @@ impl Prepared {
             start: [[0.0; 2]; POSE],
             speed: Speed::new(series, dt, noise, &missing),
             speed_m_s: series.iter().sum::<f64>() / series.len().max(1) as f64,
+            intensity: Intensity::default(),
         }
         .in_nodes(record, gas_constant, node_s)
     }

@@ -27,6 +27,17 @@ pub(crate) struct Taken {
     pub(crate) channels: Vec<Innovation>,
     /// Transition to the next node, by rows; empty at the last.
     pub(crate) phi: Vec<f64>,
+    /// What gusts add on the way to the next node.
+    pub(crate) gusts: Vec<Gust>,
+}
+
+/// What one axis' gust adds to the states' covariance over a step.
+#[derive(Clone, Debug)]
+pub(crate) struct Gust {
+    pub(crate) axis: usize,
+    /// The states that it reaches, and the covariance that it adds to them, on and below the diagonal by rows.
+    pub(crate) states: Vec<usize>,
+    pub(crate) added: Vec<f64>,
 }
 
 /// One channel's innovation.
@@ -79,14 +90,11 @@ pub(crate) fn expected_beyond(gain: f64, all: &[Shock]) -> f64 {
     }
 }
 
-/// The likeliest kick at each instant, of `n` states, last instant first.
-pub(crate) fn shocks(trace: &Trace, n: usize) -> Vec<Shock> {
-    let Some(last) = trace.nodes.last() else { return Vec::new() };
-    let last_s = last.t_s;
+/// Score and information of what might be added to the `n` states just before each node, last node first.
+pub(crate) fn backward(trace: &Trace, n: usize, mut each: impl FnMut(usize, &DVector<f64>, &DMatrix<f64>)) {
     let mut score = DVector::<f64>::zeros(n);
     let mut information = DMatrix::<f64>::zeros(n, n);
-    let mut all = Vec::with_capacity(trace.nodes.len());
-    for node in trace.nodes.iter().rev() {
+    for (at, node) in trace.nodes.iter().enumerate().rev() {
         if node.phi.len() == n * n {
             let phi = DMatrix::from_row_slice(n, n, &node.phi);
             score = phi.tr_mul(&score);
@@ -103,17 +111,28 @@ pub(crate) fn shocks(trace: &Trace, n: usize) -> Vec<Shock> {
             information.ger(-1.0, &kept, &h, 1.0);
             information.ger(all, &h, &h, 1.0);
         }
+        each(at, &score, &information);
+    }
+}
+
+/// The likeliest kick at each instant, of `n` states, last instant first.
+pub(crate) fn shocks(trace: &Trace, n: usize) -> Vec<Shock> {
+    let Some(last) = trace.nodes.last() else { return Vec::new() };
+    let last_s = last.t_s;
+    let mut all = Vec::with_capacity(trace.nodes.len());
+    backward(trace, n, |at, score, information| {
+        let node = &trace.nodes[at];
         if node.t_s < EDGE_S || node.t_s > last_s - EDGE_S {
-            continue;
+            return;
         }
         let b = SVector::<f64, 6>::from_fn(|i, _| PLAUSIBLE[i] * score[KICKED[i]]);
         let whole = SMatrix::<f64, 6, 6>::from_fn(|i, k| {
             PLAUSIBLE[i] * PLAUSIBLE[k] * information[(KICKED[i], KICKED[k])] + if i == k { 1.0 } else { 0.0 }
         });
-        let Some(factor) = whole.cholesky() else { continue };
+        let Some(factor) = whole.cholesky() else { return };
         let gain = 0.5 * b.dot(&factor.solve(&b)) - factor.l().diagonal().map(f64::ln).sum();
         all.push(Shock { t_s: node.t_s, gain });
-    }
+    });
     all
 }
 

@@ -166,6 +166,12 @@ fn effect(e: &EffectLine, held_out: bool) -> String {
     if let Some(p) = e.probability {
         let _ = writeln!(out, "<p>Probability that it is part of the set, given the data and the catalogue: {}.</p>", share(p));
     }
+    if let Some([calm, strong]) = e.bursts {
+        let _ = writeln!(
+            out,
+            "<p>It comes in bursts: between {calm:.2} and {strong:.2} of its mean size in nine tenths of the time.</p>"
+        );
+    }
     out += &form(e);
     let _ = if e.rivals.is_empty() {
         writeln!(out, "<p>No rival: these data tell it from every other effect.</p>")

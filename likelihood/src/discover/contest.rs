@@ -2,7 +2,7 @@
 
 use super::polish::polish;
 use super::weigh::{GENERIC, SURE, Weighed, weigh, weigh_beside, with_set};
-use super::{describe, moves_air, random_cost, score};
+use super::{describe, random_cost, score};
 use crate::check::{Alternative, Lead, alternatives};
 use crate::engine::{Engine, Fit};
 use crate::model::{Member, Model};
@@ -119,7 +119,7 @@ pub(super) fn against_gusts(
 ) -> (Fit, Weighed, Option<Contest>, Vec<Lead>) {
     const NEAR: f64 = 2.0;
     let speed = engine.runs.iter().map(|r| r.speed_m_s).sum::<f64>() / engine.runs.len().max(1) as f64;
-    let gusts = fit.model.members.iter().position(|m| m.random && !m.declared && moves_air(m, engine));
+    let gusts = fit.model.members.iter().position(|m| m.random && !m.declared && engine.moves_air(m));
     let Some(gusts) = gusts else { return (fit, weighed, contest, Vec::new()) };
     let member = &fit.model.members[gusts];
     let size = member.strengths().map(|i| member.values[i]).fold(0.0, f64::max);

@@ -2,7 +2,7 @@
 
 use super::polish::{climb_down, names};
 use super::weigh::{SURE, weigh, with_set};
-use super::{LEFT, cost, describe, has, moves_air, random_cost};
+use super::{LEFT, cost, describe, has, random_cost};
 use crate::engine::{Engine, Fit};
 use crate::model::{Member, Model, catalogue};
 use crate::shock::{Shock, expected_beyond};
@@ -31,7 +31,7 @@ pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -
     let random: Vec<Member> = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random).collect();
     let mut fits: Vec<Fit> = Vec::new();
     let mut last = String::new();
-    let air = random.iter().find(|m| moves_air(m, engine));
+    let air = random.iter().find(|m| engine.moves_air(m));
     let mut model = declared.clone();
     // Where gusts are declared they are in every set already.
     if let Some(air) = air.filter(|a| !has(declared, a)) {
@@ -207,7 +207,7 @@ pub(super) fn with_random(engine: &Engine, fit: &Fit) -> Option<Fit> {
     let likelihood = |model: &Model| coarse.sum(model, &[], &[]).map_or(f64::NEG_INFINITY, |s| s.log_likelihood);
     let absent = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random && !has(&fit.model, m));
     let tries = absent.flat_map(|null| {
-        let forms = if moves_air(&null, engine) { null.forms() } else { scanned(&null) };
+        let forms = if engine.moves_air(&null) { null.forms() } else { scanned(&null) };
         let pairs = forms.into_iter().flat_map(|form| LEVELS[2..].iter().map(move |level| (form.clone(), *level)));
         pairs.map(|(form, level)| sized(&null, level, &form)).collect::<Vec<_>>()
     });

@@ -1,9 +1,10 @@
 //! likelihood: the filter from one node to the next. In: state, covariance and sensitivities after a node. Out: the same before the next.
 
 use super::rows::{VECTOR, add_rows};
-use super::{Filter, Ready, SLACK, Stage, Work, states, times};
+use super::{Filter, Keep, Ready, SLACK, Stage, Work, states, times};
 use crate::columns::View;
 use crate::random::{Input, REACH};
+use crate::shock::Gust;
 use windfall_model::{Entry, Plant};
 use windfall_pid::equations::{ADDED, LOOSE, Local, MOTION, STATES, TunnelAir};
 
@@ -41,7 +42,7 @@ impl Filter<'_> {
         let (air, added) = self.air(z, k, Stage::Middle, [0.0; 3]);
         let local = self.craft.local(&flown.middle, air, &added, &mut work.terms)?;
         work.values.clone_from(&work.terms);
-        self.transition(&local, work);
+        self.transition(k, &local, work);
         self.push(&At { middle: flown.middle, air, added, local }, columns, view, work)?;
         self.carry(s, columns, &flown.first, work);
         z[..nm].copy_from_slice(&flown.end[..nm]);
@@ -132,7 +133,7 @@ impl Filter<'_> {
     /// Transition of all states over a step and, on and below the diagonal, the noise that it adds. Motion by the Taylor series of its
     /// matrix exponential; inputs, and their integrals that move it, exactly.
     #[inline(always)]
-    fn transition(&self, local: &Local, work: &mut Work) {
+    fn transition(&self, k: usize, local: &Local, work: &mut Work) {
         let (n, h) = (self.n, self.step_s);
         work.phi.fill(0.0);
         work.q.fill(0.0);
@@ -144,8 +145,9 @@ impl Filter<'_> {
         for (k, a) in SLACK.iter().enumerate() {
             work.q[(6 + k) * n + 6 + k] += (self.slack * a * h).powi(2);
         }
+        work.gusts.clear();
         for (at, input) in self.inputs() {
-            self.driven(at, input, local, work);
+            self.driven(at, input, self.intensity(input, k), local, work);
         }
         for (at, _, noise) in self.colours() {
             let [mean, both, last] = noise.added;
@@ -214,9 +216,9 @@ impl Filter<'_> {
         }
     }
 
-    /// What a random input, its first state at `at`, does to motion and to itself over a step.
+    /// What a random input, its first state at `at` and its variance `now` times its mean, does to motion and to itself over a step.
     #[inline(always)]
-    fn driven(&self, at: usize, input: &Input, local: &Local, work: &mut Work) {
+    fn driven(&self, at: usize, input: &Input, now: f64, local: &Local, work: &mut Work) {
         let (n, nm) = (self.n, self.nm);
         // Rates of motion by the input and by its rate, and what motion makes of those.
         let (own, rate) = match input.entry {
@@ -231,27 +233,41 @@ impl Filter<'_> {
             }
         }
         let own = moved[0];
-        let broad = (input.broad * self.step_s).powi(2);
-        let Work { phi, q, .. } = work;
+        let broad = now * (input.broad * self.step_s).powi(2);
+        let Work { phi, q, .. } = &mut *work;
         for c in 0..input.order {
             let by = weighted(&moved, &input.reach.map(|r| r[c]));
-            let crossed = weighted(&moved, &input.crossed.map(|r| r[c]));
+            let crossed = weighted(&moved, &input.crossed.map(|r| now * r[c]));
             for i in 0..nm {
                 phi[i * n + at + c] = by[i];
                 q[(at + c) * n + i] = crossed[i];
             }
         }
         let spread = input.reach_added.map(|r| weighted(&moved, &r));
+        let Work { phi, q, gusts, .. } = work;
+        let mut gust = Vec::new();
         for i in 0..nm {
-            let mut sum = weighted(&moved, &spread.map(|s| s[i]));
+            let mut sum = weighted(&moved, &spread.map(|s| now * s[i]));
             sum.iter_mut().zip(&own).for_each(|(sum, x)| *sum += broad * own[i] * x);
             q[i * n..=i * n + i].iter_mut().zip(&sum).for_each(|(q, s)| *q += s);
+            if self.keep == Keep::Trace {
+                gust.extend_from_slice(&sum[..=i]);
+            }
         }
         for i in 0..input.order {
             for k in 0..input.order {
                 phi[(at + i) * n + at + k] = input.whole[i][k];
-                q[(at + i) * n + at + k] = input.added[i][k];
+                q[(at + i) * n + at + k] = now * input.added[i][k];
             }
+        }
+        if self.keep == Keep::Trace
+            && let Entry::AirVelocity(axis) = input.entry
+        {
+            let reached: Vec<usize> = (0..nm).chain(at..at + input.order).collect();
+            for i in 0..input.order {
+                gust.extend(reached[..=nm + i].iter().map(|k| q[(at + i) * n + k]));
+            }
+            gusts.push(Gust { axis, states: reached, added: gust });
         }
     }
 

@@ -372,6 +372,7 @@ class EffectLine(Record):
     rivals: list[str]
     form: Form | None
     held_out_gain: float | None
+    bursts: list[float] | None
     physics: str
     source: str
     separate_by: str

@@ -12,7 +12,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use windfall_likelihood::{Discovery, Engine, Fit, Id, Lead, Member, discover};
 use windfall_model::{CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, Role, Use};
 
-/// Gain, in nats beyond its cost, from which a generic alternative or a line says that something is unexplained.
+/// Gain, in nats beyond its cost, from which a generic alternative says that something is unexplained.
 const LEAD: f64 = 4.0;
 /// How well noise is known from the record, as a share of its variance.
 const NOISE_KNOWN: f64 = 0.03;
@@ -29,14 +29,14 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, V
     let found = discover(&mut engine).map_err(|words| VerifyError::NoEnd { campaign: campaign.name.clone(), words })?;
     let held = runs_of(campaign, Use::HoldOut);
     let after = &found.after;
-    let unexplained = unexplained(&found, &engine);
+    let unexplained = unexplained(&found, &engine, options);
     let effects: Vec<EffectLine> = after
         .model
         .members
         .iter()
         .enumerate()
-        .filter(|(_, m)| !m.declared)
-        .map(|(k, m)| effect_line(k, m, &found, &unexplained))
+        .filter(|(_, m)| !m.declared && !found.stand_ins.contains(&m.effect.family))
+        .map(|(k, m)| effect_line(k, m, &found, &engine, &unexplained))
         .collect();
     let verdict = match (effects.is_empty(), unexplained.is_empty()) {
         (false, _) => Verdict::Effect,
@@ -144,16 +144,19 @@ fn error_of(fit: &Fit, id: Id) -> Option<f64> {
     Some(fit.covariance[(place, place)].sqrt()).filter(|s| s.is_finite())
 }
 
-/// Sets with their probabilities, down to a thousandth.
+/// Sets with their probabilities, down to a thousandth; what only stands for something else is in none.
 fn sets(found: &Discovery) -> Vec<SetLine> {
-    let weights = weights(found);
-    found
-        .sets
-        .iter()
-        .zip(weights)
-        .filter(|(_, p)| *p > 1e-3)
-        .map(|((families, _), probability)| SetLine { families: families.iter().map(|f| (*f).to_owned()).collect(), probability })
-        .collect()
+    let mut all: Vec<SetLine> = Vec::new();
+    for ((families, _), probability) in found.sets.iter().zip(weights(found)) {
+        let named = families.iter().filter(|f| !found.stand_ins.contains(f));
+        let families: Vec<String> = named.map(|f| (*f).to_owned()).collect();
+        match all.iter_mut().find(|line| line.families == families) {
+            Some(line) => line.probability += probability,
+            None => all.push(SetLine { families, probability }),
+        }
+    }
+    all.retain(|line| line.probability > 1e-3);
+    all
 }
 
 fn weights(found: &Discovery) -> Vec<f64> {
@@ -163,7 +166,7 @@ fn weights(found: &Discovery) -> Vec<f64> {
     all.iter().map(|w| w / sum).collect()
 }
 
-fn effect_line(k: usize, m: &Member, found: &Discovery, unexplained: &[Unexplained]) -> EffectLine {
+fn effect_line(k: usize, m: &Member, found: &Discovery, engine: &Engine, unexplained: &[Unexplained]) -> EffectLine {
     let fit = &found.after;
     let family = m.effect.family;
     let parameters = m
@@ -193,6 +196,7 @@ fn effect_line(k: usize, m: &Member, found: &Discovery, unexplained: &[Unexplain
             }],
         }),
         held_out_gain: None,
+        bursts: if m.random && engine.moves_air(m) { engine.bursts() } else { None },
         physics: m.effect.physics.to_owned(),
         source: m.effect.source.to_owned(),
         separate_by: m.effect.separate_by.to_owned(),
@@ -302,7 +306,7 @@ fn bounds(found: &Discovery) -> Vec<EffectBound> {
 }
 
 /// Generic alternatives that are in the best set, lines in the innovations, and what is left whatever it varies with.
-fn unexplained(found: &Discovery, engine: &Engine) -> Vec<Unexplained> {
+fn unexplained(found: &Discovery, engine: &Engine, options: &Options) -> Vec<Unexplained> {
     let contested: &[Lead] = found.contest.as_ref().map_or(&[], |c| &c.leads);
     // Without faint gusts the same may stand out again.
     let said = |l: &Lead| contested.iter().any(|c| (&c.channel, &c.variable) == (&l.channel, &l.variable));
@@ -323,7 +327,9 @@ fn unexplained(found: &Discovery, engine: &Engine) -> Vec<Unexplained> {
         };
         Unexplained { channel: l.channel.clone(), description: what }
     };
-    let mut all: Vec<Unexplained> = leads.filter(|l| l.gain > LEAD).map(words).collect();
+    // Noise alone has a line as strong with probability e^-gain.
+    let enough = |l: &&Lead| l.gain > if l.line_hz.is_some() { -options.false_alarm.ln() } else { LEAD };
+    let mut all: Vec<Unexplained> = leads.filter(enough).map(words).collect();
     let left = found.after.chi;
     if left > LEFT && all.is_empty() {
         let worst = (0..6).max_by(|a, b| found.after.channels[*a][2].total_cmp(&found.after.channels[*b][2])).unwrap_or(0);

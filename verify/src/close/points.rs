@@ -127,6 +127,7 @@ fn effect_line(
             ok: nothing_left,
             checks: vec![FormCheck { what: "what is left along the worst axis is noise".to_owned(), p_value: p_left }],
         }),
+        bursts: None,
         held_out_gain: held.and_then(gain),
         physics: effect.physics.to_owned(),
         source: effect.source.to_owned(),

@@ -95,6 +95,10 @@ pub struct EffectLine {
     pub form: Option<Form>,
     /// Gain of log-likelihood on runs not used; none for an effect that lives in one run.
     pub held_out_gain: Option<f64>,
+    /// Of gusts that come in bursts: sizes over their mean that a twentieth and nineteen twentieths of the time are below. They are flown
+    /// steady.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bursts: Option<[f64; 2]>,
     /// What happens.
     pub physics: String,
     /// Where that is from.

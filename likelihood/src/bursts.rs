@@ -1,0 +1,320 @@
+//! likelihood: gusts that come in bursts. In: a fitted model with gusts. Out: how their variance changes along each run, and what knowing so costs.
+//!
+//! The logarithm of each axis' variance over its mean is a first-order Gaussian process, given at knots. Its slope by the noise that drives the
+//! gusts follows from one pass backward over a run (Koopman 1993, the disturbance smoother; its expected information is the share of the
+//! driving noise that is seen), its size and memory from the marginal likelihood by Laplace's approximation (Kass and Raftery 1995).
+
+use crate::engine::Engine;
+use crate::filter::Seen;
+use crate::model::Model;
+use crate::run::Prepared;
+use crate::shock::{Gust, backward};
+
+/// Time between knots, s: half the pitch mode's period.
+const KNOT_S: f64 = 0.5;
+/// Memories of the process that are tried, s.
+const MEMORIES_S: [f64; 4] = [0.4, 1.0, 2.5, 6.0];
+/// Standard deviations of the process that are tried.
+const SIZES: [f64; 5] = [0.2, 0.4, 0.8, 1.5, 2.5];
+/// Information over half the share of the driving noise that is seen: spectra that fall with a high power of frequency (a sixth: 5/6).
+const SEEN_TWICE: f64 = 5.0 / 6.0;
+/// Most steps, longest step of a logarithm, and the step that ends them.
+const STEPS: usize = 12;
+const LONGEST: f64 = 1.0;
+const SMALL: f64 = 0.05;
+/// Standard errors of the score for a changing variance from which it is looked at.
+const LOOKED_AT: f64 = 3.0;
+/// Farthest logarithm: what is calmer is not told from calm.
+const FARTHEST: f64 = 6.0;
+
+/// Variance of a run's gusts over its mean, by axis: logarithms at knots; one where there are none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Intensity {
+    logs: [Vec<f64>; 3],
+}
+
+/// Knot before a time and the share of the way to the next.
+fn place(t_s: f64, knots: usize) -> (usize, f64) {
+    let at = (t_s / KNOT_S).clamp(0.0, (knots - 1) as f64);
+    let k = crate::run::whole(at.floor()).min(knots.saturating_sub(2));
+    (k, at - k as f64)
+}
+
+impl Intensity {
+    /// Variance over its mean of an axis' gusts.
+    pub(crate) fn at(&self, axis: usize, t_s: f64) -> f64 {
+        let logs = &self.logs[axis];
+        if logs.len() < 2 {
+            return 1.0;
+        }
+        let (k, share) = place(t_s, logs.len());
+        ((1.0 - share) * logs[k] + share * logs[k + 1]).exp()
+    }
+}
+
+/// Slopes of the log-likelihood by an axis' logarithms in a run, and their expected information: its diagonal and the one beside it.
+struct Slopes {
+    gradient: Vec<f64>,
+    own: Vec<f64>,
+    next: Vec<f64>,
+}
+
+/// Slopes of a run, by axis; none where no gust acts along it.
+fn slopes(run: &Prepared, seen: &Seen) -> [Option<Slopes>; 3] {
+    let knots = crate::run::whole((run.duration_s() / KNOT_S).ceil()) + 1;
+    let mut all: [Option<Slopes>; 3] = Default::default();
+    if knots < 3 {
+        return all;
+    }
+    let nodes = &seen.trace.nodes;
+    backward(&seen.trace, seen.states, |to, score, information| {
+        let Some(from) = to.checked_sub(1).map(|k| &nodes[k]) else { return };
+        let (k, by) = place(from.t_s, knots);
+        for Gust { axis, states, added } in &from.gusts {
+            let (mut squares, mut share, mut entries) = (0.0, 0.0, added.iter());
+            for (i, a) in states.iter().enumerate() {
+                for (b, q) in states[..=i].iter().zip(&mut entries) {
+                    let both = if a == b { *q } else { 2.0 * q };
+                    squares += both * score[*a] * score[*b];
+                    share += both * information[(*a, *b)];
+                }
+            }
+            let empty = || Slopes { gradient: vec![0.0; knots], own: vec![0.0; knots], next: vec![0.0; knots - 1] };
+            let slopes = all[*axis].get_or_insert_with(empty);
+            let (slope, information) = (0.5 * (squares - share), 0.5 * SEEN_TWICE * share);
+            for (knot, weight) in [(k, 1.0 - by), (k + 1, by)] {
+                slopes.gradient[knot] += weight * slope;
+                slopes.own[knot] += weight * weight * information;
+            }
+            slopes.next[k] += by * (1.0 - by) * information;
+        }
+    });
+    all
+}
+
+/// One axis of one run about where its logarithms are: what the likelihood is there, to second order.
+struct Local {
+    run: usize,
+    axis: usize,
+    logs: Vec<f64>,
+    slopes: Slopes,
+}
+
+/// Likeliest logarithms with a process.
+struct Posterior {
+    logs: Vec<f64>,
+    /// What the process brings over a constant variance, in log marginal likelihood.
+    gain: f64,
+    /// What it takes off the log-likelihood at its top.
+    price: f64,
+}
+
+impl Local {
+    /// With a first-order process of that standard deviation and memory: its precision has two diagonals, as the information has.
+    fn posterior(&self, std: f64, memory_s: f64) -> Posterior {
+        let Slopes { gradient, own, next } = &self.slopes;
+        let n = self.logs.len();
+        let kept = (-KNOT_S / memory_s).exp();
+        let fresh = std * std * (1.0 - kept * kept);
+        let precision = |k: usize| if k == 0 || k + 1 == n { 1.0 / fresh } else { (1.0 + kept * kept) / fresh };
+        // gᵀ(c - c₀) - ½ (c - c₀)ᵀ I (c - c₀) is linear in c by g + I c₀.
+        let of = |v: &[f64], k: usize| {
+            let (before, after) =
+                (if k > 0 { next[k - 1] * v[k - 1] } else { 0.0 }, if k + 1 < n { next[k] * v[k + 1] } else { 0.0 });
+            before + own[k] * v[k] + after
+        };
+        let linear: Vec<f64> = (0..n).map(|k| gradient[k] + of(&self.logs, k)).collect();
+        // L D Lᵀ of information and precision, and the solution.
+        let (mut pivots, mut logs) = (Vec::with_capacity(n), linear.clone());
+        let beside = |k: usize| next[k] - kept / fresh;
+        for k in 0..n {
+            let mut pivot = own[k] + precision(k);
+            if k > 0 {
+                let by = beside(k - 1) / pivots[k - 1];
+                pivot -= by * beside(k - 1);
+                logs[k] -= by * logs[k - 1];
+            }
+            pivots.push(pivot);
+        }
+        for k in (0..n).rev() {
+            let after = if k + 1 < n { beside(k) * logs[k + 1] } else { 0.0 };
+            logs[k] = (logs[k] - after) / pivots[k];
+        }
+        // ½ ln det(I Σ + 1).
+        let spread = 2.0 * std.ln() + (n as f64 - 1.0) * fresh.ln();
+        let volume = 0.5 * (pivots.iter().map(|p| p.ln()).sum::<f64>() + spread);
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        let curved: f64 = (0..n).map(|k| logs[k] * of(&logs, k)).sum();
+        let fit = product(&linear, &logs);
+        Posterior { gain: 0.5 * fit - volume, price: 0.5 * (fit - curved) + volume, logs }
+    }
+
+    /// Score of the process' variance where that is zero, and its own variance.
+    fn score(&self, memory_s: f64) -> (f64, f64) {
+        let Slopes { gradient, own, next } = &self.slopes;
+        let n = own.len();
+        let seen: Vec<f64> =
+            (0..n).map(|k| own[k] + if k > 0 { next[k - 1] } else { 0.0 } + next.get(k).copied().unwrap_or(0.0)).collect();
+        let (mut score, mut variance) = (0.0, 0.0);
+        for i in 0..n {
+            for k in 0..n {
+                let together = (-KNOT_S * i.abs_diff(k) as f64 / memory_s).exp();
+                score += 0.5 * together * gradient[i] * gradient[k];
+                variance += 0.5 * together * together * seen[i] * seen[k];
+            }
+            score -= 0.5 * seen[i];
+        }
+        (score, variance)
+    }
+}
+
+impl Engine {
+    /// Sizes of the gusts over their mean that a twentieth and nineteen twentieths of the time are below; none where they are steady.
+    #[must_use]
+    pub fn bursts(&self) -> Option<[f64; 2]> {
+        let mut all: Vec<f64> =
+            self.runs.iter().flat_map(|r| r.intensity.logs.iter().flatten()).map(|log| (0.5 * log).exp()).collect();
+        all.sort_by(f64::total_cmp);
+        let at = |share: f64| all.get(crate::run::whole(share * (all.len().max(1) - 1) as f64)).copied();
+        Some([at(0.05)?, at(0.95)?])
+    }
+
+    /// The same runs with the variance of the gusts along each as it is likeliest with a model's gusts; none where there are no gusts or
+    /// their variance does not change.
+    pub(crate) fn in_bursts(&self, model: &Model) -> Option<Self> {
+        let mut engine = self.clone();
+        engine.bursts_price = 0.0;
+        engine.runs.iter_mut().for_each(|r| r.intensity = Intensity::default());
+        for step in 0..STEPS {
+            let locals = engine.locals(model)?;
+            if step == 0 {
+                let scored =
+                    |memory: &f64| locals.iter().map(|l| l.score(*memory)).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+                let largest = MEMORIES_S[1..3].iter().map(scored).map(|(score, variance)| score / variance.sqrt());
+                largest.max_by(f64::total_cmp).filter(|score| *score > LOOKED_AT)?;
+            }
+            let processes = SIZES.iter().flat_map(|std| MEMORIES_S.map(|memory_s| (*std, memory_s)));
+            let likeliest = processes
+                .map(|(std, memory_s)| locals.iter().map(|l| l.posterior(std, memory_s)).collect::<Vec<_>>())
+                .max_by(|a, b| sum(a, |p| p.gain).total_cmp(&sum(b, |p| p.gain)))?;
+            engine.bursts_price = sum(&likeliest, |p| p.price);
+            let mut largest: f64 = 0.0;
+            for (local, posterior) in locals.iter().zip(&likeliest) {
+                let further = |(from, to): (&f64, &f64)| {
+                    let by = (to - from).clamp(-LONGEST, LONGEST);
+                    largest = largest.max(by.abs());
+                    (from + by).clamp(-FARTHEST, FARTHEST)
+                };
+                let logs = local.logs.iter().zip(&posterior.logs).map(further).collect();
+                engine.runs[local.run].intensity.logs[local.axis] = logs;
+            }
+            if largest < SMALL {
+                break;
+            }
+        }
+        engine.about_their_mean();
+        Some(engine)
+    }
+
+    fn locals(&self, model: &Model) -> Option<Vec<Local>> {
+        let seen = self.traced(model, &[]).ok()?;
+        let mut all = Vec::new();
+        for (i, (run, seen)) in self.runs.iter().zip(&seen).enumerate() {
+            for (axis, slopes) in slopes(run, seen).into_iter().enumerate() {
+                let Some(slopes) = slopes else { continue };
+                let logs = match &run.intensity.logs[axis] {
+                    logs if logs.is_empty() => vec![0.0; slopes.gradient.len()],
+                    logs => logs.clone(),
+                };
+                all.push(Local { run: i, axis, logs, slopes });
+            }
+        }
+        (!all.is_empty()).then_some(all)
+    }
+
+    /// Takes the mean variance out, of axial and of lateral gusts: that is their size.
+    fn about_their_mean(&mut self) {
+        for axes in [&[0][..], &[1, 2]] {
+            let all = || axes.iter().flat_map(|axis| self.runs.iter().flat_map(|run| &run.intensity.logs[*axis]));
+            let count = all().count().max(1) as f64;
+            let mean = (all().map(|log| log.exp()).sum::<f64>() / count).max(f64::MIN_POSITIVE).ln();
+            for run in &mut self.runs {
+                axes.iter().for_each(|axis| run.intensity.logs[*axis].iter_mut().for_each(|log| *log -= mean));
+            }
+        }
+    }
+}
+
+fn sum(all: &[Posterior], of: impl Fn(&Posterior) -> f64) -> f64 {
+    all.iter().map(of).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::filter::{Keep, PassSetting, pass};
+    use crate::noise::declared;
+    use nalgebra::{DMatrix, DVector};
+    use windfall_model::{CATALOGUE, Flight, POSE};
+    use windfall_sim::Seed;
+
+    /// Slopes by the logarithms are those of the filter's log-likelihood by central differences, of both forms of gusts, where their variance
+    /// changes already, within 0.03 of what the data leave of them: a gust that is not known bends the motion by the square of its size.
+    #[test]
+    fn exact_slopes() {
+        let file = windfall_scenarios::read_bundled("sage-unperturbed").expect("a bundled scenario");
+        let turbulence = CATALOGUE.iter().find(|e| e.family == "turbulence").expect("an effect of the catalogue");
+        for bandwidth in [0.0, 1.5] {
+            let mut plant = file.declared_plant.clone();
+            (turbulence.apply)(&mut plant, &[0.01, 0.01, 0.4, 0.4, bandwidth]);
+            let flight = Flight { duration_s: 4.0, ..file.scenario.flights[0].clone() };
+            let record = windfall_sim::fly(&plant, &flight, Seed { campaign: 5, run: 0 }).expect("a flight").record;
+            let noise = declared(&plant.sensors);
+            let mut run = Prepared::new(0, "short", &record, plant.environment.gas_constant_j_kg_k, 0.02, &noise[POSE]);
+            for logs in &mut run.intensity.logs {
+                *logs = (0..9).map(|k| 0.5 * f64::from(k).sin()).collect();
+            }
+            let passed = |run: &Prepared, keep: Keep| {
+                pass(run, &PassSetting { plant: &plant, noise: &noise, columns: &[], slack: 0.0, von_karman: false, keep })
+                    .expect("a pass")
+            };
+            let found = slopes(&run, &passed(&run, Keep::Trace));
+            for (axis, found) in found.iter().enumerate() {
+                let found = found.as_ref().expect("a gust");
+                // The first knot's logarithm is also that of the start, whose slope is not the step's.
+                for knot in 1..8 {
+                    let at = |by: f64| {
+                        let mut moved = run.clone();
+                        moved.intensity.logs[axis][knot] += by;
+                        passed(&moved, Keep::Nothing).log_likelihood
+                    };
+                    let expected = (at(1e-3) - at(-1e-3)) / 2e-3;
+                    let (slope, std) = (found.gradient[knot], found.own[knot].sqrt());
+                    assert!((slope - expected).abs() < 0.03 * std, "{bandwidth} {axis} {knot}: {slope} for {expected}, {std}");
+                }
+            }
+        }
+    }
+
+    /// Likeliest logarithms, gain and price are those of full matrices.
+    #[test]
+    fn exact_posterior() {
+        let (std, memory_s) = (0.8, 1.0);
+        let slopes = Slopes { gradient: vec![1.0, -2.0, 4.0, 0.5], own: vec![2.0, 3.0, 1.5, 1.0], next: vec![0.5, 0.4, 0.3] };
+        let local = Local { run: 0, axis: 0, logs: vec![0.1, -0.2, 0.5, 0.0], slopes };
+        let information = DMatrix::from_fn(4, 4, |i, k| match i.abs_diff(k) {
+            0 => local.slopes.own[i],
+            1 => local.slopes.next[i.min(k)],
+            _ => 0.0,
+        });
+        let prior = DMatrix::from_fn(4, 4, |i, k| std * std * (-KNOT_S * i.abs_diff(k) as f64 / memory_s).exp());
+        let linear = DVector::from_column_slice(&local.slopes.gradient) + &information * DVector::from_column_slice(&local.logs);
+        let inverse = prior.clone().try_inverse().expect("a covariance");
+        let expected = (&information + &inverse).lu().solve(&linear).expect("a posterior");
+        let volume = 0.5 * (&information * &prior + DMatrix::identity(4, 4)).determinant().ln();
+        let found = local.posterior(std, memory_s);
+        assert!((DVector::from_vec(found.logs) - &expected).amax() < 1e-12);
+        assert!((found.gain - (0.5 * linear.dot(&expected) - volume)).abs() < 1e-12);
+        assert!((found.price - (0.5 * expected.dot(&(&inverse * &expected)) + volume)).abs() < 1e-12);
+    }
+}
