@@ -241,6 +241,14 @@ mod tests {
         let drag = 0.5 * 1.2 * cd * std::f64::consts::FRAC_PI_4 * 0.01 * 170.0 * 170.0 / 0.1;
         assert!((shut[0].acceleration[0] - (9.8 + drag)).abs() < 1e-9, "{:?}", shut[0]);
         assert!(open[2].velocity[0] > shut[2].velocity[0] + 1.0);
+        // Tunnel X points down: three kilometres above the launch.
+        let high =
+            fly_point_states(&rocket, &[0.0], &[(0, vec![0.0])], [-3000.0, 0.0, 0.0], up).expect("flies")[0].acceleration[0];
+        let air = rocket.point.air(3000.0);
+        let drag =
+            0.5 * air.density_kg_m3 * (0.4 + 0.4 * 170.0 / air.sound_m_s) * std::f64::consts::FRAC_PI_4 * 0.01 * 170.0 * 170.0
+                / 0.1;
+        assert!((high - 9.8 - drag).abs() < 1e-9 && air.density_kg_m3 < 0.9, "{high} {air:?}");
         let thin = rocket.point.air(5000.0);
         assert!((thin.density_kg_m3 / 1.2 - 0.5995).abs() < 0.003 && thin.sound_m_s < 322.0, "{thin:?}");
     }
