@@ -158,8 +158,13 @@ mod tests {
                     Shape::Band { centre_rad_s: 0.5 * c, bandwidth_rad_s: 0.5 * b }
                 }
             };
-            let grid = |shape, speed_m_s| grid_s(&Disturbance { entry: Entry::AirVelocity(0), rms: 1.0, shape }, 3.0, speed_m_s);
-            assert!((grid(slower, 3.5) / grid(shape, 7.0) - 2.0).abs() < 1e-15, "{shape:?}");
+            // A small body, by which the grid is set, and a large one, by which it is not.
+            for diameter_m in [0.02, 1e3] {
+                let grid = |shape, speed_m_s| {
+                    grid_s(&Disturbance { entry: Entry::AirVelocity(0), rms: 1.0, shape }, diameter_m, speed_m_s)
+                };
+                assert!((grid(slower, 3.5) / grid(shape, 7.0) - 2.0).abs() < 1e-15, "{shape:?}");
+            }
         }
     }
 

@@ -221,6 +221,18 @@ mod tests {
         assert!(((1e-3 - dry[8]) / (4.0 * lost) - 1.0).abs() < 0.2, "{dry:?} {lost}");
     }
 
+    /// A pendulum of a hundredth of a millimetre swings a thousand radians a second: an interval of a quarter of an hour is given up, with
+    /// how fast the rate changed by itself where it began, `(g/a) sin θ/θ̇`.
+    #[test]
+    fn law_a_pendulum_too_fast_to_follow_is_given_up() {
+        let mut fast = ball(0.0);
+        fast.point.pivot = Some(Pivot { arm_m: 1e-5, inertia_kg_m2: 0.0, viscous_n_m_s: 0.0, dry_n_m: 0.0 });
+        let e = fly_point_states(&fast, &[0.0, 900.0], &[], [0.3, 0.0, 0.0], [4.0, 0.0, 0.0]).expect_err("too fast");
+        let per_s = 9.8 / 1e-5 * 0.3_f64.sin() / 4.0;
+        let SimError::TooManySteps { what: "velocity", t_s, rate_per_s, .. } = e else { panic!("{e:?}") };
+        assert!(t_s.abs() < 1e-12 && (rate_per_s / per_s - 1.0).abs() < 1e-9, "{t_s} {rate_per_s} {per_s}");
+    }
+
     /// In air that thins, with drag over Mach number: the acceleration that is reported is that of the state, and a body that rises fast
     /// slows less high up. An input that is recorded acts between two times by its mean.
     #[test]
