@@ -332,3 +332,6 @@ impl<'a> Log<'a> {
         DescentFlown { at_heights: self.at_heights, touch_down, tumbled_at_m: self.tumbled_at_m }
     }
 }
+
+#[cfg(test)]
+mod tests;

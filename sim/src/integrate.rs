@@ -202,7 +202,7 @@ const PARTS: [(&str, std::ops::Range<usize>); 4] =
 impl Setup<'_> {
     /// The part of the state that changes fastest by itself at `y`, and how fast, 1/s: the largest slope of a rate by its own state.
     #[cold]
-    fn fastest<const N: usize>(&self, y: &SVector<f64, N>) -> (&'static str, f64) {
+    pub(crate) fn fastest<const N: usize>(&self, y: &SVector<f64, N>) -> (&'static str, f64) {
         let rate = |y: &SVector<f64, N>| {
             let mut dy = SVector::<f64, N>::zeros();
             self.rate(y, &mut dy);

@@ -118,3 +118,62 @@ fn root<const N: usize>(m: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
     }
     l
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use windfall_model::Entry;
+
+    const SHAPES: [Shape; 4] = [
+        Shape::DrydenLongitudinal { time_s: 0.08 },
+        Shape::DrydenLateral { time_s: 0.08 },
+        Shape::Narrow { centre_rad_s: 12.0, bandwidth_rad_s: 3.0 },
+        Shape::Band { centre_rad_s: 12.0, bandwidth_rad_s: 18.0 },
+    ];
+
+    /// `L Lᵀ` is the matrix, also where it has a direction without variance; L has nothing above its diagonal. Bound: round-off.
+    #[test]
+    fn exact_a_root_times_itself() {
+        let a = Matrix4::new(1.0, 0.3, -0.2, 0.5, 0.0, 0.8, 0.4, -0.6, 0.0, 0.0, 1.1, 0.7, 0.0, 0.0, 0.0, 0.9);
+        for m in [a * a.transpose(), a.transpose() * a] {
+            let l = root(&m);
+            assert!((l * l.transpose() - m).amax() < 1e-15 && l.upper_triangle() == Matrix4::from_diagonal(&l.diagonal()));
+        }
+        let flat = Vector2::new(0.6, -0.8);
+        let m = flat * flat.transpose();
+        assert!((root(&m) * root(&m).transpose() - m).amax() < 1e-15);
+    }
+
+    /// A flow of twice the time in every respect has a grid of twice the interval: the same gusts in a scaled run.
+    #[test]
+    fn law_grids_scale_with_the_flow() {
+        for shape in SHAPES {
+            let slower = match shape {
+                Shape::DrydenLongitudinal { time_s } => Shape::DrydenLongitudinal { time_s: 2.0 * time_s },
+                Shape::DrydenLateral { time_s } => Shape::DrydenLateral { time_s: 2.0 * time_s },
+                Shape::Narrow { centre_rad_s: c, bandwidth_rad_s: b } => {
+                    Shape::Narrow { centre_rad_s: 0.5 * c, bandwidth_rad_s: 0.5 * b }
+                }
+                Shape::Band { centre_rad_s: c, bandwidth_rad_s: b } => {
+                    Shape::Band { centre_rad_s: 0.5 * c, bandwidth_rad_s: 0.5 * b }
+                }
+            };
+            // A small body, by which the grid is set, and a large one, by which it is not.
+            for diameter_m in [0.02, 1e3] {
+                let grid = |shape, speed_m_s| {
+                    grid_s(&Disturbance { entry: Entry::AirVelocity(0), rms: 1.0, shape }, diameter_m, speed_m_s)
+                };
+                assert!((grid(slower, 3.5) / grid(shape, 7.0) - 2.0).abs() < 1e-15, "{shape:?}");
+            }
+        }
+    }
+
+    /// Samples of a grid go on for four intervals after the end, and for less than five.
+    #[test]
+    fn law_a_grid_covers_the_flight() {
+        for (grid_s, duration_s) in [(0.1, 1.0), (0.3, 1.0), (0.007, 13.0)] {
+            let spare = (samples(grid_s, duration_s) - 1) as f64 - duration_s / grid_s;
+            assert!((4.0 - 1e-9..5.0).contains(&spare), "{grid_s} {duration_s}: {spare}");
+        }
+    }
+}

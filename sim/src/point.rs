@@ -221,6 +221,18 @@ mod tests {
         assert!(((1e-3 - dry[8]) / (4.0 * lost) - 1.0).abs() < 0.2, "{dry:?} {lost}");
     }
 
+    /// A pendulum of a hundredth of a millimetre swings a thousand radians a second: an interval of a quarter of an hour is given up, with
+    /// how fast the rate changed by itself where it began, `(g/a) sin θ/θ̇`.
+    #[test]
+    fn law_a_pendulum_too_fast_to_follow_is_given_up() {
+        let mut fast = ball(0.0);
+        fast.point.pivot = Some(Pivot { arm_m: 1e-5, inertia_kg_m2: 0.0, viscous_n_m_s: 0.0, dry_n_m: 0.0 });
+        let e = fly_point_states(&fast, &[0.0, 900.0], &[], [0.3, 0.0, 0.0], [4.0, 0.0, 0.0]).expect_err("too fast");
+        let per_s = 9.8 / 1e-5 * 0.3_f64.sin() / 4.0;
+        let SimError::TooManySteps { what: "velocity", t_s, rate_per_s, .. } = e else { panic!("{e:?}") };
+        assert!(t_s.abs() < 1e-12 && (rate_per_s / per_s - 1.0).abs() < 1e-9, "{t_s} {rate_per_s} {per_s}");
+    }
+
     /// In air that thins, with drag over Mach number: the acceleration that is reported is that of the state, and a body that rises fast
     /// slows less high up. An input that is recorded acts between two times by its mean.
     #[test]
@@ -241,6 +253,14 @@ mod tests {
         let drag = 0.5 * 1.2 * cd * std::f64::consts::FRAC_PI_4 * 0.01 * 170.0 * 170.0 / 0.1;
         assert!((shut[0].acceleration[0] - (9.8 + drag)).abs() < 1e-9, "{:?}", shut[0]);
         assert!(open[2].velocity[0] > shut[2].velocity[0] + 1.0);
+        // Tunnel X points down: three kilometres above the launch.
+        let high =
+            fly_point_states(&rocket, &[0.0], &[(0, vec![0.0])], [-3000.0, 0.0, 0.0], up).expect("flies")[0].acceleration[0];
+        let air = rocket.point.air(3000.0);
+        let drag =
+            0.5 * air.density_kg_m3 * (0.4 + 0.4 * 170.0 / air.sound_m_s) * std::f64::consts::FRAC_PI_4 * 0.01 * 170.0 * 170.0
+                / 0.1;
+        assert!((high - 9.8 - drag).abs() < 1e-9 && air.density_kg_m3 < 0.9, "{high} {air:?}");
         let thin = rocket.point.air(5000.0);
         assert!((thin.density_kg_m3 / 1.2 - 0.5995).abs() < 0.003 && thin.sound_m_s < 322.0, "{thin:?}");
     }

@@ -80,5 +80,8 @@ mod tests {
             let beside_a_row = (h % 5e3) < STEP_M || (h % 5e3) > 5e3 - STEP_M;
             assert!(beside_a_row || (at.shear[1] - shear.y()).abs() < 1e-13, "{h}");
         }
+        // Held beyond its ends.
+        let (top, far) = (profile.at(20_000.0), profile.at(1e6));
+        assert!((far.density_kg_m3 / top.density_kg_m3 - 1.0).abs() < 1e-12, "{far:?} {top:?}");
     }
 }

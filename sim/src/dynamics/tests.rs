@@ -107,6 +107,7 @@ fn same(a: [f64; 3], b: [f64; 3], bound: f64) {
 /// Kinematics, Newton and Euler for the rate that the kernel gives; `vw` is the tunnel speed and its rate.
 #[track_caller]
 fn balance<const N: usize>(setup: &Setup<'_>, y: &SVector<f64, N>, vw: [f64; 2]) -> SVector<f64, N> {
+    assert_eq!(setup.states(), N);
     let mut dy = SVector::<f64, N>::zeros();
     setup.rate(y, &mut dy);
     let (plant, at) = (setup.plant, |v: &SVector<f64, N>, k: usize| [v[k], v[k + 1], v[k + 2]]);
@@ -255,4 +256,38 @@ fn exact_still_air_leaves_gravity() {
     setup.rate(&y, &mut dy);
     same([dy[3], dy[4], dy[5]], [9.8, 0.0, 0.0], 1e-14);
     same([dy[10], dy[11], dy[12]], [0.0; 3], 0.0);
+}
+
+/// A fan that follows in a microsecond: `∂V̇_W/∂V_W = −1/lag`, whatever the speed is. Bound: rounding of the speed over the step by which it
+/// is moved, 1e-8 of itself and one.
+#[test]
+fn exact_what_changes_fastest_is_named_with_its_rate() {
+    let plant = plant(false, false);
+    let order = Operator { lag_s: 1e-6, ..operator() };
+    let setup = Setup::new(&plant, &flight(TunnelSpeed::Operator(order)), Seed::default()).expect("flies");
+    for speed in [1.0, 1000.0] {
+        let (what, rate_per_s) = setup.fastest(&state::<16>(&[speed, 0.05]));
+        assert!((rate_per_s * 1e-6 - 1.0).abs() < 1e-6, "{speed} m/s: {rate_per_s}");
+        assert_eq!(what, "state of operator or loose part");
+    }
+}
+
+/// Gusts over a long flight of a large body need few points; many times as many as fit into memory are refused before they are drawn.
+#[test]
+fn law_a_grid_of_gusts_is_refused_by_its_points() {
+    let mut plant = plant(false, false);
+    let gusts = |scale: f64| Turbulence {
+        axial_rms_m_s: 0.4,
+        lateral_rms_m_s: 0.0,
+        axial_scale_m: scale,
+        lateral_scale_m: scale,
+        bandwidth: 0.0,
+    };
+    (plant.turbulence, plant.vehicle.diameter_m) = (gusts(1e6), 1e5);
+    let mut order = flight(TunnelSpeed::Constant(7.0));
+    order.duration_s = 2e4;
+    assert_eq!(Setup::new(&plant, &order, Seed::default()).expect("twelve points").gusts.len(), 1);
+    (plant.turbulence, plant.vehicle.diameter_m) = (gusts(1e-3), 0.2125);
+    let e = Setup::new(&plant, &order, Seed::default()).expect_err("2e9 points");
+    assert!(e.to_string().contains("points of a gust's grid"), "{e}");
 }

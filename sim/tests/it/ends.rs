@@ -123,3 +123,39 @@ fn law_point_mass_lift_is_upward_and_time_runs_forward() {
     let e = fly_point(&plant, f64::NAN, &[0.0, 0.3], [0.0; 3], [1.0; 3]).expect_err("NaN");
     assert!(matches!(e, SimError::NotFinite { .. }), "{e:?}");
 }
+
+/// Body rates beyond 1000 rad/s end a flight, whichever axes they are about.
+#[test]
+fn law_a_rate_that_runs_away_is_named_about_any_axis() {
+    for rates_rad_s in [[1001.0, 0.0, 0.0], [0.0, -1001.0, 0.0], [0.0, 0.0, 1001.0], [600.0, 600.0, 600.0]] {
+        let order = flight(0.002, 1000.0, 0.0, Release { rates_rad_s, ..REST });
+        let e = fly_truth(&free(), &order, Seed::default()).expect_err("runs away");
+        assert!(
+            matches!(e, SimError::Runaway { limit_rad_s, .. } if (limit_rad_s - 1000.0).abs() < 1e-9),
+            "{rates_rad_s:?}: {e:?}"
+        );
+    }
+    let order = flight(0.002, 1000.0, 0.0, Release { rates_rad_s: [570.0, 570.0, 570.0], ..REST });
+    assert_eq!(flown(&free(), &order).len(), 3);
+}
+
+/// A flight is judged by its own samples: a body that is spun up passes the limit at one of them, and a flight that ends a sample before
+/// is sound.
+#[test]
+fn law_a_flight_is_not_given_up_for_what_comes_after_it() {
+    let mut plant = free();
+    // A roll moment alone: 2000 rad/s² at 7 m/s.
+    let s = plant.vehicle.area_m2();
+    let i = plant.aero.structure.index("Cl_0").expect("a parameter");
+    plant.aero.values[i] = 2000.0 * 0.02 / (0.5 * DENSITY * 49.0 * s * plant.vehicle.diameter_m);
+    plant.vehicle.mass_kg = 1e6;
+    let order = |samples: u32| {
+        let release = Release { rates_rad_s: [990.5, 0.0, 0.0], ..REST };
+        flight(f64::from(samples) / 1000.0, 1000.0, 7.0, release)
+    };
+    // 990.5 + 2 k at sample k: 998.5 at the fourth, 1000.5 at the fifth.
+    assert_eq!(flown(&plant, &order(4)).len(), 5);
+    let e = fly_truth(&plant, &order(5), Seed::default()).expect_err("runs away");
+    // Looked at where the integrator stands, a thousandth of an interval beyond the sample.
+    assert!(matches!(e, SimError::Runaway { t_s, .. } if (t_s - 0.005).abs() < 1.1e-6), "{e:?}");
+}

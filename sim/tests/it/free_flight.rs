@@ -308,6 +308,21 @@ fn order_four_and_right_at_the_step_of_a_record() {
     assert!(fly_free(&without_air(), &[0.0, 0.1], 0.0, &start).is_err());
 }
 
+/// A record's times are those of its rate, and between two of them the body is flown in two steps, whatever its clock says.
+#[test]
+fn exact_a_record_is_flown_in_two_steps_a_sample() {
+    let start = state([0.05, -0.1, 0.4], [0.5, 0.02, 0.06], [0.02, 0.08, -0.5]);
+    for ticks in [1.0, 0.75] {
+        let mut plant = airship();
+        plant.sensors.time_base = ticks - 1.0;
+        let flown = record_free(&plant, 2.0, 8.0, &start, None).expect("flies");
+        let times: Vec<f64> = (0..17).map(|i| f64::from(i) / 8.0).collect();
+        assert_eq!(flown.record.t_s, times);
+        let truth: Vec<f64> = times.iter().map(|t| t / ticks).collect();
+        assert_eq!(flown.states, fly_free(&plant, &truth, 1.0 / (16.0 * ticks), &start).expect("flies"), "{ticks}");
+    }
+}
+
 /// What is recorded: the tracked point in a longer unit by a faster clock, another attitude; and noise of the stated sizes about it, the same for
 /// the same seed.
 #[test]

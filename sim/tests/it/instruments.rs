@@ -152,6 +152,8 @@ fn exact_wind_scale_and_delay() {
     for c in 0..6 {
         assert!(worst(late.channels()[c], clean.channels()[c]) < 1e-15);
     }
+    plant.sensors.wind_delay_s = 0.0;
+    assert!(worst(&recorded(&plant).vw_m_s, &expected) < 1e-14);
 }
 
 /// Positions are longer and times later by their factors, noise is not; nothing else changes.

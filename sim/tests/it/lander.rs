@@ -35,6 +35,10 @@ fn exact_trim_speed_with_coefficient_of_speed() {
     let s = PI / 4.0 * 0.2125 * 0.2125;
     let q = (0.7873 * 9.80665 + 0.016_458_42) / (6.6620 * s + 0.001_300_642_6);
     assert!((trim_speed(&plant, DENSITY) - (2.0 * q / DENSITY).sqrt()).abs() < 1e-13);
+    // A tether whose pull is 2.5 times as large.
+    plant.tether.as_mut().expect("a tether").pull_excess = 1.5;
+    let q = (0.7873 * 9.80665 + 2.5 * 0.016_458_42) / (6.6620 * s + 2.5 * 0.001_300_642_6);
+    assert!((trim_speed(&plant, DENSITY) - (2.0 * q / DENSITY).sqrt()).abs() < 1e-13);
     plant.tether = None;
     values(&mut plant, &[("CA_T0", 0.0)]);
     plant.aero.add(Coefficient::CA, 6.0, 1.0 / 7.5, &[windfall_model::Factor::Power(windfall_model::Variable::Speed, 1)]);

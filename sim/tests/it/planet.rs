@@ -296,3 +296,54 @@ fn law_what_cannot_be_flown_is_named() {
         message(fly(&earth(), &spinning(Variable::PitchDamping, Coefficient::CN), start(0.0, 0.0, 1e3, [0.0; 3]), 1.0, 1.0));
     assert!(circular.contains("damping variable"), "{circular}");
 }
+
+/// Over a planet that turns, eastward across the longitude of 180°: from sample to sample, and to the touch-down between two, longitude
+/// grows by the mean speed eastward over the radius. Bound: `h³/12` of a rate of acceleration `2 Ω g` over the radius, 1e-10, twice.
+#[test]
+fn exact_longitudes_go_round_and_the_ground_turns() {
+    let turn = 1e-3;
+    let planet = Planet { rotation_rad_s: turn, ..flat_as_can_be(None) };
+    let flown = fly(&planet, &ball(0.0), start(0.0, 179.98, 1e3, [0.0, 300.0, 0.0]), 60.0, 1.0).expect("flies");
+    let PlanetEnd::Ground { t_s, place, v_ground_ned } = flown.end else { panic!("{:?}", flown.end) };
+    let truth = &flown.truth;
+    let mut seen: Vec<_> =
+        truth.t_s.iter().zip(&truth.place).zip(&truth.v_ground_ned).map(|((t, p), v)| (*t, *p, v[1])).collect();
+    seen.push((t_s, place, v_ground_ned[1]));
+    for pair in seen.windows(2) {
+        let [(before_s, a, east), (after_s, b, then)] = [pair[0], pair[1]];
+        let radius = A_M + 0.5 * (a.height_m + b.height_m);
+        let wanted = 0.5 * (east + then) / radius * (after_s - before_s);
+        let gone = (b.longitude_rad - a.longitude_rad).rem_euclid(2.0 * PI);
+        assert!((gone - wanted).abs() < 2e-10, "{before_s} {after_s}: {gone} {wanted}");
+        assert!(b.longitude_rad > -PI && b.longitude_rad <= PI, "{}", b.longitude_rad);
+    }
+    assert!(seen[0].1.longitude_rad > 3.0 && place.longitude_rad < -3.0 && truth.t_s.last().is_some_and(|t| t_s - t > 0.1));
+}
+
+/// A wheel at 2·10⁴ turns a second and a ball that the air holds like glue ask for more steps than any flight gets: which of both, when and
+/// how fast is said. So is a body rate beyond all landers, whichever axes it is about.
+#[test]
+fn law_flights_without_end_are_given_up() {
+    let free = body(Aero::new(Structure { name: "none".to_owned(), parameters: vec![], contributions: vec![] }, vec![]), false);
+    let wheel = |w: [f64; 3], duration_s: f64| {
+        let s = FlightStart { w_inertial_body: Vec3::from_array(w), ..start(0.0, 0.0, 1e3, [0.0; 3]) };
+        fly(&flat_as_can_be(None), &free, s, duration_s, 1.0 / duration_s)
+    };
+    let Err(SimError::TooManySteps { what, t_s, rate_per_s, .. }) = wheel([6e4, 0.0, 8e4], 1.0) else { panic!("flew") };
+    // Its energy is kept: the size of the rate stays between those about the axes of most and least inertia.
+    let twice = 0.8 * 6e4_f64.powi(2) + 1.3 * 8e4_f64.powi(2);
+    assert!(what == "body rate" && t_s > 0.0 && t_s < 1.0, "{what} {t_s}");
+    assert!(rate_per_s > 0.99 * (twice / 1.3).sqrt() && rate_per_s < 1.01 * (twice / 0.8).sqrt(), "{rate_per_s}");
+    for w in [[0.0, 700.0, 800.0], [900.0, 0.0, 600.0]] {
+        assert!(matches!(wheel(w, 1e-3), Err(SimError::Runaway { .. })), "{w:?}");
+    }
+    assert!(wheel([900.0, 100.0, 100.0], 1e-3).is_ok());
+    let air = Air { pressure_pa: 1e5, temperature_k: 300.0, gas_constant_j_kg_k: 287.0 };
+    let table = AtmosphereTable::new(vec![(0.0, air), (2e3, air)]).expect("ascends");
+    let glued = fly(&flat_as_can_be(Some(Atmosphere::Table(table))), &ball(1e18), start(0.0, 0.0, 1e3, [0.0; 3]), 0.25, 4.0);
+    let Err(SimError::TooManySteps { what, rate_per_s, .. }) = glued else { panic!("{glued:?}") };
+    // A ball has no rate of its own: the step that was asked for.
+    assert!(what == "velocity" && (rate_per_s - 4.0).abs() < 1e-12, "{what} {rate_per_s}");
+    let backward = fly(&flat_as_can_be(None), &ball(0.0), start(0.0, 0.0, 1e3, [0.0; 3]), -2.0, 3.0).expect_err("backward");
+    assert!(backward.to_string().contains("duration_s times rate_hz is -6;"), "{backward}");
+}

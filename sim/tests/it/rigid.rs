@@ -39,6 +39,17 @@ fn differences(truth: &Truth, table: &Table, every: usize) -> (f64, f64) {
     far
 }
 
+/// Quaternions that are reported have unit length however loosely a flight is integrated. Bound: round-off of a norm.
+#[test]
+fn law_reported_quaternions_have_unit_length() {
+    let mut order = flight(5.0, 10.0, 0.0, spin([1.0, 2.0, 3.0]));
+    order.numerics = Numerics { method: Integrator::Dopri5, relative_tolerance: 1e-4, absolute_tolerance: 1e-4 };
+    for q in &flown(&torque_free(BRICK), &order).quaternion {
+        let norm = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+        assert!((norm - 1.0).abs() < 1e-15, "{norm}");
+    }
+}
+
 /// Gate of the check cases: 1e-9 deg/s.
 #[test]
 fn pub_tumbling_brick_closed_form() {

@@ -241,7 +241,7 @@ fn recover_a_bump_and_its_width() {
     }
 }
 
-/// `WINDFALL_DRAWS=40 cargo test -p windfall-verify --test structure -- --ignored --nocapture study`; `WINDFALL_RMS` for one size of gust
+/// `WINDFALL_DRAWS=40 cargo test -p windfall-verify --test it -- --ignored --nocapture study_of_structure`; `WINDFALL_RMS` for one size of gust
 /// (m/s), `WINDFALL_PLANTED=1` for terms that neither Table 5.5 nor the declared model has.
 #[test]
 #[ignore = "slow: twenty seconds of processor time a campaign"]

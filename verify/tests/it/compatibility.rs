@@ -214,7 +214,7 @@ fn recover_nothing_in_clean_campaigns() {
     assert_eq!(clean.iter().filter(|c| c.verdict == Agreement::Inconsistent).count(), 0);
 }
 
-/// `cargo test -p windfall-verify --test compatibility -- --ignored --nocapture`; `WINDFALL_DRAWS` for other than 24 (clean: four times).
+/// `cargo test -p windfall-verify --test it -- --ignored --nocapture compatibility::`; `WINDFALL_DRAWS` for other than 24 (clean: four times).
 #[test]
 #[ignore = "slow: two to four seconds of processor time a campaign, 240 of them"]
 fn study_of_compatibility() {

@@ -229,14 +229,14 @@ fn long(study: Study) {
     assert_honest(&results);
 }
 
-/// `WINDFALL_DRAWS=500 cargo test -p windfall-verify --test identification -- --ignored --nocapture study_of_output_error`
+/// `WINDFALL_DRAWS=500 cargo test -p windfall-verify --test it -- --ignored --nocapture study_of_output_error`
 #[test]
 #[ignore = "slow: two seconds of processor time a campaign"]
 fn study_of_output_error() {
     long(OUTPUT_ERROR);
 }
 
-/// `WINDFALL_DRAWS=500 cargo test -p windfall-verify --test identification -- --ignored --nocapture study_of_filter_error`
+/// `WINDFALL_DRAWS=500 cargo test -p windfall-verify --test it -- --ignored --nocapture study_of_filter_error`
 #[test]
 #[ignore = "slow: ten seconds of processor time a campaign"]
 fn study_of_filter_error() {
