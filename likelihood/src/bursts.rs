@@ -24,6 +24,8 @@ const LONGEST: f64 = 1.0;
 const SMALL: f64 = 0.05;
 /// Standard errors of the score for a changing variance from which it is looked at.
 const LOOKED_AT: f64 = 3.0;
+/// Axes that share a size: along the stream, across it.
+const AXES: [&[usize]; 2] = [&[0], &[1, 2]];
 /// Farthest logarithm: what is calmer is not told from calm.
 const FARTHEST: f64 = 6.0;
 
@@ -109,26 +111,31 @@ struct Posterior {
     price: f64,
 }
 
-impl Local {
-    /// With a first-order process of that standard deviation and memory: its precision has two diagonals, as the information has.
-    fn posterior(&self, std: f64, memory_s: f64) -> Posterior {
-        let Slopes { gradient, own, next } = &self.slopes;
-        let n = self.logs.len();
+/// A first-order process at knots: its standard deviation, the share of a value that is kept to the next knot, the variance that is added there.
+#[derive(Clone, Copy, Debug)]
+struct Process {
+    std: f64,
+    kept: f64,
+    fresh: f64,
+}
+
+impl Process {
+    fn new(std: f64, memory_s: f64) -> Self {
         let kept = (-KNOT_S / memory_s).exp();
-        let fresh = std * std * (1.0 - kept * kept);
+        Self { std, kept, fresh: std * std * (1.0 - kept * kept) }
+    }
+}
+
+impl Local {
+    /// Logarithms that information and a process' precision, both of two diagonals, make `right`, and the pivots of their sum.
+    fn solved(&self, process: Process, right: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let Process { kept, fresh, .. } = process;
+        let n = right.len();
         let precision = |k: usize| if k == 0 || k + 1 == n { 1.0 / fresh } else { (1.0 + kept * kept) / fresh };
-        // gᵀ(c - c₀) - ½ (c - c₀)ᵀ I (c - c₀) is linear in c by g + I c₀.
-        let of = |v: &[f64], k: usize| {
-            let (before, after) =
-                (if k > 0 { next[k - 1] * v[k - 1] } else { 0.0 }, if k + 1 < n { next[k] * v[k + 1] } else { 0.0 });
-            before + own[k] * v[k] + after
-        };
-        let linear: Vec<f64> = (0..n).map(|k| gradient[k] + of(&self.logs, k)).collect();
-        // L D Lᵀ of information and precision, and the solution.
-        let (mut pivots, mut logs) = (Vec::with_capacity(n), linear.clone());
-        let beside = |k: usize| next[k] - kept / fresh;
+        let beside = |k: usize| self.slopes.next[k] - kept / fresh;
+        let (mut pivots, mut logs) = (Vec::with_capacity(n), right.to_vec());
         for k in 0..n {
-            let mut pivot = own[k] + precision(k);
+            let mut pivot = self.slopes.own[k] + precision(k);
             if k > 0 {
                 let by = beside(k - 1) / pivots[k - 1];
                 pivot -= by * beside(k - 1);
@@ -140,10 +147,23 @@ impl Local {
             let after = if k + 1 < n { beside(k) * logs[k + 1] } else { 0.0 };
             logs[k] = (logs[k] - after) / pivots[k];
         }
+        (logs, pivots)
+    }
+
+    fn posterior(&self, process: Process) -> Posterior {
+        let Slopes { gradient, own, next } = &self.slopes;
+        let n = self.logs.len();
+        // gᵀ(c - c₀) - ½ (c - c₀)ᵀ I (c - c₀) is linear in c by g + I c₀.
+        let of = |v: &[f64], k: usize| {
+            let before = if k > 0 { next[k - 1] * v[k - 1] } else { 0.0 };
+            let after = if k + 1 < n { next[k] * v[k + 1] } else { 0.0 };
+            before + own[k] * v[k] + after
+        };
+        let linear: Vec<f64> = (0..n).map(|k| gradient[k] + of(&self.logs, k)).collect();
+        let (logs, pivots) = self.solved(process, &linear);
         // ½ ln det(I Σ + 1).
-        let spread = 2.0 * std.ln() + (n as f64 - 1.0) * fresh.ln();
+        let spread = 2.0 * process.std.ln() + (n as f64 - 1.0) * process.fresh.ln();
         let volume = 0.5 * (pivots.iter().map(|p| p.ln()).sum::<f64>() + spread);
-        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         let curved: f64 = (0..n).map(|k| logs[k] * of(&logs, k)).sum();
         let fit = product(&linear, &logs);
         Posterior { gain: 0.5 * fit - volume, price: 0.5 * (fit - curved) + volume, logs }
@@ -193,10 +213,11 @@ impl Engine {
                 let largest = MEMORIES_S[1..3].iter().map(scored).map(|(score, variance)| score / variance.sqrt());
                 largest.max_by(f64::total_cmp).filter(|score| *score > LOOKED_AT)?;
             }
-            let processes = SIZES.iter().flat_map(|std| MEMORIES_S.map(|memory_s| (*std, memory_s)));
-            let likeliest = processes
-                .map(|(std, memory_s)| locals.iter().map(|l| l.posterior(std, memory_s)).collect::<Vec<_>>())
-                .max_by(|a, b| sum(a, |p| p.gain).total_cmp(&sum(b, |p| p.gain)))?;
+            let processes = SIZES.iter().flat_map(|std| MEMORIES_S.map(|memory_s| Process::new(*std, memory_s)));
+            let (process, likeliest) = processes
+                .map(|process| (process, locals.iter().map(|l| l.posterior(process)).collect::<Vec<_>>()))
+                .max_by(|a, b| sum(&a.1, |p| p.gain).total_cmp(&sum(&b.1, |p| p.gain)))?;
+            engine.bursts_std = AXES.map(|axes| mean_std(&locals, process, axes));
             engine.bursts_price = sum(&likeliest, |p| p.price);
             let mut largest: f64 = 0.0;
             for (local, posterior) in locals.iter().zip(&likeliest) {
@@ -234,7 +255,7 @@ impl Engine {
 
     /// Takes the mean variance out, of axial and of lateral gusts: that is their size.
     fn about_their_mean(&mut self) {
-        for axes in [&[0][..], &[1, 2]] {
+        for axes in AXES {
             let all = || axes.iter().flat_map(|axis| self.runs.iter().flat_map(|run| &run.intensity.logs[*axis]));
             let count = all().count().max(1) as f64;
             let mean = (all().map(|log| log.exp()).sum::<f64>() / count).max(f64::MIN_POSITIVE).ln();
@@ -243,6 +264,21 @@ impl Engine {
             }
         }
     }
+}
+
+/// Standard deviation of the logarithm of the gusts' size, the root of their mean variance, that bursts leave.
+fn mean_std(locals: &[Local], process: Process, axes: &[usize]) -> f64 {
+    let (mut variance, mut whole) = (0.0, 0.0);
+    for local in locals.iter().filter(|l| axes.contains(&l.axis)) {
+        let weights: Vec<f64> = local.logs.iter().map(|log| log.exp()).collect();
+        variance += product(&weights, &local.solved(process, &weights).0);
+        whole += weights.iter().sum::<f64>();
+    }
+    if whole > 0.0 { 0.5 * variance.sqrt() / whole } else { 0.0 }
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 fn sum(all: &[Posterior], of: impl Fn(&Posterior) -> f64) -> f64 {
@@ -312,9 +348,14 @@ mod tests {
         let inverse = prior.clone().try_inverse().expect("a covariance");
         let expected = (&information + &inverse).lu().solve(&linear).expect("a posterior");
         let volume = 0.5 * (&information * &prior + DMatrix::identity(4, 4)).determinant().ln();
-        let found = local.posterior(std, memory_s);
+        let found = local.posterior(Process::new(std, memory_s));
         assert!((DVector::from_vec(found.logs) - &expected).amax() < 1e-12);
         assert!((found.gain - (0.5 * linear.dot(&expected) - volume)).abs() < 1e-12);
+        // The root of the mean variance, by the whole covariance.
+        let weights = DVector::from_iterator(4, local.logs.iter().map(|x| x.exp()));
+        let covariance = (&information + &inverse).try_inverse().expect("a posterior");
+        let expected_std = 0.5 * (weights.dot(&(covariance * &weights))).sqrt() / weights.sum();
+        assert!((mean_std(&[local], Process::new(std, memory_s), &[0]) - expected_std).abs() < 1e-12);
         assert!((found.price - (0.5 * expected.dot(&(&inverse * &expected)) + volume)).abs() < 1e-12);
     }
 }

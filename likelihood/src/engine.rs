@@ -30,6 +30,8 @@ pub struct Engine {
     pub(crate) von_karman: bool,
     /// What the changing variance of the gusts takes off the log-likelihood of models with gusts.
     pub(crate) bursts_price: f64,
+    /// What it leaves of the logarithms of the gusts' sizes, along the stream and across it.
+    pub(crate) bursts_std: [f64; 2],
     /// Work of all passes so far, of this engine and its copies: nodes times columns and what a node costs without any.
     work: Arc<AtomicU64>,
 }
@@ -136,7 +138,17 @@ impl Engine {
         }
         let (gas, wind) = (campaign.plant.environment.gas_constant_j_kg_k, noise[POSE]);
         let runs = records.par_iter().map(|(i, r)| Prepared::new(*i, &campaign.runs[*i].name, r, gas, NODE_S, &wind)).collect();
-        Some(Self { campaign: owned, runs, noise, hum, slack: 0.0, von_karman: false, bursts_price: 0.0, work: Arc::default() })
+        Some(Self {
+            campaign: owned,
+            runs,
+            noise,
+            hum,
+            slack: 0.0,
+            von_karman: false,
+            bursts_price: 0.0,
+            bursts_std: [0.0; 2],
+            work: Arc::default(),
+        })
     }
 
     /// Other runs of the campaign, or of one like it, in the noise of these; `None` without a tunnel run among them.
@@ -288,11 +300,18 @@ impl Engine {
     /// Whether a random member is a gust.
     #[must_use]
     pub fn moves_air(&self, member: &Member) -> bool {
+        self.axis_of(member, 0).is_some()
+    }
+
+    /// First axis of the gusts whose size a random member's number is.
+    pub(crate) fn axis_of(&self, member: &Member, number: usize) -> Option<usize> {
         let mut plant = self.campaign.plant.clone();
         let mut values = member.values.clone();
-        values[0] = 1.0;
+        member.strengths().for_each(|i| values[i] = f64::from(u8::from(i == number)));
         (member.effect.apply)(&mut plant, &values);
-        plant.disturbances(1.0).iter().any(|d| matches!(d.entry, Entry::AirVelocity(_)))
+        let declared = self.campaign.plant.disturbances(1.0);
+        let moved = plant.disturbances(1.0).into_iter().filter(|d| declared.iter().all(|o| o.entry != d.entry || o.rms < d.rms));
+        moved.filter_map(|d| if let Entry::AirVelocity(axis) = d.entry { Some(axis) } else { None }).min()
     }
 
     /// Whether a search has done all the work that it may: what no set explains is not worth more.

@@ -52,15 +52,17 @@ impl Engine {
     pub(crate) fn random_ranges(&self, fit: &Fit) -> Vec<RandomRange> {
         /// Most steps of scoring in the other form, which starts near.
         const STEPS: usize = 4;
+        let within =
+            |all: Vec<RandomRange>| -> Vec<RandomRange> { all.into_iter().map(|r| self.within(&fit.model, r)).collect() };
         let own = self.ranges_in(&fit.model);
         let dryden = |d: &Shape| matches!(d, Shape::DrydenLongitudinal { .. } | Shape::DrydenLateral { .. });
         let plant = fit.model.plant(&self.campaign);
         if self.von_karman || !plant.disturbances(1.0).iter().any(|d| dryden(&d.shape)) {
-            return own;
+            return within(own);
         }
         let mut other = self.clone();
         other.von_karman = true;
-        let Ok(start) = other.climb(&fit.model, false, 0) else { return own };
+        let Ok(start) = other.climb(&fit.model, false, 0) else { return within(own) };
         let end = other.settle_random(&start, STEPS);
         let ranges = other.ranges_in(&end.model);
         let odds = (end.total - fit.total).exp();
@@ -69,7 +71,24 @@ impl Engine {
             Some(two) => averaged(one, value(&fit.model, one.place), *two, value(&end.model, one.place), odds),
             None => one,
         };
-        own.into_iter().map(with_other).collect()
+        within(own.into_iter().map(with_other).collect())
+    }
+
+    /// A range with what bursts leave of a size, within what is plausible.
+    fn within(&self, model: &Model, range: RandomRange) -> RandomRange {
+        let (m, i) = range.place;
+        let (member, value) = (&model.members[m], model.members[m].values[i]);
+        let p = &member.parameters[i];
+        let axis = if p.role == Role::Strength { self.axis_of(member, i) } else { None };
+        let bursts = axis.map_or(0.0, |axis| self.bursts_std[axis.min(1)]);
+        let ends = range.ci95.map(|end| end.clamp(p.low, p.high));
+        let half = (ends[1] / ends[0].max(1e-12)).ln() / (2.0 * 1.96);
+        let wider = (1.96 * (half.hypot(bursts) - half)).exp();
+        RandomRange {
+            std: range.std.hypot(value * bursts).min(p.high - p.low),
+            ci95: [ends[0] / wider, (ends[1] * wider).min(p.high)],
+            ..range
+        }
     }
 
     /// The same in one form of the gusts' spectrum.
