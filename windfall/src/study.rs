@@ -111,7 +111,8 @@ impl Drawing {
             rows.lock().unwrap_or_else(std::sync::PoisonError::into_inner).insert(row.draw, row);
             Ok::<bool, Error>(true)
         };
-        draw_all(&self.prepared, vec![first..(first + self.identity.part_draws).min(self.identity.draws)], keep)?;
+        let draws = first..(first + self.identity.part_draws).min(self.identity.draws);
+        draw_all(&self.prepared, Vec::from([draws]), keep)?;
         let rows: Vec<Row> = rows.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner).into_values().collect();
         Ok(part_bytes(self.prepared.columns(), &rows)?)
     }

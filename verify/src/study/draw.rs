@@ -93,7 +93,7 @@ impl PreparedStudy {
     pub fn draws(&self, draws: Vec<u64>) -> impl Iterator<Item = Row> {
         let flown = catch_unwind(AssertUnwindSafe(|| self.flown(&draws)));
         // Where the program's own checks failed, each draw is flown by itself, so that the one at fault says so.
-        let mut flown = flown.map_or_else(|_| Vec::new(), |all| all).into_iter();
+        let mut flown = flown.unwrap_or_default().into_iter();
         draws.into_iter().map(move |draw| self.row(draw, flown.next()))
     }
 
