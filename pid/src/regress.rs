@@ -102,12 +102,16 @@ pub fn ols(series: &[RegressionSeries]) -> Result<RegressionOutcome, PidError> {
 /// A series with the transforms that its colour needs, done once for all data sets that use it.
 #[derive(Clone, Debug)]
 pub(crate) struct PreparedColumns {
+    /// Its rows times their factors.
     series: RegressionSeries,
     cosines: Option<spectral::Cosines>,
 }
 
 impl PreparedColumns {
-    pub(crate) fn new(series: RegressionSeries) -> Self {
+    pub(crate) fn new(mut series: RegressionSeries) -> Self {
+        for column in series.regressors.iter_mut().chain(std::iter::once(&mut series.response)) {
+            column.iter_mut().zip(&series.weight).for_each(|(x, w)| *x *= w);
+        }
         let cosines = match series.residuals {
             Colour::Weighted(count) => Some(spectral::cosines(&series, count)),
             Colour::White | Colour::Corrected(_) => None,
@@ -196,22 +200,14 @@ impl RegressionFit {
     }
 }
 
-fn weight(s: &RegressionSeries, i: usize) -> f64 {
-    s.weight.get(i).copied().unwrap_or(1.0)
-}
-
 fn stack(series: &[&RegressionSeries], columns: &[usize], rows: usize) -> (DMatrix<f64>, DMatrix<f64>) {
     let (mut x, mut y) = (DMatrix::zeros(rows, columns.len()), DMatrix::zeros(rows, 1));
     let mut start = 0;
     for s in series {
         let n = s.response.len();
-        for (i, v) in s.response.iter().enumerate() {
-            y[(start + i, 0)] = weight(s, i) * v;
-        }
-        for (c, &column) in columns.iter().enumerate() {
-            for (i, v) in s.regressors[column].iter().enumerate() {
-                x[(start + i, c)] = weight(s, i) * v;
-            }
+        y.as_mut_slice()[start..start + n].copy_from_slice(&s.response);
+        for (x, &column) in x.as_mut_slice().chunks_exact_mut(rows).zip(columns) {
+            x[start..start + n].copy_from_slice(&s.regressors[column]);
         }
         start += n;
     }

@@ -3,7 +3,7 @@
 //! Transcribed from the printed equations with Euler angles and components, on purpose not with the vector code of `model`.
 
 use crate::PidError;
-use crate::euler::{rates, t_bef, t_bef_rate};
+use crate::euler::Sines;
 use crate::instrument::{Sample, sample};
 use crate::smooth::Smoothed;
 use windfall_model::{Plant, RunChannel};
@@ -25,6 +25,8 @@ pub struct State {
     pub euler_rad: [f64; 3],
     /// Their rates, rad/s.
     pub euler_rate: [f64; 3],
+    /// Body-to-tunnel matrix, by rows (eq. B.14).
+    pub t_bef: [[f64; 3]; 3],
     /// Body rates p, q, r, rad/s (eq. 3.20).
     pub pqr: [f64; 3],
     /// Their derivatives, rad/s² (eq. 3.22).
@@ -66,12 +68,12 @@ pub struct State {
 /// # Errors
 /// [`PidError::NoFlow`] where airspeed vanishes, the nose is horizontal (|R_y| = 90°) or a value is not finite.
 pub fn states(s: &Smoothed, plant: &Plant) -> Result<Vec<State>, PidError> {
-    (0..s.t_s.len())
-        .map(|i| {
-            let density = plant.environment.density_kg_m3(s.ps_pa[i], s.ts_k[i]);
-            state(s.t_s[i] / (1.0 + plant.sensors.time_base), &sample(s, &plant.sensors, i), density, plant)
-        })
-        .collect()
+    let mut out = Vec::with_capacity(s.t_s.len());
+    for (i, t_s) in s.t_s.iter().enumerate() {
+        let density = plant.environment.density_kg_m3(s.ps_pa[i], s.ts_k[i]);
+        out.push(state(t_s / (1.0 + plant.sensors.time_base), &sample(s, &plant.sensors, i), density, plant)?);
+    }
+    Ok(out)
 }
 
 /// State of one instant.
@@ -80,8 +82,9 @@ pub(crate) fn state(t_s: f64, x: &Sample, density: f64, plant: &Plant) -> Result
     let (position, velocity, acceleration) = (pick(0, 0), pick(0, 1), pick(0, 2));
     let (euler, euler_rate) = (pick(3, 0), pick(3, 1));
     let r_cm = plant.vehicle.p_origin_cm.to_array();
-    let (t, t_dot) = (t_bef(euler), t_bef_rate(euler, euler_rate));
-    let (pqr, pqr_rate) = rates(euler, euler_rate, pick(3, 2));
+    let sines = Sines::of(euler);
+    let (t, t_dot) = (sines.t_bef(), sines.t_bef_rate(euler_rate));
+    let (pqr, pqr_rate) = sines.rates(euler_rate, pick(3, 2));
     // Eqs 3.25-3.28.
     let uvw = add(transposed(&t, velocity), cross(pqr, r_cm));
     let uvw_rate = add(add(transposed(&t_dot, velocity), transposed(&t, acceleration)), cross(pqr_rate, r_cm));
@@ -105,6 +108,7 @@ pub(crate) fn state(t_s: f64, x: &Sample, density: f64, plant: &Plant) -> Result
         v_tunnel_cm: v_cm,
         euler_rad: euler,
         euler_rate,
+        t_bef: t,
         pqr,
         pqr_rate,
         uvw,

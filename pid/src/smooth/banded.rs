@@ -53,6 +53,7 @@ impl Banded {
 
 impl BandedFactor {
     /// L z = b in place, from the row `first` (those before are zero) to the end of `b`.
+    #[inline(always)]
     pub(super) fn forward_to<const W: usize>(&self, b: &mut [[f64; W]], first: usize) {
         for i in first..b.len() {
             let row = &self.rows[i];
@@ -67,6 +68,7 @@ impl BandedFactor {
         }
     }
     /// Lᵀ c = z in place.
+    #[inline(always)]
     fn backward<const W: usize>(&self, b: &mut [[f64; W]]) {
         for i in (0..self.rows.len()).rev() {
             let row = &self.rows[i];
@@ -80,6 +82,7 @@ impl BandedFactor {
         }
     }
     /// Solves for W right-hand sides in place.
+    #[inline(always)]
     pub(super) fn solve<const W: usize>(&self, b: &mut [[f64; W]]) {
         self.forward_to(b, 0);
         self.backward(b);

@@ -10,8 +10,15 @@ use super::bspline::{DEGREE, Knots, ORDER};
 use super::{Fit, Signal};
 use crate::PidError;
 use crate::shared::Shared;
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 use windfall_model::{CHANNELS, PerChannel};
+
+/// The seven channels at one sample, or their coefficients, and a zero: as many as the widest vector unit takes at once. Products and sums are
+/// rounded one by one whatever the unit, so that it decides on no bit.
+type Row = [f64; WIDE];
+const WIDE: usize = 8;
 
 /// Shortest knot interval that the automatic choice tries, samples.
 const SHORTEST: f64 = 2.0;
@@ -41,16 +48,51 @@ pub(super) fn smooth(raw: PerChannel<&[f64]>, dt: f64, knot_s: Option<f64>) -> R
         samples: n,
         needed: intervals + ORDER,
     })?;
-    let coefficients = grid.fit(&samples, factor);
-    let (channels, rss) = grid.evaluate(&samples, &coefficients, dt);
+    let (orders, rss) = Arch::new().dispatch(Smoothing { grid: &grid, factor, samples: &samples, dt });
+    let channels = std::array::from_fn(|k| {
+        let [value, rate, second] = orders.each_ref().map(|rows| rows.iter().map(|x| x[k]).collect());
+        Signal { value, rate, second }
+    });
+    let rss: PerChannel<f64> = std::array::from_fn(|k| rss[k]);
     let free = (n - grid.knots.count()) as f64;
     let bandwidth = 0.5 / (grid.samples_per_interval() * dt);
     let weight = grid.weights.get_or_init(|| grid.weights(factor)).clone();
     Ok(Fit { channels, noise_std: rss.map(|r| (r / free).sqrt()), weight, bandwidth_hz: [bandwidth; CHANNELS] })
 }
 
-fn interleave(raw: PerChannel<&[f64]>) -> Vec<PerChannel<f64>> {
-    (0..raw[0].len()).map(|i| raw.map(|x| x[i])).collect()
+/// A fit and what it gives at the samples, compiled for each vector unit.
+struct Smoothing<'a> {
+    grid: &'a Grid,
+    factor: &'a BandedFactor,
+    samples: &'a [Row],
+    dt: f64,
+}
+
+impl WithSimd for Smoothing<'_> {
+    type Output = ([Vec<Row>; 3], Row);
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        self.grid.evaluate(self.samples, &self.grid.fit(self.samples, self.factor), self.dt)
+    }
+}
+
+/// The residual of a knot interval that is tried, compiled for each vector unit.
+struct Trial<'a> {
+    grid: &'a Grid,
+    samples: &'a [Row],
+    size2: Row,
+}
+
+impl WithSimd for Trial<'_> {
+    type Output = Option<Row>;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        self.grid.residual(self.samples, self.size2)
+    }
+}
+
+fn interleave(raw: PerChannel<&[f64]>) -> Vec<Row> {
+    (0..raw[0].len()).map(|i| std::array::from_fn(|k| raw.get(k).map_or(0.0, |x| x[i]))).collect()
 }
 
 /// Number of intervals for a knot interval in samples: at least one, and more samples than coefficients.
@@ -61,21 +103,21 @@ fn intervals_of(samples: f64, n: usize) -> usize {
 }
 
 /// Number of intervals: cross-validation, then undersmoothing.
-fn choose(samples: &[PerChannel<f64>], dt: f64) -> usize {
+fn choose(samples: &[Row], dt: f64) -> usize {
     let n = samples.len();
     let best = cross_validate(samples, dt);
     intervals_of(((n - 1) as f64 / best as f64 * UNDERSMOOTH).max(SHORTEST), n)
 }
 
 /// Knot interval of least Σ over channels of ln GCV, GCV = RSS/n / (1 − p/n)²: equal weight to a relative gain in any channel.
-fn cross_validate(samples: &[PerChannel<f64>], dt: f64) -> usize {
+fn cross_validate(samples: &[Row], dt: f64) -> usize {
     let n = samples.len();
     let size2 = sum_of_squares(samples);
     let mut best = (f64::INFINITY, 1);
     let mut knot = LONGEST_S / dt;
     while knot >= SHORTEST {
         let grid = Grid::shared(intervals_of(knot, n), n);
-        if let Some(rss) = grid.residual(samples, size2) {
+        if let Some(rss) = Arch::new().dispatch(Trial { grid: &grid, samples, size2 }) {
             let left = 1.0 - grid.knots.count() as f64 / n as f64;
             // A channel that is fitted to rounding error says nothing more.
             let score: f64 =
@@ -89,8 +131,8 @@ fn cross_validate(samples: &[PerChannel<f64>], dt: f64) -> usize {
     best.1
 }
 
-fn sum_of_squares(samples: &[PerChannel<f64>]) -> PerChannel<f64> {
-    let mut s = [0.0; CHANNELS];
+fn sum_of_squares(samples: &[Row]) -> Row {
+    let mut s = [0.0; WIDE];
     for x in samples {
         for (s, x) in s.iter_mut().zip(x) {
             *s += x * x;
@@ -104,6 +146,8 @@ struct Grid {
     knots: Knots,
     per_sample: f64,
     n: usize,
+    /// First sample of each interval, and the number of samples.
+    starts: Vec<usize>,
     /// Values of the eight functions at each sample.
     values: Vec<[f64; ORDER]>,
     /// Of the normal matrix; none when that is not positive definite.
@@ -124,17 +168,21 @@ impl Grid {
     }
     fn new(intervals: usize, n: usize) -> Self {
         let (knots, per_sample) = (Knots { intervals }, intervals as f64 / (n - 1) as f64);
-        let mut grid =
-            Self { knots, per_sample, n, values: Vec::new(), factor: None, slopes: OnceLock::new(), weights: OnceLock::new() };
+        let (slopes, weights) = (OnceLock::new(), OnceLock::new());
+        let mut grid = Self { knots, per_sample, n, starts: Vec::new(), values: Vec::new(), factor: None, slopes, weights };
         let mut gram = Banded::zeros(knots.count());
+        let mut starts = Vec::with_capacity(intervals + 1);
         grid.values = (0..n)
             .map(|i| {
                 let (first, x) = grid.place(i);
+                starts.resize((first + 1).max(starts.len()), i);
                 let values = knots.values(first, x);
                 gram.add_outer(first, &values);
                 values
             })
             .collect();
+        starts.resize(intervals + 1, n);
+        grid.starts = starts;
         grid.factor = gram.factor();
         grid
     }
@@ -145,22 +193,26 @@ impl Grid {
         let x = i as f64 * self.per_sample;
         (self.knots.interval(x), x)
     }
-    /// Each sample with the first coefficient that acts there and the values of the functions.
-    fn rows<'a>(
-        &'a self,
-        samples: &'a [PerChannel<f64>],
-    ) -> impl Iterator<Item = (&'a PerChannel<f64>, usize, &'a [f64; ORDER])> {
-        samples.iter().zip(&self.values).enumerate().map(|(i, (y, b))| (y, self.place(i).0, b))
+    /// Each interval's first coefficient and samples.
+    fn spans(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
+        self.starts.windows(2).enumerate().map(|(first, ends)| (first, ends[0]..ends[1]))
     }
     /// Least-squares coefficients from normal equations, once more on the residual, which restores the digits that their squared
     /// condition number costs.
-    fn fit(&self, samples: &[PerChannel<f64>], factor: &BandedFactor) -> Vec<PerChannel<f64>> {
+    #[inline(always)]
+    fn fit(&self, samples: &[Row], factor: &BandedFactor) -> Vec<Row> {
         let mut c = self.projection(samples);
         factor.solve(&mut c);
-        let mut more = vec![[0.0; CHANNELS]; c.len()];
-        for (y, first, b) in self.rows(samples) {
-            let fit = gather(&c[first..first + ORDER], b);
-            scatter(&mut more[first..first + ORDER], b, &std::array::from_fn(|k| y[k] - fit[k]));
+        let mut more = vec![[0.0; WIDE]; c.len()];
+        for (first, span) in self.spans() {
+            let (near, sums) = (local(&c, first), local_mut(&mut more, first));
+            for (y, b) in samples[span.clone()].iter().zip(&self.values[span]) {
+                let (fit, mut rest) = (gather(near, b), *y);
+                for k in 0..WIDE {
+                    rest[k] -= fit[k];
+                }
+                scatter(sums, b, &rest);
+            }
         }
         factor.solve(&mut more);
         for (c, m) in c.iter_mut().flatten().zip(more.iter().flatten()) {
@@ -169,18 +221,19 @@ impl Grid {
         c
     }
     /// Sums of squared residuals. From the normal equations, yᵀy − cᵀBᵀy; where that has lost its digits, sample by sample.
-    fn residual(&self, samples: &[PerChannel<f64>], size2: PerChannel<f64>) -> Option<PerChannel<f64>> {
+    #[inline(always)]
+    fn residual(&self, samples: &[Row], size2: Row) -> Option<Row> {
         let factor = self.factor.as_ref()?;
         let projection = self.projection(samples);
         let mut c = projection.clone();
         factor.solve(&mut c);
-        let mut explained = [0.0; CHANNELS];
+        let mut explained = [0.0; WIDE];
         for (c, b) in c.iter().zip(&projection) {
-            for k in 0..7 {
+            for k in 0..WIDE {
                 explained[k] += c[k] * b[k];
             }
         }
-        let rss: PerChannel<f64> = std::array::from_fn(|k| size2[k] - explained[k]);
+        let rss: Row = std::array::from_fn(|k| size2[k] - explained[k]);
         // Cancellation leaves 1e-16/1e-9: seven digits.
         if rss.iter().zip(size2).all(|(r, s)| *r > 1.0e-9 * s || s <= 0.0) {
             Some(rss)
@@ -188,21 +241,27 @@ impl Grid {
             Some(self.residual_by_sample(samples, &c))
         }
     }
-    fn residual_by_sample(&self, samples: &[PerChannel<f64>], c: &[PerChannel<f64>]) -> PerChannel<f64> {
-        let mut rss = [0.0; CHANNELS];
-        for (y, first, b) in self.rows(samples) {
-            let fit = gather(&c[first..first + ORDER], b);
-            for k in 0..7 {
-                rss[k] += (y[k] - fit[k]) * (y[k] - fit[k]);
+    fn residual_by_sample(&self, samples: &[Row], c: &[Row]) -> Row {
+        let mut rss = [0.0; WIDE];
+        for (first, span) in self.spans() {
+            for (y, b) in samples[span.clone()].iter().zip(&self.values[span]) {
+                let fit = gather(local(c, first), b);
+                for k in 0..WIDE {
+                    rss[k] += (y[k] - fit[k]) * (y[k] - fit[k]);
+                }
             }
         }
         rss
     }
     /// Right-hand sides of the normal equations.
-    fn projection(&self, samples: &[PerChannel<f64>]) -> Vec<PerChannel<f64>> {
-        let mut projection = vec![[0.0; CHANNELS]; self.knots.count()];
-        for (y, first, b) in self.rows(samples) {
-            scatter(&mut projection[first..first + ORDER], b, y);
+    #[inline(always)]
+    fn projection(&self, samples: &[Row]) -> Vec<Row> {
+        let mut projection = vec![[0.0; WIDE]; self.knots.count()];
+        for (first, span) in self.spans() {
+            let sums = local_mut(&mut projection, first);
+            for (y, b) in samples[span.clone()].iter().zip(&self.values[span]) {
+                scatter(sums, b, y);
+            }
         }
         projection
     }
@@ -213,22 +272,26 @@ impl Grid {
         };
         self.slopes.get_or_init(|| (0..self.n).map(at).collect())
     }
-    fn evaluate(&self, samples: &[PerChannel<f64>], c: &[PerChannel<f64>], dt: f64) -> (PerChannel<Signal>, PerChannel<f64>) {
+    /// Value, rate (per s) and second derivative (per s²) at each sample, and sums of squared residuals.
+    #[inline(always)]
+    fn evaluate(&self, samples: &[Row], c: &[Row], dt: f64) -> ([Vec<Row>; 3], Row) {
         let per_s = self.per_sample / dt;
-        let mut out: PerChannel<Signal> = std::array::from_fn(|_| Signal {
-            value: Vec::with_capacity(self.n),
-            rate: Vec::with_capacity(self.n),
-            second: Vec::with_capacity(self.n),
-        });
-        let mut rss = [0.0; CHANNELS];
-        for ((y, first, b), [rate, second]) in self.rows(samples).zip(self.slopes()) {
-            let local = &c[first..first + ORDER];
-            let [value, rate, second] = [b, rate, second].map(|b| gather(local, b));
-            for (k, signal) in out.iter_mut().enumerate() {
-                signal.value.push(value[k]);
-                signal.rate.push(rate[k] * per_s);
-                signal.second.push(second[k] * per_s * per_s);
-                rss[k] += (y[k] - value[k]) * (y[k] - value[k]);
+        let mut out: [Vec<Row>; 3] = std::array::from_fn(|_| Vec::with_capacity(self.n));
+        let mut rss = [0.0; WIDE];
+        let slopes = self.slopes();
+        for (first, span) in self.spans() {
+            let near = local(c, first);
+            for i in span {
+                let (y, value) = (&samples[i], gather(near, &self.values[i]));
+                let (mut rate, mut second) = (gather(near, &slopes[i][0]), gather(near, &slopes[i][1]));
+                for k in 0..WIDE {
+                    rss[k] += (y[k] - value[k]) * (y[k] - value[k]);
+                    rate[k] *= per_s;
+                    second[k] = second[k] * per_s * per_s;
+                }
+                out[0].push(value);
+                out[1].push(rate);
+                out[2].push(second);
             }
         }
         (out, rss)
@@ -264,7 +327,15 @@ impl Grid {
     }
 }
 
-fn scatter(c: &mut [PerChannel<f64>], b: &[f64; ORDER], y: &PerChannel<f64>) {
+fn local(c: &[Row], first: usize) -> &[Row; ORDER] {
+    c[first..].first_chunk().expect("an interval has as many coefficients")
+}
+fn local_mut(c: &mut [Row], first: usize) -> &mut [Row; ORDER] {
+    c[first..].first_chunk_mut().expect("an interval has as many coefficients")
+}
+
+#[inline(always)]
+fn scatter(c: &mut [Row; ORDER], b: &[f64; ORDER], y: &Row) {
     for (c, b) in c.iter_mut().zip(b) {
         for (c, y) in c.iter_mut().zip(y) {
             *c += b * y;
@@ -272,8 +343,9 @@ fn scatter(c: &mut [PerChannel<f64>], b: &[f64; ORDER], y: &PerChannel<f64>) {
     }
 }
 
-fn gather(c: &[PerChannel<f64>], b: &[f64; ORDER]) -> PerChannel<f64> {
-    let mut sum = [0.0; CHANNELS];
+#[inline(always)]
+fn gather(c: &[Row; ORDER], b: &[f64; ORDER]) -> Row {
+    let mut sum = [0.0; WIDE];
     for (c, b) in c.iter().zip(b) {
         for (s, c) in sum.iter_mut().zip(c) {
             *s += b * c;

@@ -1,20 +1,43 @@
 //! verify: draws, and other pieces of work, on all threads. In: what is wanted. Out: results, handed on as they come.
 
 use super::draw::PreparedStudy;
+use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use windfall_model::study::Row;
 
-/// Draws in the order given, as [`each`] does.
+/// Draws that fly side by side at most: as many as the widest vector unit has lanes.
+const SIDE: u64 = 8;
+
+/// Draws in the order given, as [`each`] does, some at a time: fewer toward the end, so that all threads end together.
 ///
 /// # Errors
 /// The first error of `keep`; no further draw is begun after it.
-pub fn run<E, K>(prepared: &PreparedStudy, wanted: impl Iterator<Item = u64> + Send, keep: K) -> Result<(), E>
+pub fn run<E, K>(prepared: &PreparedStudy, wanted: Vec<Range<u64>>, keep: K) -> Result<(), E>
 where
     E: Send,
     K: Fn(Row) -> Result<bool, E> + Sync,
 {
-    each(wanted, |draw| prepared.draw(draw), keep)
+    let mut left: u64 = wanted.iter().map(|r| r.end - r.start).sum();
+    let shares = 2 * rayon::current_num_threads() as u64;
+    let mut draws = wanted.into_iter().flatten();
+    let groups = std::iter::from_fn(move || {
+        let size = left.div_ceil(shares).min(SIDE);
+        left -= size;
+        (size > 0).then(|| (0..size).filter_map(|_| draws.next()).collect::<Vec<u64>>())
+    });
+    each(
+        groups,
+        |group| prepared.draws(group),
+        |rows| {
+            for row in rows {
+                if !keep(row)? {
+                    return Ok(false);
+                }
+            }
+            Ok(true)
+        },
+    )
 }
 
 /// Pieces of work in the order given, on the threads of the current pool. `keep` takes each result as it comes, in any order, and says
