@@ -164,7 +164,7 @@ fn flown_window(
     for (kin, group) in groups(orders, stepping, |index, error| see(index, Err(error))) {
         let mut rest = &group[..];
         while !rest.is_empty() {
-            let tracks = Arch::new().dispatch(Side { kin: &kin, ready: rest, orders, keep, spare });
+            let tracks = abreast(Side { kin: &kin, ready: rest, orders, keep, spare });
             let used = tracks.len();
             for (ready, mut track) in rest.iter().zip(tracks) {
                 let end = track.end.take().expect("a flown track has ended");
@@ -299,6 +299,12 @@ impl<'a> WithSimd for Side<'a, '_> {
         }
         tracks
     }
+}
+
+/// Flies them on the vector unit. Not generic, so that the kernels are compiled in this crate alone.
+#[inline(never)]
+fn abreast<'a>(side: Side<'a, '_>) -> Vec<LaneTrack<'a>> {
+    Arch::new().dispatch(side)
 }
 
 /// `N` states on lanes, `M` in a single flight, which carries time as one more.

@@ -98,7 +98,7 @@ impl<S: Simd> Rhs<'_, '_, S> {
     /// Rates of states at the time that was looked at.
     #[inline(always)]
     pub(super) fn rate<const N: usize>(&mut self, y: &[Lanes<S>; N]) -> [Lanes<S>; N] {
-        self.kernel.rate(self.simd, y, &self.row, &mut self.slots)
+        self.kernel.rate_by_call(self.simd, y, &self.row, &mut self.slots)
     }
 }
 

@@ -300,8 +300,20 @@ fn law_one_fault_leaves_the_others() {
     assert!(matches!(fly_truth_batch(&[make(&short)], rk4(1))[0], Err(SimError::Setup { what: "step of the batch, s", .. })));
 }
 
-/// Adaptive steps meet the tolerance as the single flight does (global error some ten times the local tolerance), their number is that of the
-/// single flight but for what round-off does to their lengths, and neither depends on the grouping.
+/// How far round-off alone takes a single flight: the largest difference that changes of one body rate at release make, by 1e-15 to 1e-11 of
+/// itself. Where steps are as long as the tolerance allows, a step's error is no power of its length, the next length follows from it, and
+/// round-off grows from step to step: at a tolerance of 1e-6 to some 1e-6 in the crowded plant, a hundredth of the flight's own error.
+fn by_round_off(plant: &Plant, flight: &Flight, alone: &Truth) -> f64 {
+    let moved = |change: f64| {
+        let mut flight = flight.clone();
+        flight.release.rates_rad_s[0] *= 1.0 + change;
+        apart(&fly(plant, &flight, Seed::default()).expect("flies").truth, alone)
+    };
+    [1e-15, -1e-14, 1e-13, -1e-12, 1e-11].map(moved).into_iter().fold(0.0, f64::max)
+}
+
+/// Adaptive steps are as many as in the single flight and end where it does, but for some ten times what round-off does to that flight; they
+/// approach the solution as the tolerance is narrowed, and do not depend on the grouping.
 #[test]
 fn law_adaptive_steps_as_in_the_single_flight() {
     let made: Vec<_> = (0..11).map(varied).collect();
@@ -318,14 +330,15 @@ fn law_adaptive_steps_as_in_the_single_flight() {
                 let flown = flown.expect("flies");
                 worst = worst.max(apart(&flown.truth, truth));
                 let alone = fly(orders[k].plant, orders[k].flight, Seed::default()).expect("flies");
-                let ratio = flown.steps as f64 / alone.steps as f64;
-                assert!((0.98..1.02).contains(&ratio), "flight {k}, {method:?}: {} steps, alone {}", flown.steps, alone.steps);
+                let steps = (flown.steps, alone.steps);
+                assert!(steps.0.abs_diff(steps.1) <= 1, "flight {k}, {method:?} at {relative_tolerance}: {steps:?} steps");
                 let far = apart(&flown.truth, &alone.truth);
-                assert!(far < 3e3 * relative_tolerance, "flight {k}, {method:?} at {relative_tolerance}: {far}");
+                let bound = 10.0 * by_round_off(orders[k].plant, orders[k].flight, &alone.truth);
+                assert!(far < bound, "flight {k}, {method:?} at {relative_tolerance}: {far}, by round-off {bound}");
                 let single = fly_truth_batch(&orders[k..=k], Stepping::Adaptive).remove(0).expect("flies");
                 assert_eq!(single.0, flown.truth, "flight {k} alone and in a group");
             }
-            assert!(worst < 3e3 * relative_tolerance && worst < 0.1 * before, "{method:?} at {relative_tolerance}: {worst}");
+            assert!(worst < 0.1 * before, "{method:?} at {relative_tolerance}: {worst}");
             before = worst;
         }
     }
