@@ -15,12 +15,14 @@ mod kernel;
 mod lane;
 mod rk4;
 mod terms;
+#[cfg(test)]
+mod tests;
 mod track;
 
 use crate::error::SimError;
 use crate::fly::{start, within};
 use crate::integrate::samples;
-use crate::record::record;
+use crate::record::recorded;
 use crate::seed::Seed;
 use crate::setup::Setup;
 use crate::truth::{End, Flown, Truth};
@@ -36,7 +38,7 @@ use rk4::StepGrid;
 use std::collections::HashMap;
 use terms::{LaneTerms, Layout};
 use track::{KeepSamples, LaneTrack, SampleSeries, Tracks};
-use windfall_model::{Flight, Integrator, Plant};
+use windfall_model::{Flight, Integrator, Plant, Record};
 
 /// One flight of a batch. The plant must already be the one of this run (`Plant::for_run`).
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +73,7 @@ pub enum Stepping {
 pub fn fly_batch(orders: &[Order<'_>], stepping: Stepping) -> Vec<Result<Flown, SimError>> {
     collected(orders, stepping, KeepSamples::Truth, |order, series, steps, end| {
         let truth = std::mem::take(&mut series.truth);
-        let record = record(order.plant, order.flight, &truth, order.seed);
+        let record = recorded(order.plant, order.flight, &truth, order.seed, true);
         Flown { truth, record, end, steps }
     })
 }
@@ -89,6 +91,18 @@ pub fn fly_truth_batch(orders: &[Order<'_>], stepping: Stepping) -> Vec<Result<(
 /// grows with the number of orders. `see` is called once for each order, those of equal structure after one another.
 pub fn for_each_truth(orders: &[Order<'_>], stepping: Stepping, mut see: impl FnMut(usize, Result<(&Truth, End), SimError>)) {
     flown(orders, stepping, KeepSamples::Truth, |k, flown| see(k, flown.map(|(series, _, end)| (&series.truth, end))));
+}
+
+/// As [`for_each_truth`], with what the instruments make of it.
+pub fn for_each_flown(
+    orders: &[Order<'_>],
+    stepping: Stepping,
+    mut see: impl FnMut(usize, Result<(&Truth, Record, End), SimError>),
+) {
+    for_each_truth(orders, stepping, |k, flown| {
+        let Order { plant, flight, seed } = orders[k];
+        see(k, flown.map(|(truth, end)| (truth, recorded(plant, flight, truth, seed, true), end)));
+    });
 }
 
 /// States at the sample times of a flight: c.m. position (m) and velocity (m/s) in tunnel axes, quaternion body to tunnel

@@ -11,6 +11,7 @@ use crate::truth::{End, Truth};
 use nalgebra::Vector6;
 use pulp::{Simd, WithSimd};
 use std::f64::consts::TAU;
+use windfall_model::TestSection;
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,7 +73,8 @@ impl<'a> LaneTrack<'a> {
         if self.end.is_some() {
             return;
         }
-        if !calm || self.order.flight.section.is_some() {
+        let left = |s: &TestSection| outside(s, row(seen, 0, lane));
+        if !calm || self.order.flight.section.as_ref().is_some_and(left) {
             self.end = self.stop(seen, lane);
             if self.end.is_some() {
                 return;
