@@ -9,6 +9,7 @@
 //! over all cosines.
 
 use super::colour::fast_length;
+use super::reflect::Triangle;
 use super::{Coloured, RegressionSeries};
 use crate::shared::Shared;
 use nalgebra::{DMatrix, DVector};
@@ -168,29 +169,16 @@ fn solve(series: &[&Cosines], spectra: &[Vec<f64>], columns: &[usize]) -> Option
     if rows <= columns.len() {
         return None;
     }
-    let (mut x, mut y) = (DMatrix::zeros(rows, columns.len()), DMatrix::zeros(rows, 1));
-    let mut start = 0;
-    for (s, spectrum) in series.iter().zip(spectra) {
-        for (k, variance) in spectrum.iter().enumerate() {
-            let w = variance.sqrt().recip();
-            y[(start + k, 0)] = w * s.response[k];
-            for (c, &column) in columns.iter().enumerate() {
-                x[(start + k, c)] = w * s.regressors[column][k];
-            }
-        }
-        start += spectrum.len();
-    }
-    let scale: Vec<f64> = x.column_iter().map(|c| c.norm()).collect();
-    if scale.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
+    let weights: Vec<Vec<f64>> = spectra.iter().map(|s| s.iter().map(|variance| variance.sqrt().recip()).collect()).collect();
+    let stacked = |of: &dyn Fn(&Cosines) -> &Vec<f64>| -> Vec<f64> {
+        series.iter().zip(&weights).flat_map(|(s, weights)| of(s).iter().zip(weights).map(|(x, w)| w * x)).collect()
+    };
+    let mut x: Vec<Vec<f64>> = columns.iter().map(|&column| stacked(&|s| &s.regressors[column])).collect();
+    x.push(stacked(&|s| &s.response));
+    let triangle = Triangle::of(x);
+    if !triangle.scale.iter().all(|s| s.is_normal()) {
         return None;
     }
-    for (mut c, s) in x.column_iter_mut().zip(&scale) {
-        c /= *s;
-    }
-    let qr = x.qr();
-    qr.q_tr_mul(&mut y);
-    let r_inverse = qr.r().solve_upper_triangular(&DMatrix::identity(columns.len(), columns.len()))?;
-    let unscaled = DMatrix::from_diagonal(&DVector::from_iterator(scale.len(), scale.iter().map(|s| 1.0 / s))) * r_inverse;
-    let estimate = &unscaled * y.rows(0, columns.len());
-    Some((estimate.as_slice().to_vec(), &unscaled * unscaled.transpose()))
+    let unscaled = triangle.inverse()?;
+    Some(((&unscaled * &triangle.z).as_slice().to_vec(), &unscaled * unscaled.transpose()))
 }

@@ -7,6 +7,7 @@
 
 use super::banded::{Banded, BandedFactor};
 use super::bspline::{DEGREE, Knots, ORDER};
+use super::wide::{Row, WIDE, gather, load, of_all, parts, scatter, store};
 use super::{Fit, Signal};
 use crate::PidError;
 use crate::shared::Shared;
@@ -14,11 +15,6 @@ use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 use windfall_model::{CHANNELS, PerChannel};
-
-/// The seven channels at one sample, or their coefficients, and a zero: as many as the widest vector unit takes at once. Products and sums are
-/// rounded one by one whatever the unit, so that it decides on no bit.
-type Row = [f64; WIDE];
-const WIDE: usize = 8;
 
 /// Shortest knot interval that the automatic choice tries, samples.
 const SHORTEST: f64 = 2.0;
@@ -49,10 +45,11 @@ pub(super) fn smooth(raw: PerChannel<&[f64]>, dt: f64, knot_s: Option<f64>) -> R
         needed: intervals + ORDER,
     })?;
     let (orders, rss) = Arch::new().dispatch(Smoothing { grid: &grid, factor, samples: &samples, dt });
-    let channels = std::array::from_fn(|k| {
-        let [value, rate, second] = orders.each_ref().map(|rows| rows.iter().map(|x| x[k]).collect());
-        Signal { value, rate, second }
-    });
+    let [values, rates, seconds] = orders.map(|rows| by_channel(&rows));
+    let mut channels: PerChannel<Signal> = Default::default();
+    for (channel, ((value, rate), second)) in channels.iter_mut().zip(values.into_iter().zip(rates).zip(seconds)) {
+        *channel = Signal { value, rate, second };
+    }
     let rss: PerChannel<f64> = std::array::from_fn(|k| rss[k]);
     let free = (n - grid.knots.count()) as f64;
     let bandwidth = 0.5 / (grid.samples_per_interval() * dt);
@@ -71,8 +68,8 @@ struct Smoothing<'a> {
 impl WithSimd for Smoothing<'_> {
     type Output = ([Vec<Row>; 3], Row);
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        self.grid.evaluate(self.samples, &self.grid.fit(self.samples, self.factor), self.dt)
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        self.grid.evaluate(simd, self.samples, &self.grid.fit(simd, self.samples, self.factor), self.dt)
     }
 }
 
@@ -86,13 +83,23 @@ struct Trial<'a> {
 impl WithSimd for Trial<'_> {
     type Output = Option<Row>;
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        self.grid.residual(self.samples, self.size2)
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        self.grid.residual(simd, self.samples, self.size2)
     }
 }
 
 fn interleave(raw: PerChannel<&[f64]>) -> Vec<Row> {
     (0..raw[0].len()).map(|i| std::array::from_fn(|k| raw.get(k).map_or(0.0, |x| x[i]))).collect()
+}
+
+fn by_channel(rows: &[Row]) -> PerChannel<Vec<f64>> {
+    let mut series = [(); CHANNELS].map(|()| vec![0.0; rows.len()]);
+    for (i, row) in rows.iter().enumerate() {
+        for (series, x) in series.iter_mut().zip(row) {
+            series[i] = *x;
+        }
+    }
+    series
 }
 
 /// Number of intervals for a knot interval in samples: at least one, and more samples than coefficients.
@@ -200,21 +207,14 @@ impl Grid {
     /// Least-squares coefficients from normal equations, once more on the residual, which restores the digits that their squared
     /// condition number costs.
     #[inline(always)]
-    fn fit(&self, samples: &[Row], factor: &BandedFactor) -> Vec<Row> {
-        let mut c = self.projection(samples);
-        factor.solve(&mut c);
+    fn fit<S: Simd>(&self, simd: S, samples: &[Row], factor: &BandedFactor) -> Vec<Row> {
+        let mut c = self.projection(simd, samples);
+        factor.solve(simd, &mut c);
         let mut more = vec![[0.0; WIDE]; c.len()];
         for (first, span) in self.spans() {
-            let (near, sums) = (local(&c, first), local_mut(&mut more, first));
-            for (y, b) in samples[span.clone()].iter().zip(&self.values[span]) {
-                let (fit, mut rest) = (gather(near, b), *y);
-                for k in 0..WIDE {
-                    rest[k] -= fit[k];
-                }
-                scatter(sums, b, &rest);
-            }
+            scatter(simd, local_mut(&mut more, first), &self.values[span.clone()], &samples[span], Some(local(&c, first)));
         }
-        factor.solve(&mut more);
+        factor.solve(simd, &mut more);
         for (c, m) in c.iter_mut().flatten().zip(more.iter().flatten()) {
             *c += m;
         }
@@ -222,46 +222,47 @@ impl Grid {
     }
     /// Sums of squared residuals. From the normal equations, yᵀy − cᵀBᵀy; where that has lost its digits, sample by sample.
     #[inline(always)]
-    fn residual(&self, samples: &[Row], size2: Row) -> Option<Row> {
+    fn residual<S: Simd>(&self, simd: S, samples: &[Row], size2: Row) -> Option<Row> {
         let factor = self.factor.as_ref()?;
-        let projection = self.projection(samples);
+        let projection = self.projection(simd, samples);
         let mut c = projection.clone();
-        factor.solve(&mut c);
+        factor.solve(simd, &mut c);
         let mut explained = [0.0; WIDE];
-        for (c, b) in c.iter().zip(&projection) {
-            for k in 0..WIDE {
-                explained[k] += c[k] * b[k];
+        for part in parts::<S>() {
+            let mut sum = simd.splat_f64s(0.0);
+            for (c, b) in c.iter().zip(&projection) {
+                sum = simd.mul_add_f64s(load::<S>(c, part), load::<S>(b, part), sum);
             }
+            store::<S>(&mut explained, part, sum);
         }
         let rss: Row = std::array::from_fn(|k| size2[k] - explained[k]);
         // Cancellation leaves 1e-16/1e-9: seven digits.
         if rss.iter().zip(size2).all(|(r, s)| *r > 1.0e-9 * s || s <= 0.0) {
             Some(rss)
         } else {
-            Some(self.residual_by_sample(samples, &c))
+            Some(self.residual_by_sample(simd, samples, &c))
         }
     }
-    fn residual_by_sample(&self, samples: &[Row], c: &[Row]) -> Row {
+    #[inline(always)]
+    fn residual_by_sample<S: Simd>(&self, simd: S, samples: &[Row], c: &[Row]) -> Row {
         let mut rss = [0.0; WIDE];
         for (first, span) in self.spans() {
-            for (y, b) in samples[span.clone()].iter().zip(&self.values[span]) {
-                let fit = gather(local(c, first), b);
-                for k in 0..WIDE {
-                    rss[k] += (y[k] - fit[k]) * (y[k] - fit[k]);
+            for part in parts::<S>() {
+                let (near, mut sum) = (of_all(simd, local(c, first), part), load::<S>(&rss, part));
+                for (y, b) in samples[span.clone()].iter().zip(&self.values[span.clone()]) {
+                    sum = plus_square(simd, sum, simd.sub_f64s(load::<S>(y, part), gather(simd, &near, b)));
                 }
+                store::<S>(&mut rss, part, sum);
             }
         }
         rss
     }
     /// Right-hand sides of the normal equations.
     #[inline(always)]
-    fn projection(&self, samples: &[Row]) -> Vec<Row> {
+    fn projection<S: Simd>(&self, simd: S, samples: &[Row]) -> Vec<Row> {
         let mut projection = vec![[0.0; WIDE]; self.knots.count()];
         for (first, span) in self.spans() {
-            let sums = local_mut(&mut projection, first);
-            for (y, b) in samples[span.clone()].iter().zip(&self.values[span]) {
-                scatter(sums, b, y);
-            }
+            scatter(simd, local_mut(&mut projection, first), &self.values[span.clone()], &samples[span], None);
         }
         projection
     }
@@ -274,24 +275,24 @@ impl Grid {
     }
     /// Value, rate (per s) and second derivative (per s²) at each sample, and sums of squared residuals.
     #[inline(always)]
-    fn evaluate(&self, samples: &[Row], c: &[Row], dt: f64) -> ([Vec<Row>; 3], Row) {
-        let per_s = self.per_sample / dt;
-        let mut out: [Vec<Row>; 3] = std::array::from_fn(|_| Vec::with_capacity(self.n));
+    fn evaluate<S: Simd>(&self, simd: S, samples: &[Row], c: &[Row], dt: f64) -> ([Vec<Row>; 3], Row) {
+        let per_s = simd.splat_f64s(self.per_sample / dt);
+        let mut out = [(); 3].map(|()| vec![[0.0; WIDE]; self.n]);
         let mut rss = [0.0; WIDE];
         let slopes = self.slopes();
         for (first, span) in self.spans() {
-            let near = local(c, first);
-            for i in span {
-                let (y, value) = (&samples[i], gather(near, &self.values[i]));
-                let (mut rate, mut second) = (gather(near, &slopes[i][0]), gather(near, &slopes[i][1]));
-                for k in 0..WIDE {
-                    rss[k] += (y[k] - value[k]) * (y[k] - value[k]);
-                    rate[k] *= per_s;
-                    second[k] = second[k] * per_s * per_s;
+            for part in parts::<S>() {
+                let (near, mut sum) = (of_all(simd, local(c, first), part), load::<S>(&rss, part));
+                for i in span.clone() {
+                    let value = gather(simd, &near, &self.values[i]);
+                    sum = plus_square(simd, sum, simd.sub_f64s(load::<S>(&samples[i], part), value));
+                    let [rate, second] = &slopes[i];
+                    let (rate, second) = (gather(simd, &near, rate), gather(simd, &near, second));
+                    store::<S>(&mut out[0][i], part, value);
+                    store::<S>(&mut out[1][i], part, simd.mul_f64s(rate, per_s));
+                    store::<S>(&mut out[2][i], part, simd.mul_f64s(simd.mul_f64s(second, per_s), per_s));
                 }
-                out[0].push(value);
-                out[1].push(rate);
-                out[2].push(second);
+                store::<S>(&mut rss, part, sum);
             }
         }
         (out, rss)
@@ -318,12 +319,12 @@ impl Grid {
         let second = self.knots.slopes(first, x)[1];
         // The forward solution fades geometrically: 6 orders past the last value it is below rounding of the sum.
         let to = (first + ORDER + 6 * DEGREE).min(self.knots.count());
-        let mut z = vec![[0.0]; to];
+        let mut z = vec![0.0; to];
         for (z, b) in z[first..].iter_mut().zip(second) {
-            z[0] = b;
+            *z = b;
         }
         factor.forward_to(&mut z, first);
-        z[first..].iter().map(|v| v[0] * v[0]).sum::<f64>().sqrt()
+        z[first..].iter().map(|v| v * v).sum::<f64>().sqrt()
     }
 }
 
@@ -334,22 +335,33 @@ fn local_mut(c: &mut [Row], first: usize) -> &mut [Row; ORDER] {
     c[first..].first_chunk_mut().expect("an interval has as many coefficients")
 }
 
+/// `sum + x²`.
 #[inline(always)]
-fn scatter(c: &mut [Row; ORDER], b: &[f64; ORDER], y: &Row) {
-    for (c, b) in c.iter_mut().zip(b) {
-        for (c, y) in c.iter_mut().zip(y) {
-            *c += b * y;
-        }
-    }
+fn plus_square<S: Simd>(simd: S, sum: S::f64s, x: S::f64s) -> S::f64s {
+    simd.mul_add_f64s(x, x, sum)
 }
 
-#[inline(always)]
-fn gather(c: &[Row; ORDER], b: &[f64; ORDER]) -> Row {
-    let mut sum = [0.0; WIDE];
-    for (c, b) in c.iter().zip(b) {
-        for (s, c) in sum.iter_mut().zip(c) {
-            *s += b * c;
+#[cfg(test)]
+mod tests {
+    use super::{Grid, Row, Smoothing, Trial, sum_of_squares};
+    use pulp::{Arch, Scalar, WithSimd};
+
+    /// On the widest unit and on none at all.
+    #[test]
+    fn exact_bits_on_every_unit() {
+        let sample = |i: usize| -> Row {
+            std::array::from_fn(|k| (0.01 * (1 + k * i) as f64).sin() + (17.3 * (i * i + k) as f64).sin() * 1e-3)
+        };
+        let samples: Vec<Row> = (0..400).map(sample).collect();
+        let size2 = sum_of_squares(&samples);
+        let grid = Grid::new(40, samples.len());
+        let factor = grid.factor.as_ref().expect("more samples than coefficients");
+        let smoothing = || Smoothing { grid: &grid, factor, samples: &samples, dt: 0.01 };
+        let trial = |scale: f64| Trial { grid: &grid, samples: &samples, size2: size2.map(|s| s * scale) };
+        assert_eq!(Arch::new().dispatch(smoothing()), smoothing().with_simd(Scalar::new()));
+        // The larger sum makes the residual be taken sample by sample.
+        for scale in [1.0, 1e-9] {
+            assert_eq!(Arch::new().dispatch(trial(scale)), trial(scale).with_simd(Scalar::new()));
         }
     }
-    sum
 }
