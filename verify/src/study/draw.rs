@@ -12,7 +12,7 @@ use windfall_model::study::{Cell, Column, Distribution, DrawnSetup, Row, StudyOr
 use windfall_model::{Campaign, Data, Flight, Plant, Record, Run, Use};
 use windfall_pid::output_error::EstimateOptions;
 use windfall_pid::{DataSet, Method, estimated, identify_by};
-use windfall_sim::{Channel, Order, Seed, Stepping, Truth, fly, for_each_truth, record};
+use windfall_sim::{Channel, Order, Seed, Stepping, Truth, fly, for_each_flown};
 
 /// Stream of the histories, after those of [`StudyOrder::vary`].
 const HISTORY_STREAM: u8 = 127;
@@ -31,7 +31,7 @@ pub struct PreparedStudy {
 type Flown = (DrawnSetup, Plant, Vec<Record>);
 
 /// A draw whose flights are over.
-struct Drawn<'p> {
+pub(super) struct Drawn<'p> {
     out: Cells<'p>,
     flown: Result<Flown, String>,
 }
@@ -88,19 +88,19 @@ impl PreparedStudy {
         self.row(draw, None)
     }
 
-    /// Rows of some draws. Their flights are flown side by side before the first row, the rest of each is done when its row is asked for;
-    /// a row's bits do not depend on the others.
-    pub fn draws(&self, draws: Vec<u64>) -> impl Iterator<Item = Row> {
-        let flown = catch_unwind(AssertUnwindSafe(|| self.flown(&draws)));
-        // Where the program's own checks failed, each draw is flown by itself, so that the one at fault says so.
-        let mut flown = flown.unwrap_or_default().into_iter();
-        draws.into_iter().map(move |draw| self.row(draw, flown.next()))
+    /// Flies some draws side by side; [`PreparedStudy::row`] does the rest of each, whose bits do not depend on the others. None where the
+    /// program's own checks failed: then each is flown by itself, so that the one at fault says so.
+    pub(super) fn fly(&self, draws: &[u64]) -> Vec<Option<Box<Drawn<'_>>>> {
+        catch_unwind(AssertUnwindSafe(|| self.flown(draws).into_iter().map(|d| Some(Box::new(d))).collect()))
+            .unwrap_or_else(|_| draws.iter().map(|_| None).collect())
     }
 
-    fn row(&self, draw: u64, flown: Option<Drawn<'_>>) -> Row {
+    /// The row of a draw; flown here where it is not yet.
+    pub(super) fn row(&self, draw: u64, flown: Option<Box<Drawn<'_>>>) -> Row {
         let mut out = self.empty();
         let filled = catch_unwind(AssertUnwindSafe(|| {
-            let drawn = flown.or_else(|| self.flown(&[draw]).pop()).ok_or_else(String::new)?;
+            let drawn = flown.or_else(|| self.flown(&[draw]).pop().map(Box::new)).ok_or_else(String::new)?;
+            let drawn = *drawn;
             out = drawn.out;
             self.fill(drawn.flown?, &mut out)
         }));
@@ -134,18 +134,18 @@ impl PreparedStudy {
         let orders: Vec<Order<'_>> =
             flights.iter().map(|(_, flight, plant, seed)| Order { plant, flight, seed: *seed }).collect();
         let mut records: Vec<Option<Result<Record, String>>> = orders.iter().map(|_| None).collect();
-        let mut keep = |order: usize, truth: &Truth| {
-            let (i, flight, plant, seed) = &flights[order];
+        let mut keep = |order: usize, truth: &Truth, record: Record| {
+            let (i, flight, ..) = &flights[order];
             outs[*i].flight(&flight.name, truth);
-            Some(Ok(record(plant, flight, truth, *seed)))
+            Some(Ok(record))
         };
-        for_each_truth(&orders, Stepping::Adaptive, |order, flown| {
+        for_each_flown(&orders, Stepping::Adaptive, |order, flown| {
             let Order { plant, flight, seed } = orders[order];
             records[order] = match flown {
-                Ok((truth, _)) => keep(order, truth),
+                Ok((truth, record, _)) => keep(order, truth, record),
                 // What lanes do not carry, or give up, is flown alone, which says more of why.
                 Err(_) => match fly(plant, flight, seed) {
-                    Ok(flown) => keep(order, &flown.truth),
+                    Ok(flown) => keep(order, &flown.truth, flown.record),
                     Err(e) => Some(Err(format!("simulate {}: {e}", flight.name))),
                 },
             };
