@@ -106,6 +106,7 @@ impl Term {
     }
     /// Value at a flow state.
     #[must_use]
+    #[inline]
     pub fn value(&self, f: &FlowState) -> f64 {
         self.factors.iter().fold(self.scale, |product, factor| product * factor.value(f))
     }
@@ -239,6 +240,7 @@ pub struct Wrench {
 }
 
 impl std::ops::AddAssign for Wrench {
+    #[inline]
     fn add_assign(&mut self, o: Self) {
         self.f += o.f;
         self.m += o.m;

@@ -54,7 +54,7 @@ pub struct Release {
 }
 
 /// Integrator.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Integrator {
     /// Dormand-Prince 5(4) with dense output.
     Dopri5,

@@ -1,7 +1,8 @@
 //! pid: experimental coefficients (thesis B.1-B.36, B.60-B.66). In: states and a plant. Out: six coefficients at c.m. and origin.
 
-use crate::euler::t_bef;
-use crate::states::{State, add, cross, dot, sub, transposed};
+use crate::PidError;
+use crate::smooth::Smoothed;
+use crate::states::{State, across, add, cross, dot, state_at, states, sub, transposed};
 use windfall_model::{FlowState, Inertia, LooseMass, Plant, Tether, VARIABLES};
 
 /// One sample of the regression.
@@ -32,23 +33,46 @@ struct Load {
 pub fn coefficients(states: &[State], plant: &Plant) -> Vec<CoefficientRow> {
     let loose = plant.vehicle.loose.map(|l| loose_loads(states, &l, plant.environment.gravity_m_s2));
     let start_s = states.first().map_or(0.0, |s| s.t_s);
-    let row = |(i, s): (usize, &State)| {
-        let mut known = gravity(s, plant);
-        let mut take = |l: Load| known = Load { f: add(known.f, l.f), m: add(known.m, l.m) };
-        if let Some(t) = &plant.tether {
-            take(tether(s, t, plant));
+    states.iter().enumerate().map(|(i, s)| row(s, start_s, loose.as_ref().map(|l| l[i]), plant)).collect()
+}
+
+/// [`coefficients`] of the states of a smoothed run, which are kept only where a loose part needs those before.
+///
+/// # Errors
+/// As [`states`].
+pub(crate) fn coefficients_of(s: &Smoothed, plant: &Plant) -> Result<Vec<CoefficientRow>, PidError> {
+    if plant.vehicle.loose.is_some() {
+        return Ok(coefficients(&states(s, plant)?, plant));
+    }
+    let mut rows = Vec::with_capacity(s.t_s.len());
+    let mut start_s = 0.0;
+    for i in 0..s.t_s.len() {
+        let state = state_at(s, plant, i);
+        state.checked()?;
+        if i == 0 {
+            start_s = state.t_s;
         }
-        take(apparent(s, plant));
-        for contact in &plant.contacts {
-            let w = contact.wrench(s.t_s - start_s);
-            take(Load { f: w.f.to_array(), m: w.m.to_array() });
-        }
-        if let Some(loads) = &loose {
-            take(loads[i]);
-        }
-        finish(s, &total(s, plant), &known, plant)
-    };
-    states.iter().enumerate().map(row).collect()
+        rows.push(row(&state, start_s, None, plant));
+    }
+    Ok(rows)
+}
+
+#[inline]
+fn row(s: &State, start_s: f64, loose: Option<Load>, plant: &Plant) -> CoefficientRow {
+    let mut known = gravity(s, plant);
+    let mut take = |l: Load| known = Load { f: add(known.f, l.f), m: add(known.m, l.m) };
+    if let Some(t) = &plant.tether {
+        take(tether(s, t, plant));
+    }
+    take(apparent(s, plant));
+    for contact in &plant.contacts {
+        let w = contact.wrench(s.t_s - start_s);
+        take(Load { f: w.f.to_array(), m: w.m.to_array() });
+    }
+    if let Some(load) = loose {
+        take(load);
+    }
+    finish(s, &total(s, plant), &known, plant)
 }
 
 /// Force and moment that the motion needs (eqs B.5-B.10).
@@ -72,26 +96,30 @@ fn inertial_moment(i: &Inertia, [p, q, r]: [f64; 3], [p_dot, q_dot, r_dot]: [f64
 /// Weight, body axes (eq. B.12).
 fn gravity(s: &State, plant: &Plant) -> Load {
     let mg = plant.vehicle.mass_kg * plant.environment.gravity_m_s2;
-    Load { f: transposed(&t_bef(s.euler_rad), [mg, 0.0, 0.0]), m: [0.0; 3] }
+    Load { f: transposed(&s.t_bef, [mg, 0.0, 0.0]), m: [0.0; 3] }
 }
 
 /// Tether (eqs B.29-B.36, B.30 with the sign of B.31), its size as the plant has it, and its swivel: the roll rate p is opposed by a
 /// torque that saturates, `tanh x = (1 − e^(−2x))/(1 + e^(−2x))`.
 fn tether(s: &State, tether: &Tether, plant: &Plant) -> Load {
-    let t = t_bef(s.euler_rad);
+    let t = &s.t_bef;
     let r_to = tether.p_origin_hook.to_array();
     let r_t = sub(r_to, plant.vehicle.p_origin_cm.to_array());
-    let r_tr = sub(transposed(&t, sub(tether.ring().to_array(), s.p_tunnel_origin)), r_to);
+    let r_tr = sub(transposed(t, sub(tether.ring().to_array(), s.p_tunnel_origin)), r_to);
     let length = dot(r_tr, r_tr).sqrt();
     // The hook moves with the origin and turns about it; the line lengthens as the hook leaves the ring.
-    let v_hook = add(transposed(&t, s.v_tunnel_origin), cross(s.pqr, r_to));
+    let v_hook = add(transposed(t, s.v_tunnel_origin), cross(s.pqr, r_to));
     let pull = tether.pull_n(s.q_pa, length, -dot(r_tr, v_hook) / length);
     let [fx, fy, fz] = r_tr.map(|c| pull * c / length);
     let [x, y, z] = r_t;
-    let slip = (-2.0 * s.pqr[0] / tether.swivel_rate_rad_s).exp();
-    // At a fast negative roll e^(−2x) overflows, and the ratio's limit is −1.
-    let swivel = if slip.is_finite() { -tether.swivel_n_m * (1.0 - slip) / (1.0 + slip) } else { tether.swivel_n_m };
+    let swivel = if tether.swivel_n_m == 0.0 { 0.0 } else { swivel_torque(tether, s.pqr[0]) };
     Load { f: [fx, fy, fz], m: [y * fz - z * fy + swivel, z * fx - x * fz, x * fy - y * fx] }
+}
+
+fn swivel_torque(tether: &Tether, roll_rate: f64) -> f64 {
+    let slip = (-2.0 * roll_rate / tether.swivel_rate_rad_s).exp();
+    // At a fast negative roll e^(−2x) overflows, and the ratio's limit is −1.
+    if slip.is_finite() { -tether.swivel_n_m * (1.0 - slip) / (1.0 + slip) } else { tether.swivel_n_m }
 }
 
 /// Reaction of the air that moves with the body (Kirchhoff; Lamb 1932, §124): impulse (m_x u, m_r v, m_r w) and moment of
@@ -118,7 +146,7 @@ fn loose_loads(states: &[State], loose: &LooseMass, gravity_m_s2: f64) -> Vec<Lo
     let turned = windfall_model::frames::Vec3::zero();
     let force = |s: &State| {
         let ([u, v, w], [u_dot, v_dot, w_dot], [p, q, r]) = (s.uvw, s.uvw_rate, s.pqr);
-        let g = transposed(&t_bef(s.euler_rad), [gravity_m_s2, 0.0, 0.0]);
+        let g = transposed(&s.t_bef, [gravity_m_s2, 0.0, 0.0]);
         let (x, [_, q_dot, r_dot]) = (loose.x_cm_m, s.pqr_rate);
         // At the mount, x ahead of the c.m.: ω̇ × r + ω × (ω × r) besides.
         [
@@ -190,12 +218,15 @@ fn finish(s: &State, needed: &Load, known: &Load, plant: &Plant) -> CoefficientR
 /// The model's table of flow variables, from the wind angles of eqs B.45-B.50.
 fn flow(s: &State, d: f64) -> FlowState {
     let hat = d / (2.0 * s.speed);
-    let [p, q, r] = s.pqr;
+    let ([p, q, r], [u, v, w]) = (s.pqr, s.uvw_air);
+    // Of α_T and φ (eqs B.47-B.48); on the axis φ is 0.
+    let across = across(v, w);
+    let (sin_phi, cos_phi) = if across > 0.0 { (v / across, w / across) } else { (0.0, 1.0) };
     let values: [f64; VARIABLES] = [
-        s.alpha_t.sin(),
-        s.alpha_t.cos(),
-        s.phi.sin(),
-        s.phi.cos(),
+        across / s.speed,
+        u / s.speed,
+        sin_phi,
+        cos_phi,
         s.alpha,
         s.beta,
         s.alpha_t,

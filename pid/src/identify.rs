@@ -1,16 +1,16 @@
 //! pid: from a campaign to its parameters. In: records and a declared plant. Out: estimates per data set, with warnings.
 
 use crate::PidError;
-use crate::coefficients::{CoefficientRow, coefficients};
+use crate::coefficients::{CoefficientRow, coefficients_of};
 use crate::identification::{ALL_RUNS, CoefficientFit, DataSet, Estimate, Identification};
 use crate::interval::relative_percent;
 use crate::output_error::EstimateOptions;
 use crate::regress::{Colour, PreparedColumns, RegressionFit, RegressionOutcome, RegressionSeries, fit};
 use crate::smooth::{Smoother, TABLE_3_1_HZ, smooth};
-use crate::states::states;
 use crate::{filter_error, output_error};
 use serde::{Deserialize, Serialize};
-use windfall_model::{Campaign, Coefficient, Data, Plant, Record, Use};
+use std::cell::OnceCell;
+use windfall_model::{Campaign, Coefficient, Data, Factor, Plant, Record, Term, Use, VARIABLES, Variable};
 
 /// How to identify.
 ///
@@ -125,7 +125,7 @@ pub struct RunRows {
 /// As [`smooth`] and [`states`].
 pub fn process(name: &str, kind: &str, record: &Record, plant: &Plant, smoother: &Smoother) -> Result<RunRows, PidError> {
     let s = smooth(record, smoother)?;
-    let rows = coefficients(&states(&s, plant)?, plant);
+    let rows = coefficients_of(&s, plant)?;
     let bandwidth_hz = s.bandwidth_hz.iter().fold(0.0, |a: f64, b| a.max(*b));
     Ok(RunRows { name: name.to_owned(), kind: kind.to_owned(), rows, weight: s.weight, interval_s: s.interval_s, bandwidth_hz })
 }
@@ -166,8 +166,9 @@ pub fn identify_with(campaign: &Campaign, method: Method, smoother: &Smoother) -
 
 fn regressed(campaign: &Campaign, method: Method, smoother: &Smoother, combined_only: bool) -> Result<Identification, PidError> {
     let runs = processed(campaign, smoother)?;
+    let flows: Vec<FlowSeries<'_>> = runs.iter().map(FlowSeries::new).collect();
     let prepared: Vec<Group> =
-        groups(&campaign.plant, &campaign.declared).into_iter().map(|g| g.prepared(&runs, campaign, method)).collect();
+        groups(&campaign.plant, &campaign.declared).into_iter().map(|g| g.prepared(&flows, campaign, method)).collect();
     let mut warnings = Vec::new();
     let mut sets = sets(&runs);
     if combined_only {
@@ -231,9 +232,9 @@ impl Group {
     fn label(&self) -> &'static str {
         self.coefficients.last().map_or("", |c| c.name())
     }
-    fn prepared(mut self, runs: &[RunRows], campaign: &Campaign, method: Method) -> Self {
-        let one = |run| run_series(&self, run, campaign, method).into_iter().map(PreparedColumns::new).collect();
-        self.series = runs.iter().map(one).collect();
+    fn prepared(mut self, flows: &[FlowSeries<'_>], campaign: &Campaign, method: Method) -> Self {
+        let one = |flow| run_series(&self, flow, campaign, method).into_iter().map(PreparedColumns::new).collect();
+        self.series = flows.iter().map(one).collect();
         self
     }
 }
@@ -381,8 +382,9 @@ impl<'a> DataSetWork<'a> {
 }
 
 /// What one run adds to a group's regression.
-fn run_series(group: &Group, run: &RunRows, campaign: &Campaign, method: Method) -> Vec<RegressionSeries> {
-    let parts: Vec<RegressionSeries> = group.coefficients.iter().map(|&c| series(group, run, campaign, c)).collect();
+fn run_series(group: &Group, flow: &FlowSeries<'_>, campaign: &Campaign, method: Method) -> Vec<RegressionSeries> {
+    let run = flow.run;
+    let parts: Vec<RegressionSeries> = group.coefficients.iter().map(|&c| series(group, flow, campaign, c)).collect();
     match method {
         Method::Thesis => vec![total(&parts)],
         Method::EquationError | Method::OutputError | Method::FilterError => {
@@ -415,24 +417,53 @@ pub(crate) fn faded(run: &RunRows) -> Vec<f64> {
     run.weight.iter().enumerate().map(faded).collect()
 }
 
+/// A run and its flow variables, each in a series of its own where a term asks for it.
+struct FlowSeries<'a> {
+    run: &'a RunRows,
+    variables: [OnceCell<Vec<f64>>; VARIABLES],
+}
+
+impl<'a> FlowSeries<'a> {
+    fn new(run: &'a RunRows) -> Self {
+        Self { run, variables: [const { OnceCell::new() }; VARIABLES] }
+    }
+    fn variable(&self, v: Variable) -> &[f64] {
+        self.variables[v as usize].get_or_init(|| self.run.rows.iter().map(|row| row.flow.get(v)).collect())
+    }
+    /// A term at every sample.
+    fn term(&self, term: &Term) -> Vec<f64> {
+        let mut products = vec![term.scale; self.run.rows.len()];
+        for factor in &term.factors {
+            match *factor {
+                Factor::Power(v, 1) => products.iter_mut().zip(self.variable(v)).for_each(|(p, x)| *p *= x),
+                Factor::Power(v, 2) => products.iter_mut().zip(self.variable(v)).for_each(|(p, x)| *p *= x * x),
+                Factor::Power(v, 3) => products.iter_mut().zip(self.variable(v)).for_each(|(p, x)| *p *= x * x * x),
+                other => products.iter_mut().zip(&self.run.rows).for_each(|(p, row)| *p *= other.value(&row.flow)),
+            }
+        }
+        products
+    }
+    /// Sum of terms, each times a number.
+    fn sum<'t>(&self, terms: impl Iterator<Item = (f64, &'t Term)>) -> Vec<f64> {
+        let mut sums = vec![0.0; self.run.rows.len()];
+        for (k, term) in terms {
+            sums.iter_mut().zip(self.term(term)).for_each(|(sum, x)| *sum += k * x);
+        }
+        sums
+    }
+}
+
 /// One coefficient of one run; what effects add to the plant and what undeclared parameters hold is taken off the response.
-fn series(group: &Group, run: &RunRows, campaign: &Campaign, coefficient: Coefficient) -> RegressionSeries {
+fn series(group: &Group, flow: &FlowSeries<'_>, campaign: &Campaign, coefficient: Coefficient) -> RegressionSeries {
     let aero = &campaign.plant.aero;
     let mine: Vec<_> = aero.structure.contributions.iter().filter(|k| k.coefficient == coefficient).collect();
-    let held: Vec<_> =
-        mine.iter().filter(|k| !campaign.declared[k.parameter]).map(|k| (aero.values[k.parameter], &k.term)).collect();
+    let held = mine.iter().filter(|k| !campaign.declared[k.parameter]).map(|k| (aero.values[k.parameter], &k.term));
     let extra = aero.extra.iter().filter(|(c, _, _)| *c == coefficient).map(|(_, v, t)| (*v, t));
-    let fixed: Vec<_> = held.into_iter().chain(extra).filter(|(v, _)| *v != 0.0).collect();
-    let rest = |row: &CoefficientRow| {
-        row.exp_origin[coefficient as usize] - fixed.iter().map(|(v, t)| v * t.value(&row.flow)).sum::<f64>()
-    };
-    let regressor = |p: &usize| -> Vec<f64> {
-        let terms: Vec<_> = mine.iter().filter(|k| k.parameter == *p).map(|k| &k.term).collect();
-        run.rows.iter().map(|row| terms.iter().map(|t| t.value(&row.flow)).sum()).collect()
-    };
+    let fixed = flow.sum(held.chain(extra).filter(|(v, _)| *v != 0.0));
+    let regressor = |p: &usize| flow.sum(mine.iter().filter(|k| k.parameter == *p).map(|k| (1.0, &k.term)));
     RegressionSeries {
         regressors: group.parameters.iter().map(regressor).collect(),
-        response: run.rows.iter().map(rest).collect(),
+        response: flow.run.rows.iter().zip(fixed).map(|(row, fixed)| row.exp_origin[coefficient as usize] - fixed).collect(),
         ..RegressionSeries::default()
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::euler::{euler_rates, rates, t_bef};
 use crate::smooth::{Signal, Smoothed};
-use windfall_model::{PerChannel, RunChannel, Sensors};
+use windfall_model::{CHANNELS, PerChannel, RunChannel, Sensors};
 
 /// Value, first and second derivative of every channel at one sample.
 pub(crate) type Sample = PerChannel<[f64; 3]>;
@@ -11,20 +11,25 @@ pub(crate) type Sample = PerChannel<[f64; 3]>;
 pub(crate) fn sample(s: &Smoothed, sensors: &Sensors, i: usize) -> Sample {
     // Recorded seconds per true one.
     let ticks = 1.0 + sensors.time_base;
-    let mut x: Sample = RunChannel::ALL.map(|c| {
+    let mut x: Sample = [[0.0; 3]; CHANNELS];
+    for c in RunChannel::ALL {
         let delay = if c == RunChannel::Wind { sensors.wind_delay_s } else { sensors.pose_delay_s };
-        later(&s.channels[c.at()], s.interval_s, i, delay * ticks)
-    });
+        x[c.at()] = later(&s.channels[c.at()], s.interval_s, i, delay * ticks);
+    }
     if sensors.time_base != 0.0 {
         x = x.map(|[value, rate, second]| [value, rate * ticks, second * ticks * ticks]);
     }
-    let longer = 1.0 + sensors.length_scale;
-    for axis in &mut x[..3] {
-        *axis = axis.map(|v| v / longer);
+    if sensors.length_scale != 0.0 {
+        let longer = 1.0 + sensors.length_scale;
+        for axis in &mut x[..3] {
+            *axis = axis.map(|v| v / longer);
+        }
     }
-    let scale = 1.0 + sensors.wind_scale;
-    let wind = &mut x[RunChannel::Wind.at()];
-    *wind = wind.map(|v| v / scale);
+    if sensors.wind_scale != 0.0 {
+        let scale = 1.0 + sensors.wind_scale;
+        let wind = &mut x[RunChannel::Wind.at()];
+        *wind = wind.map(|v| v / scale);
+    }
     if sensors.misalignment_rad.iter().any(|a| *a != 0.0) {
         turn(&mut x, sensors.misalignment_rad);
     }
@@ -32,6 +37,7 @@ pub(crate) fn sample(s: &Smoothed, sensors: &Sensors, i: usize) -> Sample {
 }
 
 /// The signal `delay` seconds after sample i: quintic Hermite between samples, Taylor beyond the ends.
+#[inline]
 fn later(s: &Signal, dt: f64, i: usize, delay: f64) -> [f64; 3] {
     let node = |i: usize| [s.value[i], s.rate[i], s.second[i]];
     if delay == 0.0 {

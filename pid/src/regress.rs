@@ -2,10 +2,12 @@
 
 mod colour;
 mod quality;
+mod reflect;
 mod spectral;
 
 use crate::PidError;
 use nalgebra::{DMatrix, DVector};
+use reflect::Triangle;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// One coefficient over one run: what the regression stacks. Residuals may be correlated within a series, never between two.
@@ -102,12 +104,16 @@ pub fn ols(series: &[RegressionSeries]) -> Result<RegressionOutcome, PidError> {
 /// A series with the transforms that its colour needs, done once for all data sets that use it.
 #[derive(Clone, Debug)]
 pub(crate) struct PreparedColumns {
+    /// Its rows times their factors.
     series: RegressionSeries,
     cosines: Option<spectral::Cosines>,
 }
 
 impl PreparedColumns {
-    pub(crate) fn new(series: RegressionSeries) -> Self {
+    pub(crate) fn new(mut series: RegressionSeries) -> Self {
+        for column in series.regressors.iter_mut().chain(std::iter::once(&mut series.response)) {
+            column.iter_mut().zip(&series.weight).for_each(|(x, w)| *x *= w);
+        }
         let cosines = match series.residuals {
             Colour::Weighted(count) => Some(spectral::cosines(&series, count)),
             Colour::White | Colour::Corrected(_) => None,
@@ -140,8 +146,7 @@ pub(crate) fn fit(prepared: &[&PreparedColumns], columns: &[usize]) -> Result<Re
     if count == 0 || rows <= count {
         return Err(PidError::TooFewSamples { what: "regression".to_owned(), samples: rows, needed: count.max(1) + 1 });
     }
-    let (x, y) = stack(&series, columns, rows);
-    let white = match solve(x, &y) {
+    let white = match solve(stack(&series, columns)) {
         Solution::Found(white) => white,
         Solution::Deficient { column, rank } => return Ok(RegressionOutcome::Deficient { column, rank }),
     };
@@ -196,26 +201,11 @@ impl RegressionFit {
     }
 }
 
-fn weight(s: &RegressionSeries, i: usize) -> f64 {
-    s.weight.get(i).copied().unwrap_or(1.0)
-}
-
-fn stack(series: &[&RegressionSeries], columns: &[usize], rows: usize) -> (DMatrix<f64>, DMatrix<f64>) {
-    let (mut x, mut y) = (DMatrix::zeros(rows, columns.len()), DMatrix::zeros(rows, 1));
-    let mut start = 0;
-    for s in series {
-        let n = s.response.len();
-        for (i, v) in s.response.iter().enumerate() {
-            y[(start + i, 0)] = weight(s, i) * v;
-        }
-        for (c, &column) in columns.iter().enumerate() {
-            for (i, v) in s.regressors[column].iter().enumerate() {
-                x[(start + i, c)] = weight(s, i) * v;
-            }
-        }
-        start += n;
-    }
-    (x, y)
+/// The columns of all series below one another, the response last.
+fn stack(series: &[&RegressionSeries], columns: &[usize]) -> Vec<Vec<f64>> {
+    let one = |of: &dyn Fn(&RegressionSeries) -> &Vec<f64>| series.iter().map(|s| of(s).as_slice()).collect::<Vec<_>>().concat();
+    let regressors = columns.iter().map(|&column| one(&|s| &s.regressors[column]));
+    regressors.chain([one(&|s| &s.response)]).collect()
 }
 
 /// Estimate and (XᵀX)⁻¹ of ordinary least squares.
@@ -230,19 +220,14 @@ enum Solution {
     Deficient { column: usize, rank: usize },
 }
 
-fn solve(mut x: DMatrix<f64>, y: &DMatrix<f64>) -> Solution {
-    let columns = x.ncols();
-    let scale: Vec<f64> = x.column_iter().map(|c| c.norm()).collect();
+/// Columns, the response last.
+fn solve(x: Vec<Vec<f64>>) -> Solution {
+    let triangle = Triangle::of(x);
+    let Triangle { scale, r, z } = &triangle;
+    let columns = scale.len();
     if let Some(column) = scale.iter().position(|s| !s.is_normal()) {
         return Solution::Deficient { column, rank: scale.iter().filter(|s| s.is_normal()).count() };
     }
-    for (mut c, s) in x.column_iter_mut().zip(&scale) {
-        c /= *s;
-    }
-    let qr = x.qr();
-    let mut z = y.clone();
-    qr.q_tr_mul(&mut z);
-    let r = qr.r();
     let svd = r.clone().svd(false, true);
     let singular = &svd.singular_values;
     let largest = singular.max();
@@ -254,11 +239,10 @@ fn solve(mut x: DMatrix<f64>, y: &DMatrix<f64>) -> Solution {
     if rank < columns {
         return undetermined();
     }
-    let Some(r_inverse) = r.solve_upper_triangular(&DMatrix::identity(columns, columns)) else { return undetermined() };
     // Columns back to their own size.
-    let unscaled = DMatrix::from_diagonal(&DVector::from_iterator(columns, scale.iter().map(|s| 1.0 / s))) * r_inverse;
+    let Some(unscaled) = triangle.inverse() else { return undetermined() };
     Solution::Found(White {
-        estimate: (&unscaled * z.rows(0, columns)).as_slice().to_vec(),
+        estimate: (&unscaled * z).as_slice().to_vec(),
         bread: &unscaled * unscaled.transpose(),
         condition: largest / singular.min(),
     })

@@ -3,7 +3,7 @@
 //! Transcribed from the printed equations with Euler angles and components, on purpose not with the vector code of `model`.
 
 use crate::PidError;
-use crate::euler::{rates, t_bef, t_bef_rate};
+use crate::euler::Sines;
 use crate::instrument::{Sample, sample};
 use crate::smooth::Smoothed;
 use windfall_model::{Plant, RunChannel};
@@ -25,6 +25,8 @@ pub struct State {
     pub euler_rad: [f64; 3],
     /// Their rates, rad/s.
     pub euler_rate: [f64; 3],
+    /// Body-to-tunnel matrix, by rows (eq. B.14).
+    pub t_bef: [[f64; 3]; 3],
     /// Body rates p, q, r, rad/s (eq. 3.20).
     pub pqr: [f64; 3],
     /// Their derivatives, rad/s² (eq. 3.22).
@@ -47,8 +49,6 @@ pub struct State {
     pub beta: f64,
     /// Total angle of attack α_T, rad (eq. B.47).
     pub alpha_t: f64,
-    /// Clock angle φ_αT, rad (eq. B.48); 0 at α_T = 0.
-    pub phi: f64,
     /// α̇, rad/s (eq. B.49).
     pub alpha_dot: f64,
     /// β̇, rad/s (eq. B.50).
@@ -61,6 +61,25 @@ pub struct State {
     pub vw_rate: f64,
 }
 
+impl State {
+    /// Clock angle φ_αT, rad (eq. B.48); 0 at α_T = 0.
+    #[must_use]
+    pub fn phi(&self) -> f64 {
+        let [_, v, w] = self.uvw_air;
+        v.atan2(w)
+    }
+    /// An error where airspeed vanishes, the nose is horizontal or a value is not finite.
+    #[inline]
+    pub(crate) fn checked(&self) -> Result<(), PidError> {
+        let ry_rad = self.euler_rad[1];
+        let upright = ry_rad.abs() < std::f64::consts::FRAC_PI_2;
+        if self.speed > 0.0 && self.beta_dot.is_finite() && self.alpha_dot.is_finite() && upright {
+            return Ok(());
+        }
+        Err(PidError::NoFlow { t_s: self.t_s, speed_m_s: self.speed, ry_rad })
+    }
+}
+
 /// States of a smoothed run. Instrument errors of the plant are undone; its mean flow gives the wind.
 ///
 /// # Errors
@@ -68,20 +87,30 @@ pub struct State {
 pub fn states(s: &Smoothed, plant: &Plant) -> Result<Vec<State>, PidError> {
     (0..s.t_s.len())
         .map(|i| {
-            let density = plant.environment.density_kg_m3(s.ps_pa[i], s.ts_k[i]);
-            state(s.t_s[i] / (1.0 + plant.sensors.time_base), &sample(s, &plant.sensors, i), density, plant)
+            let state = state_at(s, plant, i);
+            state.checked()?;
+            Ok(state)
         })
         .collect()
 }
 
-/// State of one instant.
-pub(crate) fn state(t_s: f64, x: &Sample, density: f64, plant: &Plant) -> Result<State, PidError> {
+/// State at sample i of a smoothed run, not yet checked.
+#[inline(always)]
+pub(crate) fn state_at(s: &Smoothed, plant: &Plant, i: usize) -> State {
+    let density = plant.environment.density_kg_m3(s.ps_pa[i], s.ts_k[i]);
+    state(s.t_s[i] / (1.0 + plant.sensors.time_base), &sample(s, &plant.sensors, i), density, plant)
+}
+
+/// State of one instant, not yet checked.
+#[inline(always)]
+pub(crate) fn state(t_s: f64, x: &Sample, density: f64, plant: &Plant) -> State {
     let pick = |first: usize, order: usize| [x[first][order], x[first + 1][order], x[first + 2][order]];
     let (position, velocity, acceleration) = (pick(0, 0), pick(0, 1), pick(0, 2));
     let (euler, euler_rate) = (pick(3, 0), pick(3, 1));
     let r_cm = plant.vehicle.p_origin_cm.to_array();
-    let (t, t_dot) = (t_bef(euler), t_bef_rate(euler, euler_rate));
-    let (pqr, pqr_rate) = rates(euler, euler_rate, pick(3, 2));
+    let sines = Sines::of(euler);
+    let (t, t_dot) = (sines.t_bef(), sines.t_bef_rate(euler_rate));
+    let (pqr, pqr_rate) = sines.rates(euler_rate, pick(3, 2));
     // Eqs 3.25-3.28.
     let uvw = add(transposed(&t, velocity), cross(pqr, r_cm));
     let uvw_rate = add(add(transposed(&t_dot, velocity), transposed(&t, acceleration)), cross(pqr_rate, r_cm));
@@ -93,11 +122,7 @@ pub(crate) fn state(t_s: f64, x: &Sample, density: f64, plant: &Plant) -> Result
     let uvw_air = sub(uvw, transposed(&t, wind));
     let uvw_air_rate = sub(uvw_rate, add(transposed(&t, wind_rate), transposed(&t_dot, wind)));
     let a = wind_angles(uvw_air, uvw_air_rate);
-    let ry_rad = euler[1];
-    if !(a.speed > 0.0 && a.beta_dot.is_finite() && a.alpha_dot.is_finite() && ry_rad.abs() < std::f64::consts::FRAC_PI_2) {
-        return Err(PidError::NoFlow { t_s, speed_m_s: a.speed, ry_rad });
-    }
-    Ok(State {
+    State {
         t_s,
         p_tunnel_origin: position,
         v_tunnel_origin: velocity,
@@ -105,6 +130,7 @@ pub(crate) fn state(t_s: f64, x: &Sample, density: f64, plant: &Plant) -> Result
         v_tunnel_cm: v_cm,
         euler_rad: euler,
         euler_rate,
+        t_bef: t,
         pqr,
         pqr_rate,
         uvw,
@@ -116,13 +142,12 @@ pub(crate) fn state(t_s: f64, x: &Sample, density: f64, plant: &Plant) -> Result
         alpha: a.alpha,
         beta: a.beta,
         alpha_t: a.alpha_t,
-        phi: a.phi,
         alpha_dot: a.alpha_dot,
         beta_dot: a.beta_dot,
         density,
         vw,
         vw_rate,
-    })
+    }
 }
 
 /// Air velocity and its total rate at the c.m., tunnel axes: upward V_W (eq. B.38), varied across the section as the plant says.
@@ -146,17 +171,25 @@ fn wind(plant: &Plant, p: [f64; 3], v: [f64; 3], vw: f64, vw_rate: f64) -> ([f64
     )
 }
 
+/// Airspeed across the body, m/s.
+#[expect(
+    clippy::imprecise_flops,
+    reason = "speeds are far from where squares overflow or vanish, and this is done at every sample"
+)]
+pub(crate) fn across(v: f64, w: f64) -> f64 {
+    (v * v + w * w).sqrt()
+}
+
 struct WindAngles {
     speed: f64,
     alpha: f64,
     beta: f64,
     alpha_t: f64,
-    phi: f64,
     alpha_dot: f64,
     beta_dot: f64,
 }
 
-/// Eqs B.39, B.45-B.50.
+/// Eqs B.39, B.45-B.47, B.49-B.50.
 fn wind_angles([u, v, w]: [f64; 3], [u_dot, v_dot, w_dot]: [f64; 3]) -> WindAngles {
     let speed2 = u * u + v * v + w * w;
     let speed = speed2.sqrt();
@@ -166,8 +199,7 @@ fn wind_angles([u, v, w]: [f64; 3], [u_dot, v_dot, w_dot]: [f64; 3]) -> WindAngl
         alpha: w.atan2(u),
         beta: (v / speed).clamp(-1.0, 1.0).asin(),
         // B.47 as an arctangent: the same angle, without the arccosine's loss of digits near 0.
-        alpha_t: v.hypot(w).atan2(u),
-        phi: v.atan2(w),
+        alpha_t: across(v, w).atan2(u),
         alpha_dot: (u * w_dot - u_dot * w) / uw2,
         beta_dot: (v_dot * speed2 - v * (u * u_dot + v * v_dot + w * w_dot)) / (speed2 * uw2.sqrt()),
     }

@@ -43,7 +43,7 @@ fn compare() {
         println!("ours  {:?}: {us:8.1} us, {:5} steps, largest error {far:.1e}", order.numerics.method, flown.steps);
     }
     let sides: Vec<_> = (0..SIDE).map(|_| Order { plant: &plant, flight: &orders[1], seed: Seed::default() }).collect();
-    let side = &fly_batch(&sides[..1], Stepping::Dopri5)[0];
+    let side = &fly_batch(&sides[..1], Stepping::Adaptive)[0];
     let side = side.as_ref().expect("flies");
     let far = distance(&states(&side.truth), &reference);
     match Peer::new(&[]) {
@@ -70,7 +70,7 @@ fn turns(plant: &Plant, orders: &[Flight; 2], sides: &[Order<'_>], peer: &Peer, 
         let beside = (0..REPETITIONS / ROUNDS / 4)
             .map(|_| {
                 let start = processor_s();
-                black_box(fly_truth_batch(black_box(sides), Stepping::Dopri5));
+                black_box(fly_truth_batch(black_box(sides), Stepping::Adaptive));
                 (processor_s() - start) * 1e6 / SIDE as f64
             })
             .fold(f64::INFINITY, f64::min);

@@ -3,26 +3,32 @@
 //!
 //! Flights of equal structure (which terms, which parts, which sampling) share a kernel; the numbers of each are its own. A
 //! flight's bits do not depend on which others fly beside it: a lane never sees another, and the grouping follows from each
-//! flight alone. The instruction set is chosen at run time; between machines with fused multiplication and those without, and
-//! between this and [`crate::fly`], results differ by round-off. Why the equations stand here a second time:
+//! flight alone. The instruction set is chosen at run time and decides on no bit; between this and [`crate::fly`] results differ by
+//! round-off. Why the equations stand here a second time:
 //! docs/decisions/batch.md.
 
+mod adaptive;
+mod dop853;
 mod dopri5;
 mod inputs;
 mod kernel;
 mod lane;
 mod rk4;
 mod terms;
+#[cfg(test)]
+mod tests;
 mod track;
 
 use crate::error::SimError;
 use crate::fly::{start, within};
 use crate::integrate::samples;
-use crate::record::record;
+use crate::record::recorded;
 use crate::seed::Seed;
 use crate::setup::Setup;
 use crate::truth::{End, Flown, Truth};
-use dopri5::Wish;
+use adaptive::Wish;
+use dop853::Dop853;
+use dopri5::Dopri5;
 use inputs::{Channels, Inputs};
 use kernel::{Constants, HELD, Kernel, PLAIN, Parts};
 use lane::Lanes;
@@ -32,14 +38,14 @@ use rk4::StepGrid;
 use std::collections::HashMap;
 use terms::{LaneTerms, Layout};
 use track::{KeepSamples, LaneTrack, SampleSeries, Tracks};
-use windfall_model::{Flight, Plant};
+use windfall_model::{Flight, Integrator, Plant, Record};
 
 /// One flight of a batch. The plant must already be the one of this run (`Plant::for_run`).
 #[derive(Clone, Copy, Debug)]
 pub struct Order<'a> {
     /// What flies.
     pub plant: &'a Plant,
-    /// How; of the integrator's settings only the tolerances are used, and only by [`Stepping::Dopri5`].
+    /// How; the integrator's settings are used by [`Stepping::Adaptive`] alone.
     pub flight: &'a Flight,
     /// Of its random inputs and its instruments.
     pub seed: Seed,
@@ -54,8 +60,8 @@ pub enum Stepping {
         /// Steps from one sample to the next.
         steps_per_sample: u32,
     },
-    /// Dormand-Prince 5(4) with dense output and the tolerances of each flight; every lane has its own step.
-    Dopri5,
+    /// The method and the tolerances of each flight, with dense output; every lane has its own step, set as in the single flight.
+    Adaptive,
 }
 
 /// Flies and records all orders on one core. Results are in the order of the orders.
@@ -67,7 +73,7 @@ pub enum Stepping {
 pub fn fly_batch(orders: &[Order<'_>], stepping: Stepping) -> Vec<Result<Flown, SimError>> {
     collected(orders, stepping, KeepSamples::Truth, |order, series, steps, end| {
         let truth = std::mem::take(&mut series.truth);
-        let record = record(order.plant, order.flight, &truth, order.seed);
+        let record = recorded(order.plant, order.flight, &truth, order.seed, true);
         Flown { truth, record, end, steps }
     })
 }
@@ -87,6 +93,18 @@ pub fn for_each_truth(orders: &[Order<'_>], stepping: Stepping, mut see: impl Fn
     flown(orders, stepping, KeepSamples::Truth, |k, flown| see(k, flown.map(|(series, _, end)| (&series.truth, end))));
 }
 
+/// As [`for_each_truth`], with what the instruments make of it.
+pub fn for_each_flown(
+    orders: &[Order<'_>],
+    stepping: Stepping,
+    mut see: impl FnMut(usize, Result<(&Truth, Record, End), SimError>),
+) {
+    for_each_truth(orders, stepping, |k, flown| {
+        let Order { plant, flight, seed } = orders[k];
+        see(k, flown.map(|(truth, end)| (truth, recorded(plant, flight, truth, seed, true), end)));
+    });
+}
+
 /// States at the sample times of a flight: c.m. position (m) and velocity (m/s) in tunnel axes, quaternion body to tunnel
 /// (scalar first, its length as integrated), body rates (rad/s).
 pub type States = [[f64; 13]];
@@ -104,6 +122,14 @@ struct Kin {
     held: bool,
     samples: usize,
     rate_bits: u64,
+    pace: Pace,
+}
+
+/// Stepping of a group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Pace {
+    Rk4 { steps_per_sample: usize },
+    Adaptive(Integrator),
 }
 
 /// A flight made ready.
@@ -150,16 +176,9 @@ fn flown_window(
     mut see: impl FnMut(usize, Result<(&mut SampleSeries, u64, End), SimError>),
 ) {
     for (kin, group) in groups(orders, stepping, |index, error| see(index, Err(error))) {
-        let rate_hz = f64::from_bits(kin.rate_bits);
-        let pace = match stepping {
-            Stepping::Rk4 { steps_per_sample } => {
-                Pace::Rk4(StepGrid { samples: kin.samples, rate_hz, steps_per_sample: steps_per_sample as usize })
-            }
-            Stepping::Dopri5 => Pace::Dopri5 { samples: kin.samples, rate_hz },
-        };
         let mut rest = &group[..];
         while !rest.is_empty() {
-            let tracks = Arch::new().dispatch(Side { kin: &kin, ready: rest, orders, pace, keep, spare });
+            let tracks = abreast(Side { kin: &kin, ready: rest, orders, keep, spare });
             let used = tracks.len();
             for (ready, mut track) in rest.iter().zip(tracks) {
                 let end = track.end.take().expect("a flown track has ended");
@@ -223,6 +242,10 @@ fn ready<'a>(order: &Order<'a>, index: usize, stepping: Stepping) -> Result<(Kin
         held: setup.hand.is_some(),
         samples: samples(order.flight),
         rate_bits: order.flight.rate_hz.to_bits(),
+        pace: match stepping {
+            Stepping::Rk4 { steps_per_sample } => Pace::Rk4 { steps_per_sample: steps_per_sample as usize },
+            Stepping::Adaptive => Pace::Adaptive(order.flight.numerics.method),
+        },
     };
     Ok((kin, Ready { setup, terms, index }))
 }
@@ -258,13 +281,6 @@ fn parts(setup: &Setup<'_>) -> Parts {
     }
 }
 
-/// Stepping and sampling of a group.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Pace {
-    Rk4(StepGrid),
-    Dopri5 { samples: usize, rate_hz: f64 },
-}
-
 fn wish(flight: &Flight, setup: &Setup<'_>) -> Wish {
     let n = flight.numerics;
     Wish { relative_tolerance: n.relative_tolerance, absolute_tolerance: n.absolute_tolerance, step_max_s: setup.step_max_s }
@@ -275,7 +291,6 @@ struct Side<'a, 'g> {
     kin: &'g Kin,
     ready: &'g [Ready<'a>],
     orders: &'a [Order<'a>],
-    pace: Pace,
     keep: KeepSamples,
     spare: &'g mut Vec<SampleSeries>,
 }
@@ -289,15 +304,21 @@ impl<'a> WithSimd for Side<'a, '_> {
         let mut tracks: Vec<LaneTrack<'a>> = self.ready[..used].iter().map(fresh).collect();
         // Lanes to spare fly the last flight again; nobody looks.
         let ready: Vec<&Ready<'a>> = (0..S::F64_LANES).map(|k| &self.ready[k.min(used - 1)]).collect();
-        let (kin, orders, pace) = (self.kin, self.orders, self.pace);
+        let (kin, orders) = (self.kin, self.orders);
         let mut sink = Tracks::new(simd, &mut tracks, self.keep);
         if kin.held {
-            fly::<S, HELD, 16>(simd, kin, orders, pace, &ready, &mut sink);
+            fly::<S, HELD, 16>(simd, kin, orders, &ready, &mut sink);
         } else {
-            fly::<S, PLAIN, 14>(simd, kin, orders, pace, &ready, &mut sink);
+            fly::<S, PLAIN, 14>(simd, kin, orders, &ready, &mut sink);
         }
         tracks
     }
+}
+
+/// Flies them on the vector unit. Not generic, so that the kernels are compiled in this crate alone.
+#[inline(never)]
+fn abreast<'a>(side: Side<'a, '_>) -> Vec<LaneTrack<'a>> {
+    Arch::new().dispatch(side)
 }
 
 /// `N` states on lanes, `M` in a single flight, which carries time as one more.
@@ -306,7 +327,6 @@ fn fly<S: Simd, const N: usize, const M: usize>(
     simd: S,
     kin: &Kin,
     orders: &[Order<'_>],
-    pace: Pace,
     ready: &[&Ready<'_>],
     sink: &mut Tracks<'_, '_, S>,
 ) {
@@ -328,11 +348,17 @@ fn fly<S: Simd, const N: usize, const M: usize>(
         c: Constants::gather(simd, &setups),
     };
     let mut inputs: Vec<Inputs<'_>> = ready.iter().map(|r| Inputs::new(&r.setup, orders[r.index].flight)).collect();
-    match pace {
-        Pace::Rk4(grid) => rk4::fly(simd, &kernel, &mut inputs, grid, y, sink),
-        Pace::Dopri5 { samples, rate_hz } => {
-            let wishes: Vec<Wish> = ready.iter().map(|r| wish(orders[r.index].flight, &r.setup)).collect();
-            dopri5::fly(simd, &kernel, &mut inputs, &wishes, (samples, rate_hz), y, sink);
+    let rate_hz = f64::from_bits(kin.rate_bits);
+    let method = match kin.pace {
+        Pace::Rk4 { steps_per_sample } => {
+            return rk4::fly(simd, &kernel, &mut inputs, StepGrid { samples: kin.samples, rate_hz, steps_per_sample }, y, sink);
         }
+        Pace::Adaptive(method) => method,
+    };
+    let wishes: Vec<Wish> = ready.iter().map(|r| wish(orders[r.index].flight, &r.setup)).collect();
+    let grid = (kin.samples, rate_hz);
+    match method {
+        Integrator::Dop853 => adaptive::fly::<S, N, Dop853<S, N>>(simd, &kernel, &mut inputs, &wishes, grid, y, sink),
+        Integrator::Dopri5 => adaptive::fly::<S, N, Dopri5<S, N>>(simd, &kernel, &mut inputs, &wishes, grid, y, sink),
     }
 }

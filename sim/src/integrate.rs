@@ -13,7 +13,7 @@ use std::cell::Cell;
 use windfall_model::{Flight, Integrator, Numerics, TestSection};
 
 /// The end lies this part of a sample interval beyond the last sample.
-const BEYOND: f64 = 1e-3;
+pub(crate) const BEYOND: f64 = 1e-3;
 /// Steps at most for any flight, and for each second of it beyond: a body at the rate at which a flight is given up turns 160 times a
 /// second, and the higher method takes some 60 steps a turn at the default tolerance. Landers take a hundred a second.
 const STEPS: f64 = 1e5;

@@ -22,7 +22,7 @@ mod smooth;
 mod state;
 mod truth;
 
-pub use batch::{Order, States, Stepping, fly_batch, fly_truth_batch, for_each_states, for_each_truth};
+pub use batch::{Order, States, Stepping, fly_batch, fly_truth_batch, for_each_flown, for_each_states, for_each_truth};
 pub use descent::{Descent, DescentFlown, DescentState, LAST_M, TouchDown};
 pub use error::SimError;
 pub use fly::{fly, fly_truth};

@@ -19,17 +19,23 @@ use windfall_model::{Flight, Plant, Record, dynamic_pressure_pa};
 /// What the instruments of `plant` make of a true flight.
 #[must_use]
 pub fn record(plant: &Plant, flight: &Flight, truth: &Truth, seed: Seed) -> Record {
+    recorded(plant, flight, truth, seed, false)
+}
+
+/// As [`record`]. Where nothing delays or turns the attitude and `by_truth` says so, its angles are the truth's, which differ by rounding.
+pub(crate) fn recorded(plant: &Plant, flight: &Flight, truth: &Truth, seed: Seed, by_truth: bool) -> Record {
     let n = truth.len();
     let s = &plant.sensors;
     let [rx_rad, ry_rad, rz_rad] = s.misalignment_rad;
     let misalignment: Rotation<Body, Body> = Rotation::from_matrix(EulerXyz { rx_rad, ry_rad, rz_rad }.r_tunnel_body().matrix);
     let mut position_m: [Vec<f64>; 3] = std::array::from_fn(|_| Vec::with_capacity(n));
     let mut attitude_rad: [Vec<f64>; 3] = std::array::from_fn(|_| Vec::with_capacity(n));
+    let by_truth = by_truth && s.pose_delay_s == 0.0 && s.misalignment_rad.iter().all(|a| *a == 0.0);
     let mut roll = 0.0;
     for k in 0..n {
         let (p_cm, r_tunnel_body) = pose(truth, k, s.pose_delay_s, flight.rate_hz);
         let p_origin = p_cm - r_tunnel_body * plant.vehicle.p_origin_cm;
-        let e = angles(r_tunnel_body * misalignment, roll);
+        let e = if by_truth { truth.attitude_rad[k] } else { angles(r_tunnel_body * misalignment, roll) };
         roll = e[0];
         for axis in 0..3 {
             position_m[axis].push(p_origin.xyz[axis] * (1.0 + s.length_scale));

@@ -111,7 +111,8 @@ impl Drawing {
             rows.lock().unwrap_or_else(std::sync::PoisonError::into_inner).insert(row.draw, row);
             Ok::<bool, Error>(true)
         };
-        draw_all(&self.prepared, first..(first + self.identity.part_draws).min(self.identity.draws), keep)?;
+        let draws = first..(first + self.identity.part_draws).min(self.identity.draws);
+        draw_all(&self.prepared, Vec::from([draws]), keep)?;
         let rows: Vec<Row> = rows.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner).into_values().collect();
         Ok(part_bytes(self.prepared.columns(), &rows)?)
     }
@@ -193,8 +194,7 @@ impl Drawing {
         if over(None) {
             return Ok(());
         }
-        let wanted = store.wanted()?.into_iter().flatten();
-        draw_all(&self.prepared, wanted, |row| {
+        draw_all(&self.prepared, store.wanted()?, |row| {
             let go_on = see(&row);
             let enough = over(store.push(row)?);
             if go_on || enough { Ok(!enough) } else { Err(Error::Interrupted) }

@@ -67,7 +67,9 @@ struct Equations {
 pub(super) fn balance(points: &[Point], plant: &Plant, declared: &[bool], seconds: f64) -> Option<Balance> {
     let at = |p: &Point| {
         let density = plant.environment.density_kg_m3(p.ps_pa, p.ts_k);
-        state(p.t_s, &p.motion, density, plant).ok().map(|s| (s, [0, 1, 2].map(|k| p.motion[k][2])))
+        Some(state(p.t_s, &p.motion, density, plant))
+            .filter(|s| s.checked().is_ok())
+            .map(|s| (s, [0, 1, 2].map(|k| p.motion[k][2])))
     };
     let states: Vec<Seen> = points.iter().filter_map(at).collect();
     if states.is_empty() || states.len() as f64 <= (1.0 - UNDEFINED) * points.len() as f64 {

@@ -4,7 +4,7 @@
 //! `Cov = (XᵀX)⁻¹ [Σ_i Σ_j R(i−j) x_i x_jᵀ] (XᵀX)⁻¹` with R the residuals' autocorrelation. The double sum is done by Fourier
 //! transform, and R is tapered (Parzen 1961) so that the sum cannot become negative.
 
-use super::{Colour, RegressionSeries, weight};
+use super::{Colour, RegressionSeries};
 use nalgebra::DMatrix;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
@@ -56,8 +56,7 @@ fn add_series(
     };
     let power: Vec<Complex64> =
         transform(&mut v.iter().copied()).iter().map(|z| Complex64::new(z.norm_sqr() / (n * size) as f64, 0.0)).collect();
-    let columns: Vec<Vec<Complex64>> =
-        columns.iter().map(|&c| transform(&mut s.regressors[c].iter().enumerate().map(|(i, x)| weight(s, i) * x))).collect();
+    let columns: Vec<Vec<Complex64>> = columns.iter().map(|&c| transform(&mut s.regressors[c].iter().copied())).collect();
     let r = autocovariance(power, lags, size, planner);
     let square_sum = r[0] * r[0] + 2.0 * r[1..=lags].iter().map(|r| r * r).sum::<f64>();
     let spectrum = spectrum(&r, size, planner);

@@ -9,7 +9,8 @@
 //! over all cosines.
 
 use super::colour::fast_length;
-use super::{Coloured, RegressionSeries, weight};
+use super::reflect::Triangle;
+use super::{Coloured, RegressionSeries};
 use crate::shared::Shared;
 use nalgebra::{DMatrix, DVector};
 use realfft::{RealFftPlanner, RealToComplex};
@@ -41,26 +42,28 @@ static TRANSFORMS: Shared<(usize, usize), Transform> = Shared::new(4);
 impl Transform {
     fn new(n: usize, count: usize) -> Self {
         let shift = (0..count.min(n)).map(|k| (PI * k as f64 / (2.0 * n as f64)).sin_cos()).collect();
-        Self { fft: RealFftPlanner::new().plan_fft_forward(2 * n), shift }
+        Self { fft: RealFftPlanner::new().plan_fft_forward(n), shift }
     }
 }
 
-/// The first `count` orthonormal cosine amplitudes (DCT-II) of a series' weighted rows, followed by a few zeros for a fast length.
+/// The first `count` orthonormal cosine amplitudes (DCT-II) of a series' weighted rows, followed by a few zeros for a fast length: by the
+/// Fourier transform of the even rows followed by the odd ones backward (Makhoul, IEEE Trans. ASSP 28(1), 1980).
 pub(super) fn cosines(s: &RegressionSeries, count: usize) -> Cosines {
     let n = fast_length(s.response.len());
     let transform = TRANSFORMS.get((n, count), || Transform::new(n, count));
     let Transform { fft, shift } = &*transform;
-    let (mut even, mut out, mut scratch) = (fft.make_input_vec(), fft.make_output_vec(), fft.make_scratch_vec());
-    let unit = (2.0 * n as f64).sqrt().recip();
+    let (mut folded, mut out, mut scratch) = (fft.make_input_vec(), fft.make_output_vec(), fft.make_scratch_vec());
+    let unit = (2.0 / n as f64).sqrt();
     let mut transform = |x: &[f64]| -> Vec<f64> {
-        even.fill(0.0);
+        folded.fill(0.0);
         for (i, v) in x.iter().enumerate() {
-            let v = weight(s, i) * v;
-            even[i] = v;
-            even[2 * n - 1 - i] = v;
+            folded[if i % 2 == 0 { i / 2 } else { n - 1 - i / 2 }] = *v;
         }
-        fft.process_with_scratch(&mut even, &mut out, &mut scratch).expect("buffers are made by the plan");
-        let mut c: Vec<f64> = shift.iter().zip(&out).map(|((sine, cosine), z)| unit * (z.re * cosine + z.im * sine)).collect();
+        fft.process_with_scratch(&mut folded, &mut out, &mut scratch).expect("buffers are made by the plan");
+        // Beyond the middle: the conjugate of its mirror image.
+        let at = |k: usize| out.get(k).map_or_else(|| out[n - k].conj(), |z| *z);
+        let amplitude = |(k, (sine, cosine)): (usize, &(f64, f64))| unit * (at(k).re * cosine + at(k).im * sine);
+        let mut c: Vec<f64> = shift.iter().enumerate().map(amplitude).collect();
         if let Some(mean) = c.first_mut() {
             *mean *= FRAC_1_SQRT_2;
         }
@@ -166,29 +169,16 @@ fn solve(series: &[&Cosines], spectra: &[Vec<f64>], columns: &[usize]) -> Option
     if rows <= columns.len() {
         return None;
     }
-    let (mut x, mut y) = (DMatrix::zeros(rows, columns.len()), DMatrix::zeros(rows, 1));
-    let mut start = 0;
-    for (s, spectrum) in series.iter().zip(spectra) {
-        for (k, variance) in spectrum.iter().enumerate() {
-            let w = variance.sqrt().recip();
-            y[(start + k, 0)] = w * s.response[k];
-            for (c, &column) in columns.iter().enumerate() {
-                x[(start + k, c)] = w * s.regressors[column][k];
-            }
-        }
-        start += spectrum.len();
-    }
-    let scale: Vec<f64> = x.column_iter().map(|c| c.norm()).collect();
-    if scale.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
+    let weights: Vec<Vec<f64>> = spectra.iter().map(|s| s.iter().map(|variance| variance.sqrt().recip()).collect()).collect();
+    let stacked = |of: &dyn Fn(&Cosines) -> &Vec<f64>| -> Vec<f64> {
+        series.iter().zip(&weights).flat_map(|(s, weights)| of(s).iter().zip(weights).map(|(x, w)| w * x)).collect()
+    };
+    let mut x: Vec<Vec<f64>> = columns.iter().map(|&column| stacked(&|s| &s.regressors[column])).collect();
+    x.push(stacked(&|s| &s.response));
+    let triangle = Triangle::of(x);
+    if !triangle.scale.iter().all(|s| s.is_normal()) {
         return None;
     }
-    for (mut c, s) in x.column_iter_mut().zip(&scale) {
-        c /= *s;
-    }
-    let qr = x.qr();
-    qr.q_tr_mul(&mut y);
-    let r_inverse = qr.r().solve_upper_triangular(&DMatrix::identity(columns.len(), columns.len()))?;
-    let unscaled = DMatrix::from_diagonal(&DVector::from_iterator(scale.len(), scale.iter().map(|s| 1.0 / s))) * r_inverse;
-    let estimate = &unscaled * y.rows(0, columns.len());
-    Some((estimate.as_slice().to_vec(), &unscaled * unscaled.transpose()))
+    let unscaled = triangle.inverse()?;
+    Some(((&unscaled * &triangle.z).as_slice().to_vec(), &unscaled * unscaled.transpose()))
 }

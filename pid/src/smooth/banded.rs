@@ -1,6 +1,8 @@
 //! pid: symmetric banded systems. In: normal matrix of a local basis. Out: its Cholesky factor and solutions.
 
 use super::bspline::ORDER;
+use super::wide::{Row, load, minus, parts, store};
+use pulp::Simd;
 
 const BAND: usize = ORDER - 1;
 
@@ -53,35 +55,45 @@ impl Banded {
 
 impl BandedFactor {
     /// L z = b in place, from the row `first` (those before are zero) to the end of `b`.
-    pub(super) fn forward_to<const W: usize>(&self, b: &mut [[f64; W]], first: usize) {
+    pub(super) fn forward_to(&self, b: &mut [f64], first: usize) {
         for i in first..b.len() {
             let row = &self.rows[i];
             let mut v = b[i];
             for k in BAND.saturating_sub(i - first)..BAND {
-                let z = b[i + k - BAND];
-                for (v, z) in v.iter_mut().zip(z) {
-                    *v -= row[k] * z;
-                }
+                v -= row[k] * b[i + k - BAND];
             }
-            b[i] = v.map(|v| v * row[BAND]);
+            b[i] = v * row[BAND];
         }
     }
-    /// Lᵀ c = z in place.
-    fn backward<const W: usize>(&self, b: &mut [[f64; W]]) {
-        for i in (0..self.rows.len()).rev() {
-            let row = &self.rows[i];
-            let v = b[i].map(|v| v * row[BAND]);
-            b[i] = v;
+    /// Solves for eight right-hand sides in place.
+    #[inline(always)]
+    pub(super) fn solve<S: Simd>(&self, simd: S, b: &mut [Row]) {
+        for part in parts::<S>() {
+            self.forward(simd, b, part);
+            self.backward(simd, b, part);
+        }
+    }
+    /// L z = b.
+    #[inline(always)]
+    fn forward<S: Simd>(&self, simd: S, b: &mut [Row], part: usize) {
+        for (i, row) in self.rows.iter().enumerate() {
+            let mut v = load::<S>(&b[i], part);
             for k in BAND.saturating_sub(i)..BAND {
-                for (z, v) in b[i + k - BAND].iter_mut().zip(v) {
-                    *z -= row[k] * v;
-                }
+                v = minus(simd, v, row[k], load::<S>(&b[i + k - BAND], part));
             }
+            store::<S>(&mut b[i], part, simd.mul_f64s(v, simd.splat_f64s(row[BAND])));
         }
     }
-    /// Solves for W right-hand sides in place.
-    pub(super) fn solve<const W: usize>(&self, b: &mut [[f64; W]]) {
-        self.forward_to(b, 0);
-        self.backward(b);
+    /// Lᵀ c = z.
+    #[inline(always)]
+    fn backward<S: Simd>(&self, simd: S, b: &mut [Row], part: usize) {
+        let n = self.rows.len();
+        for i in (0..n).rev() {
+            let mut v = load::<S>(&b[i], part);
+            for ahead in (1..=BAND.min(n - 1 - i)).rev() {
+                v = minus(simd, v, self.rows[i + ahead][BAND - ahead], load::<S>(&b[i + ahead], part));
+            }
+            store::<S>(&mut b[i], part, simd.mul_f64s(v, simd.splat_f64s(self.rows[i][BAND])));
+        }
     }
 }

@@ -5,6 +5,7 @@ mod bspline;
 mod fourier;
 mod local;
 mod spline;
+mod wide;
 
 use crate::PidError;
 use windfall_model::{CHANNEL_NAMES, PerChannel, Record};

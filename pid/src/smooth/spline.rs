@@ -7,9 +7,12 @@
 
 use super::banded::{Banded, BandedFactor};
 use super::bspline::{DEGREE, Knots, ORDER};
+use super::wide::{Row, WIDE, gather, load, of_all, parts, scatter, store};
 use super::{Fit, Signal};
 use crate::PidError;
 use crate::shared::Shared;
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 use windfall_model::{CHANNELS, PerChannel};
 
@@ -41,16 +44,62 @@ pub(super) fn smooth(raw: PerChannel<&[f64]>, dt: f64, knot_s: Option<f64>) -> R
         samples: n,
         needed: intervals + ORDER,
     })?;
-    let coefficients = grid.fit(&samples, factor);
-    let (channels, rss) = grid.evaluate(&samples, &coefficients, dt);
+    let (orders, rss) = Arch::new().dispatch(Smoothing { grid: &grid, factor, samples: &samples, dt });
+    let [values, rates, seconds] = orders.map(|rows| by_channel(&rows));
+    let mut channels: PerChannel<Signal> = Default::default();
+    for (channel, ((value, rate), second)) in channels.iter_mut().zip(values.into_iter().zip(rates).zip(seconds)) {
+        *channel = Signal { value, rate, second };
+    }
+    let rss: PerChannel<f64> = std::array::from_fn(|k| rss[k]);
     let free = (n - grid.knots.count()) as f64;
     let bandwidth = 0.5 / (grid.samples_per_interval() * dt);
     let weight = grid.weights.get_or_init(|| grid.weights(factor)).clone();
     Ok(Fit { channels, noise_std: rss.map(|r| (r / free).sqrt()), weight, bandwidth_hz: [bandwidth; CHANNELS] })
 }
 
-fn interleave(raw: PerChannel<&[f64]>) -> Vec<PerChannel<f64>> {
-    (0..raw[0].len()).map(|i| raw.map(|x| x[i])).collect()
+/// A fit and what it gives at the samples, compiled for each vector unit.
+struct Smoothing<'a> {
+    grid: &'a Grid,
+    factor: &'a BandedFactor,
+    samples: &'a [Row],
+    dt: f64,
+}
+
+impl WithSimd for Smoothing<'_> {
+    type Output = ([Vec<Row>; 3], Row);
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        self.grid.evaluate(simd, self.samples, &self.grid.fit(simd, self.samples, self.factor), self.dt)
+    }
+}
+
+/// The residual of a knot interval that is tried, compiled for each vector unit.
+struct Trial<'a> {
+    grid: &'a Grid,
+    samples: &'a [Row],
+    size2: Row,
+}
+
+impl WithSimd for Trial<'_> {
+    type Output = Option<Row>;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        self.grid.residual(simd, self.samples, self.size2)
+    }
+}
+
+fn interleave(raw: PerChannel<&[f64]>) -> Vec<Row> {
+    (0..raw[0].len()).map(|i| std::array::from_fn(|k| raw.get(k).map_or(0.0, |x| x[i]))).collect()
+}
+
+fn by_channel(rows: &[Row]) -> PerChannel<Vec<f64>> {
+    let mut series = [(); CHANNELS].map(|()| vec![0.0; rows.len()]);
+    for (i, row) in rows.iter().enumerate() {
+        for (series, x) in series.iter_mut().zip(row) {
+            series[i] = *x;
+        }
+    }
+    series
 }
 
 /// Number of intervals for a knot interval in samples: at least one, and more samples than coefficients.
@@ -61,21 +110,21 @@ fn intervals_of(samples: f64, n: usize) -> usize {
 }
 
 /// Number of intervals: cross-validation, then undersmoothing.
-fn choose(samples: &[PerChannel<f64>], dt: f64) -> usize {
+fn choose(samples: &[Row], dt: f64) -> usize {
     let n = samples.len();
     let best = cross_validate(samples, dt);
     intervals_of(((n - 1) as f64 / best as f64 * UNDERSMOOTH).max(SHORTEST), n)
 }
 
 /// Knot interval of least Σ over channels of ln GCV, GCV = RSS/n / (1 − p/n)²: equal weight to a relative gain in any channel.
-fn cross_validate(samples: &[PerChannel<f64>], dt: f64) -> usize {
+fn cross_validate(samples: &[Row], dt: f64) -> usize {
     let n = samples.len();
     let size2 = sum_of_squares(samples);
     let mut best = (f64::INFINITY, 1);
     let mut knot = LONGEST_S / dt;
     while knot >= SHORTEST {
         let grid = Grid::shared(intervals_of(knot, n), n);
-        if let Some(rss) = grid.residual(samples, size2) {
+        if let Some(rss) = Arch::new().dispatch(Trial { grid: &grid, samples, size2 }) {
             let left = 1.0 - grid.knots.count() as f64 / n as f64;
             // A channel that is fitted to rounding error says nothing more.
             let score: f64 =
@@ -89,8 +138,8 @@ fn cross_validate(samples: &[PerChannel<f64>], dt: f64) -> usize {
     best.1
 }
 
-fn sum_of_squares(samples: &[PerChannel<f64>]) -> PerChannel<f64> {
-    let mut s = [0.0; CHANNELS];
+fn sum_of_squares(samples: &[Row]) -> Row {
+    let mut s = [0.0; WIDE];
     for x in samples {
         for (s, x) in s.iter_mut().zip(x) {
             *s += x * x;
@@ -104,6 +153,8 @@ struct Grid {
     knots: Knots,
     per_sample: f64,
     n: usize,
+    /// First sample of each interval, and the number of samples.
+    starts: Vec<usize>,
     /// Values of the eight functions at each sample.
     values: Vec<[f64; ORDER]>,
     /// Of the normal matrix; none when that is not positive definite.
@@ -124,17 +175,21 @@ impl Grid {
     }
     fn new(intervals: usize, n: usize) -> Self {
         let (knots, per_sample) = (Knots { intervals }, intervals as f64 / (n - 1) as f64);
-        let mut grid =
-            Self { knots, per_sample, n, values: Vec::new(), factor: None, slopes: OnceLock::new(), weights: OnceLock::new() };
+        let (slopes, weights) = (OnceLock::new(), OnceLock::new());
+        let mut grid = Self { knots, per_sample, n, starts: Vec::new(), values: Vec::new(), factor: None, slopes, weights };
         let mut gram = Banded::zeros(knots.count());
+        let mut starts = Vec::with_capacity(intervals + 1);
         grid.values = (0..n)
             .map(|i| {
                 let (first, x) = grid.place(i);
+                starts.resize((first + 1).max(starts.len()), i);
                 let values = knots.values(first, x);
                 gram.add_outer(first, &values);
                 values
             })
             .collect();
+        starts.resize(intervals + 1, n);
+        grid.starts = starts;
         grid.factor = gram.factor();
         grid
     }
@@ -145,64 +200,69 @@ impl Grid {
         let x = i as f64 * self.per_sample;
         (self.knots.interval(x), x)
     }
-    /// Each sample with the first coefficient that acts there and the values of the functions.
-    fn rows<'a>(
-        &'a self,
-        samples: &'a [PerChannel<f64>],
-    ) -> impl Iterator<Item = (&'a PerChannel<f64>, usize, &'a [f64; ORDER])> {
-        samples.iter().zip(&self.values).enumerate().map(|(i, (y, b))| (y, self.place(i).0, b))
+    /// Each interval's first coefficient and samples.
+    fn spans(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
+        self.starts.windows(2).enumerate().map(|(first, ends)| (first, ends[0]..ends[1]))
     }
     /// Least-squares coefficients from normal equations, once more on the residual, which restores the digits that their squared
     /// condition number costs.
-    fn fit(&self, samples: &[PerChannel<f64>], factor: &BandedFactor) -> Vec<PerChannel<f64>> {
-        let mut c = self.projection(samples);
-        factor.solve(&mut c);
-        let mut more = vec![[0.0; CHANNELS]; c.len()];
-        for (y, first, b) in self.rows(samples) {
-            let fit = gather(&c[first..first + ORDER], b);
-            scatter(&mut more[first..first + ORDER], b, &std::array::from_fn(|k| y[k] - fit[k]));
+    #[inline(always)]
+    fn fit<S: Simd>(&self, simd: S, samples: &[Row], factor: &BandedFactor) -> Vec<Row> {
+        let mut c = self.projection(simd, samples);
+        factor.solve(simd, &mut c);
+        let mut more = vec![[0.0; WIDE]; c.len()];
+        for (first, span) in self.spans() {
+            scatter(simd, local_mut(&mut more, first), &self.values[span.clone()], &samples[span], Some(local(&c, first)));
         }
-        factor.solve(&mut more);
+        factor.solve(simd, &mut more);
         for (c, m) in c.iter_mut().flatten().zip(more.iter().flatten()) {
             *c += m;
         }
         c
     }
     /// Sums of squared residuals. From the normal equations, yᵀy − cᵀBᵀy; where that has lost its digits, sample by sample.
-    fn residual(&self, samples: &[PerChannel<f64>], size2: PerChannel<f64>) -> Option<PerChannel<f64>> {
+    #[inline(always)]
+    fn residual<S: Simd>(&self, simd: S, samples: &[Row], size2: Row) -> Option<Row> {
         let factor = self.factor.as_ref()?;
-        let projection = self.projection(samples);
+        let projection = self.projection(simd, samples);
         let mut c = projection.clone();
-        factor.solve(&mut c);
-        let mut explained = [0.0; CHANNELS];
-        for (c, b) in c.iter().zip(&projection) {
-            for k in 0..7 {
-                explained[k] += c[k] * b[k];
+        factor.solve(simd, &mut c);
+        let mut explained = [0.0; WIDE];
+        for part in parts::<S>() {
+            let mut sum = simd.splat_f64s(0.0);
+            for (c, b) in c.iter().zip(&projection) {
+                sum = simd.mul_add_f64s(load::<S>(c, part), load::<S>(b, part), sum);
             }
+            store::<S>(&mut explained, part, sum);
         }
-        let rss: PerChannel<f64> = std::array::from_fn(|k| size2[k] - explained[k]);
+        let rss: Row = std::array::from_fn(|k| size2[k] - explained[k]);
         // Cancellation leaves 1e-16/1e-9: seven digits.
         if rss.iter().zip(size2).all(|(r, s)| *r > 1.0e-9 * s || s <= 0.0) {
             Some(rss)
         } else {
-            Some(self.residual_by_sample(samples, &c))
+            Some(self.residual_by_sample(simd, samples, &c))
         }
     }
-    fn residual_by_sample(&self, samples: &[PerChannel<f64>], c: &[PerChannel<f64>]) -> PerChannel<f64> {
-        let mut rss = [0.0; CHANNELS];
-        for (y, first, b) in self.rows(samples) {
-            let fit = gather(&c[first..first + ORDER], b);
-            for k in 0..7 {
-                rss[k] += (y[k] - fit[k]) * (y[k] - fit[k]);
+    #[inline(always)]
+    fn residual_by_sample<S: Simd>(&self, simd: S, samples: &[Row], c: &[Row]) -> Row {
+        let mut rss = [0.0; WIDE];
+        for (first, span) in self.spans() {
+            for part in parts::<S>() {
+                let (near, mut sum) = (of_all(simd, local(c, first), part), load::<S>(&rss, part));
+                for (y, b) in samples[span.clone()].iter().zip(&self.values[span.clone()]) {
+                    sum = plus_square(simd, sum, simd.sub_f64s(load::<S>(y, part), gather(simd, &near, b)));
+                }
+                store::<S>(&mut rss, part, sum);
             }
         }
         rss
     }
     /// Right-hand sides of the normal equations.
-    fn projection(&self, samples: &[PerChannel<f64>]) -> Vec<PerChannel<f64>> {
-        let mut projection = vec![[0.0; CHANNELS]; self.knots.count()];
-        for (y, first, b) in self.rows(samples) {
-            scatter(&mut projection[first..first + ORDER], b, y);
+    #[inline(always)]
+    fn projection<S: Simd>(&self, simd: S, samples: &[Row]) -> Vec<Row> {
+        let mut projection = vec![[0.0; WIDE]; self.knots.count()];
+        for (first, span) in self.spans() {
+            scatter(simd, local_mut(&mut projection, first), &self.values[span.clone()], &samples[span], None);
         }
         projection
     }
@@ -213,22 +273,26 @@ impl Grid {
         };
         self.slopes.get_or_init(|| (0..self.n).map(at).collect())
     }
-    fn evaluate(&self, samples: &[PerChannel<f64>], c: &[PerChannel<f64>], dt: f64) -> (PerChannel<Signal>, PerChannel<f64>) {
-        let per_s = self.per_sample / dt;
-        let mut out: PerChannel<Signal> = std::array::from_fn(|_| Signal {
-            value: Vec::with_capacity(self.n),
-            rate: Vec::with_capacity(self.n),
-            second: Vec::with_capacity(self.n),
-        });
-        let mut rss = [0.0; CHANNELS];
-        for ((y, first, b), [rate, second]) in self.rows(samples).zip(self.slopes()) {
-            let local = &c[first..first + ORDER];
-            let [value, rate, second] = [b, rate, second].map(|b| gather(local, b));
-            for (k, signal) in out.iter_mut().enumerate() {
-                signal.value.push(value[k]);
-                signal.rate.push(rate[k] * per_s);
-                signal.second.push(second[k] * per_s * per_s);
-                rss[k] += (y[k] - value[k]) * (y[k] - value[k]);
+    /// Value, rate (per s) and second derivative (per s²) at each sample, and sums of squared residuals.
+    #[inline(always)]
+    fn evaluate<S: Simd>(&self, simd: S, samples: &[Row], c: &[Row], dt: f64) -> ([Vec<Row>; 3], Row) {
+        let per_s = simd.splat_f64s(self.per_sample / dt);
+        let mut out = [(); 3].map(|()| vec![[0.0; WIDE]; self.n]);
+        let mut rss = [0.0; WIDE];
+        let slopes = self.slopes();
+        for (first, span) in self.spans() {
+            for part in parts::<S>() {
+                let (near, mut sum) = (of_all(simd, local(c, first), part), load::<S>(&rss, part));
+                for i in span.clone() {
+                    let value = gather(simd, &near, &self.values[i]);
+                    sum = plus_square(simd, sum, simd.sub_f64s(load::<S>(&samples[i], part), value));
+                    let [rate, second] = &slopes[i];
+                    let (rate, second) = (gather(simd, &near, rate), gather(simd, &near, second));
+                    store::<S>(&mut out[0][i], part, value);
+                    store::<S>(&mut out[1][i], part, simd.mul_f64s(rate, per_s));
+                    store::<S>(&mut out[2][i], part, simd.mul_f64s(simd.mul_f64s(second, per_s), per_s));
+                }
+                store::<S>(&mut rss, part, sum);
             }
         }
         (out, rss)
@@ -255,29 +319,49 @@ impl Grid {
         let second = self.knots.slopes(first, x)[1];
         // The forward solution fades geometrically: 6 orders past the last value it is below rounding of the sum.
         let to = (first + ORDER + 6 * DEGREE).min(self.knots.count());
-        let mut z = vec![[0.0]; to];
+        let mut z = vec![0.0; to];
         for (z, b) in z[first..].iter_mut().zip(second) {
-            z[0] = b;
+            *z = b;
         }
         factor.forward_to(&mut z, first);
-        z[first..].iter().map(|v| v[0] * v[0]).sum::<f64>().sqrt()
+        z[first..].iter().map(|v| v * v).sum::<f64>().sqrt()
     }
 }
 
-fn scatter(c: &mut [PerChannel<f64>], b: &[f64; ORDER], y: &PerChannel<f64>) {
-    for (c, b) in c.iter_mut().zip(b) {
-        for (c, y) in c.iter_mut().zip(y) {
-            *c += b * y;
-        }
-    }
+fn local(c: &[Row], first: usize) -> &[Row; ORDER] {
+    c[first..].first_chunk().expect("an interval has as many coefficients")
+}
+fn local_mut(c: &mut [Row], first: usize) -> &mut [Row; ORDER] {
+    c[first..].first_chunk_mut().expect("an interval has as many coefficients")
 }
 
-fn gather(c: &[PerChannel<f64>], b: &[f64; ORDER]) -> PerChannel<f64> {
-    let mut sum = [0.0; CHANNELS];
-    for (c, b) in c.iter().zip(b) {
-        for (s, c) in sum.iter_mut().zip(c) {
-            *s += b * c;
+/// `sum + x²`.
+#[inline(always)]
+fn plus_square<S: Simd>(simd: S, sum: S::f64s, x: S::f64s) -> S::f64s {
+    simd.mul_add_f64s(x, x, sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Grid, Row, Smoothing, Trial, sum_of_squares};
+    use pulp::{Arch, Scalar, WithSimd};
+
+    /// On the widest unit and on none at all.
+    #[test]
+    fn exact_bits_on_every_unit() {
+        let sample = |i: usize| -> Row {
+            std::array::from_fn(|k| (0.01 * (1 + k * i) as f64).sin() + (17.3 * (i * i + k) as f64).sin() * 1e-3)
+        };
+        let samples: Vec<Row> = (0..400).map(sample).collect();
+        let size2 = sum_of_squares(&samples);
+        let grid = Grid::new(40, samples.len());
+        let factor = grid.factor.as_ref().expect("more samples than coefficients");
+        let smoothing = || Smoothing { grid: &grid, factor, samples: &samples, dt: 0.01 };
+        let trial = |scale: f64| Trial { grid: &grid, samples: &samples, size2: size2.map(|s| s * scale) };
+        assert_eq!(Arch::new().dispatch(smoothing()), smoothing().with_simd(Scalar::new()));
+        // The larger sum makes the residual be taken sample by sample.
+        for scale in [1.0, 1e-9] {
+            assert_eq!(Arch::new().dispatch(trial(scale)), trial(scale).with_simd(Scalar::new()));
         }
     }
-    sum
 }

@@ -10,7 +10,7 @@ use super::terms::{Layout, ONE, ROOM, SIN2, V_HAT, W_HAT};
 use crate::operator::Hand;
 use crate::setup::Setup;
 use nalgebra::{Matrix3, Vector3};
-use pulp::Simd;
+use pulp::{Simd, WithSimd};
 use windfall_model::{MeanFlow, Tether, Variable, Vehicle};
 
 /// States without operator, and with one.
@@ -84,6 +84,30 @@ pub(super) struct Kernel<'a, S: Simd> {
     pub(super) weights: &'a [Lanes<S>],
     pub(super) per_width: &'a [Lanes<S>],
     pub(super) c: Constants<S>,
+}
+
+/// Rates behind a call, which the steps of their own length go through: written out at every stage of every method the equations would be
+/// compiled a hundred times, at the same speed. The call leaves the vector unit, `vectorize` comes back to it.
+struct Called<'a, S: Simd, const N: usize> {
+    simd: S,
+    kernel: &'a Kernel<'a, S>,
+    y: &'a [Lanes<S>; N],
+    row: &'a [f64],
+    slots: &'a mut [Lanes<S>; ROOM],
+    rates: &'a mut [Lanes<S>; N],
+}
+
+impl<S: Simd, const N: usize> WithSimd for Called<'_, S, N> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<T: Simd>(self, _: T) {
+        *self.rates = self.kernel.rate(self.simd, self.y, self.row, self.slots);
+    }
+}
+
+#[inline(never)]
+fn call<S: Simd, const N: usize>(called: Called<'_, S, N>) {
+    called.simd.vectorize(called);
 }
 
 /// Attitude and air at one instant.
@@ -253,6 +277,20 @@ impl<S: Simd> Kernel<'_, S> {
         let m = [qsd.mul_add(k[3], m[0]), qsd.mul_add(k[4], m[1]), qsd.mul_add(k[5], m[2])];
         let spin = self.spin(w, m);
         self.assemble(y, &s, a, spin)
+    }
+
+    /// As [`Kernel::rate`], behind a call.
+    #[inline(always)]
+    pub(super) fn rate_by_call<const N: usize>(
+        &self,
+        simd: S,
+        y: &[Lanes<S>; N],
+        row: &[f64],
+        slots: &mut [Lanes<S>; ROOM],
+    ) -> [Lanes<S>; N] {
+        let mut rates = *y;
+        call(Called { simd, kernel: self, y, row, slots, rates: &mut rates });
+        rates
     }
 
     /// Euler's equation: rate of body rates under a moment.

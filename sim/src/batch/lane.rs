@@ -47,15 +47,15 @@ impl<S: Simd> Lanes<S> {
     fn with(self, x: S::f64s) -> Self {
         Self { simd: self.simd, x }
     }
-    /// `self·b + c`, rounded once where the unit has a fused instruction and twice where not.
+    /// `self·b + c`, rounded once on every unit: with all else rounded correctly, a lane's bits do not depend on the unit.
     #[inline(always)]
     pub(super) fn mul_add(self, b: Self, c: Self) -> Self {
-        self.with(self.simd.mul_add_e_f64s(self.x, b.x, c.x))
+        self.with(self.simd.mul_add_f64s(self.x, b.x, c.x))
     }
-    /// `c − self·b`, rounded as [`Lanes::mul_add`].
+    /// `c − self·b`, rounded once.
     #[inline(always)]
     pub(super) fn neg_mul_add(self, b: Self, c: Self) -> Self {
-        self.with(self.simd.negate_mul_add_e_f64s(self.x, b.x, c.x))
+        self.with(self.simd.negate_mul_add_f64s(self.x, b.x, c.x))
     }
     /// `self + k`.
     #[inline(always)]
@@ -80,7 +80,8 @@ impl<S: Simd> Lanes<S> {
     /// Absolute value.
     #[inline(always)]
     pub(super) fn abs(self) -> Self {
-        self.with(self.simd.abs_f64s(self.x))
+        // All bits but the sign's; the unit's own function is not inlined.
+        self.with(self.simd.and_f64s(self.x, self.like(f64::from_bits(!(1 << 63))).x))
     }
     /// Where `self > limit`: `yes`, elsewhere (and where either is NaN): `no`.
     #[inline(always)]
@@ -311,6 +312,16 @@ mod tests {
             [[0.0, 1.0], [-0.0, 1.0], [0.0, -1.0], [-0.0, -1.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 0.0], [1.0, 1.0], [1.0, -1.0]];
         for ([y, x], a) in cases.iter().zip(Arch::new().dispatch(Both(&cases, true))) {
             assert_eq!(a.to_bits(), y.atan2(*x).to_bits(), "atan2({y}, {x}) = {a}");
+        }
+    }
+
+    /// Without a vector unit the bits are the same.
+    #[test]
+    fn exact_bits_on_every_unit() {
+        let pairs: Vec<[f64; 2]> = pairs().into_iter().map(|[y, x]| [-y.abs(), x]).collect();
+        for atan2 in [true, false] {
+            let (unit, scalar) = (Arch::new().dispatch(Both(&pairs, atan2)), Both(&pairs, atan2).with_simd(Scalar::new()));
+            assert!(unit.iter().zip(&scalar).all(|(a, b)| a.to_bits() == b.to_bits()));
         }
     }
 

@@ -2,15 +2,16 @@
 //! ended, and what went wrong in each; one lane's fault leaves the others as they are.
 
 use super::Order;
-use super::kernel::{Kernel, LaneSight};
+use super::kernel::Kernel;
 use super::lane::Lanes;
 use crate::error::SimError;
 use crate::fly::crossing;
 use crate::integrate::{RUNAWAY_RAD_S, outside, samples};
 use crate::truth::{End, Truth};
 use nalgebra::Vector6;
-use pulp::Simd;
+use pulp::{Simd, WithSimd};
 use std::f64::consts::TAU;
+use windfall_model::TestSection;
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,7 +73,8 @@ impl<'a> LaneTrack<'a> {
         if self.end.is_some() {
             return;
         }
-        if !calm || self.order.flight.section.is_some() {
+        let left = |s: &TestSection| outside(s, row(seen, 0, lane));
+        if !calm || self.order.flight.section.as_ref().is_some_and(left) {
             self.end = self.stop(seen, lane);
             if self.end.is_some() {
                 return;
@@ -175,8 +177,8 @@ impl<'a, 't, S: Simd> Tracks<'a, 't, S> {
         }
         let mut roll = self.roll;
         if self.keep == KeepSamples::Truth {
-            let s = kernel.sight(simd, y, row);
-            let derived = Self::derived(kernel, &s, y, roll);
+            let mut derived = [roll; 7];
+            derive(Derived { simd, kernel, y, row, out: &mut derived });
             for (k, x) in derived.iter().enumerate() {
                 x.store(&mut self.seen[STATES + k][..S::F64_LANES]);
             }
@@ -210,20 +212,38 @@ impl<'a, 't, S: Simd> Tracks<'a, 't, S> {
             }
         }
     }
+}
 
-    /// R_x, R_y, R_z, V_W, α_T, airspeed and tether force.
+/// R_x, R_y, R_z, V_W, α_T, airspeed and tether force, behind a call as rates are; the first of `out` is the roll of the sample before.
+struct Derived<'a, S: Simd, const N: usize> {
+    simd: S,
+    kernel: &'a Kernel<'a, S>,
+    y: &'a [Lanes<S>; N],
+    row: &'a [f64],
+    out: &'a mut [Lanes<S>; 7],
+}
+
+#[inline(never)]
+fn derive<S: Simd, const N: usize>(derived: Derived<'_, S, N>) {
+    derived.simd.vectorize(derived);
+}
+
+impl<S: Simd, const N: usize> WithSimd for Derived<'_, S, N> {
+    type Output = ();
     #[inline(always)]
-    fn derived<const N: usize>(kernel: &Kernel<'_, S>, s: &LaneSight<S>, y: &[Lanes<S>; N], last: Lanes<S>) -> [Lanes<S>; 7] {
+    fn with_simd<T: Simd>(self, _: T) {
+        let Self { simd, kernel, y, row, out } = self;
+        let s = kernel.sight(simd, y, row);
         let m = &s.m;
         let rx = (-m[1][2]).atan2(m[2][2]);
         let ry = m[0][2].atan2(m[0][0].mul_add(m[0][0], m[0][1] * m[0][1]).sqrt());
         let rz = (-m[0][1]).atan2(m[0][0]);
-        let turns = (last - rx).scale(1.0 / TAU).round();
+        let turns = (out[0] - rx).scale(1.0 / TAU).round();
         let cross2 = s.b[1].mul_add(s.b[1], s.b[2] * s.b[2]);
         let speed = s.b[0].mul_add(s.b[0], cross2).sqrt();
         let alpha_t = cross2.sqrt().atan2(s.b[0]);
-        let q = kernel.pressure(s);
-        let tension = if kernel.parts.tether { kernel.tension(s, y, q).0 } else { q.scale(0.0) };
-        [turns.scale(TAU) + rx, ry, rz, s.vw, alpha_t, speed, tension]
+        let q = kernel.pressure(&s);
+        let tension = if kernel.parts.tether { kernel.tension(&s, y, q).0 } else { q.scale(0.0) };
+        *out = [turns.scale(TAU) + rx, ry, rz, s.vw, alpha_t, speed, tension];
     }
 }

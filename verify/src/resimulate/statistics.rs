@@ -97,11 +97,10 @@ pub(crate) fn mean_median_std(x: &[f64]) -> [f64; 3] {
     let n = x.len() as f64;
     let mean = x.iter().sum::<f64>() / n;
     let variance = x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-    let mut sorted = x.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let half = sorted.len() / 2;
-    let median = if sorted.len() % 2 == 1 { sorted[half] } else { 0.5 * (sorted[half - 1] + sorted[half]) };
-    [mean, median, variance.sqrt()]
+    let mut parted = x.to_vec();
+    let (below, upper, _) = parted.select_nth_unstable_by(x.len() / 2, f64::total_cmp);
+    let lower = if x.len() % 2 == 1 { *upper } else { below.iter().copied().max_by(f64::total_cmp).unwrap_or(*upper) };
+    [mean, 0.5 * (lower + *upper), variance.sqrt()]
 }
 
 /// Sums of squared differences, so that runs can be joined.

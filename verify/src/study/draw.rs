@@ -12,7 +12,7 @@ use windfall_model::study::{Cell, Column, Distribution, DrawnSetup, Row, StudyOr
 use windfall_model::{Campaign, Data, Flight, Plant, Record, Run, Use};
 use windfall_pid::output_error::EstimateOptions;
 use windfall_pid::{DataSet, Method, estimated, identify_by};
-use windfall_sim::{Channel, Seed, fly};
+use windfall_sim::{Channel, Order, Seed, Stepping, Truth, fly, for_each_flown};
 
 /// Stream of the histories, after those of [`StudyOrder::vary`].
 const HISTORY_STREAM: u8 = 127;
@@ -25,6 +25,15 @@ pub struct PreparedStudy {
     places: HashMap<String, usize>,
     methods: Vec<Method>,
     wanted: Vec<(&'static str, String)>,
+}
+
+/// What is flown in a draw, the plant that its campaign declares, and the records; or why there are none.
+type Flown = (DrawnSetup, Plant, Vec<Record>);
+
+/// A draw whose flights are over.
+pub(super) struct Drawn<'p> {
+    out: Cells<'p>,
+    flown: Result<Flown, String>,
 }
 
 impl PreparedStudy {
@@ -76,8 +85,26 @@ impl PreparedStudy {
     /// The row of a draw. What fails leaves its cells empty and says why in `failure`; the draw counts all the same.
     #[must_use]
     pub fn draw(&self, draw: u64) -> Row {
-        let mut out = Cells { cells: self.columns.iter().map(|c| Cell::empty(c.kind)).collect(), places: &self.places };
-        let failure = match catch_unwind(AssertUnwindSafe(|| self.fill(draw, &mut out))) {
+        self.row(draw, None)
+    }
+
+    /// Flies some draws side by side; [`PreparedStudy::row`] does the rest of each, whose bits do not depend on the others. None where the
+    /// program's own checks failed: then each is flown by itself, so that the one at fault says so.
+    pub(super) fn fly(&self, draws: &[u64]) -> Vec<Option<Box<Drawn<'_>>>> {
+        catch_unwind(AssertUnwindSafe(|| self.flown(draws).into_iter().map(|d| Some(Box::new(d))).collect()))
+            .unwrap_or_else(|_| draws.iter().map(|_| None).collect())
+    }
+
+    /// The row of a draw; flown here where it is not yet.
+    pub(super) fn row(&self, draw: u64, flown: Option<Box<Drawn<'_>>>) -> Row {
+        let mut out = self.empty();
+        let filled = catch_unwind(AssertUnwindSafe(|| {
+            let drawn = flown.or_else(|| self.flown(&[draw]).pop().map(Box::new)).ok_or_else(String::new)?;
+            let drawn = *drawn;
+            out = drawn.out;
+            self.fill(drawn.flown?, &mut out)
+        }));
+        let failure = match filled {
             Ok(Ok(())) => String::new(),
             Ok(Err(failure)) => failure,
             Err(_) => "internal: the program's own checks failed in this draw; report it with the study file".to_owned(),
@@ -86,17 +113,55 @@ impl PreparedStudy {
         Row { draw, cells: out.cells }
     }
 
-    fn fill(&self, draw: u64, out: &mut Cells<'_>) -> Result<(), String> {
-        let (setting, declared) = self.setting(draw, out)?;
-        let truth = with_effects(&setting, &self.study);
-        let first = draw * setting.flights.len() as u64;
-        let mut records = Vec::with_capacity(setting.flights.len());
-        for (k, flight) in setting.flights.iter().enumerate() {
-            let seed = Seed { campaign: self.study.seed, run: first + k as u64 };
-            let flown = fly(&truth.for_run(k, &[]), flight, seed).map_err(|e| format!("simulate {}: {e}", flight.name))?;
-            out.flight(&flight.name, &flown.truth);
-            records.push(flown.record);
+    fn empty(&self) -> Cells<'_> {
+        Cells { cells: self.columns.iter().map(|c| Cell::empty(c.kind)).collect(), places: &self.places }
+    }
+
+    /// The draws' flights, side by side; what of each fails keeps its reason.
+    fn flown(&self, draws: &[u64]) -> Vec<Drawn<'_>> {
+        let mut outs: Vec<Cells<'_>> = draws.iter().map(|_| self.empty()).collect();
+        let settings: Vec<_> = draws.iter().zip(&mut outs).map(|(draw, out)| self.setting(*draw, out)).collect();
+        // Place of the draw, the flight, its plant and seed.
+        let mut flights: Vec<(usize, &Flight, Plant, Seed)> = Vec::new();
+        for (i, (draw, setting)) in draws.iter().zip(&settings).enumerate() {
+            let Ok((setting, _)) = setting else { continue };
+            let truth = with_effects(setting, &self.study);
+            for (k, flight) in setting.flights.iter().enumerate() {
+                let run = draw * setting.flights.len() as u64 + k as u64;
+                flights.push((i, flight, truth.for_run(k, &[]), Seed { campaign: self.study.seed, run }));
+            }
         }
+        let orders: Vec<Order<'_>> =
+            flights.iter().map(|(_, flight, plant, seed)| Order { plant, flight, seed: *seed }).collect();
+        let mut records: Vec<Option<Result<Record, String>>> = orders.iter().map(|_| None).collect();
+        let mut keep = |order: usize, truth: &Truth, record: Record| {
+            let (i, flight, ..) = &flights[order];
+            outs[*i].flight(&flight.name, truth);
+            Some(Ok(record))
+        };
+        for_each_flown(&orders, Stepping::Adaptive, |order, flown| {
+            let Order { plant, flight, seed } = orders[order];
+            records[order] = match flown {
+                Ok((truth, record, _)) => keep(order, truth, record),
+                // What lanes do not carry, or give up, is flown alone, which says more of why.
+                Err(_) => match fly(plant, flight, seed) {
+                    Ok(flown) => keep(order, &flown.truth, flown.record),
+                    Err(e) => Some(Err(format!("simulate {}: {e}", flight.name))),
+                },
+            };
+        });
+        let mut records = records.into_iter().flatten();
+        let drawn = |(out, setting): (_, Result<(DrawnSetup, Plant), String>)| {
+            let flown = setting.and_then(|(setting, declared)| {
+                let own: Vec<_> = records.by_ref().take(setting.flights.len()).collect();
+                Ok((setting, declared, own.into_iter().collect::<Result<_, _>>()?))
+            });
+            Drawn { out, flown }
+        };
+        outs.into_iter().zip(settings).map(drawn).collect()
+    }
+
+    fn fill(&self, (setting, declared, records): Flown, out: &mut Cells<'_>) -> Result<(), String> {
         if self.methods.is_empty() && !self.study.steps.close {
             return Ok(());
         }

@@ -1,7 +1,7 @@
 //! verify: quantiles of more numbers than fit in memory. In: numbers shown as often as asked. Out: quantiles, exact.
 //!
 //! Radix selection on the numbers' bits in their total order: each pass counts the next eleven bits of what agrees with a wanted
-//! order statistic so far, so six passes and a few histograms are enough for any count of numbers.
+//! order statistic so far, so six passes and a few histograms are enough for any count of numbers. Few are read once and sorted.
 
 use windfall_model::study::Cell;
 
@@ -10,6 +10,9 @@ pub(super) type Read<'r, E> = &'r dyn Fn(&mut dyn FnMut(Cell)) -> Result<(), E>;
 
 /// Lowest bit of each pass, and the bit above its highest.
 const PASSES: [(u32, u32); 6] = [(53, 64), (42, 53), (31, 42), (20, 31), (9, 20), (0, 9)];
+
+/// Numbers that are held at once, 4 kB; the histograms of more take 300 kB.
+const SORTED: u64 = 512;
 
 /// A wanted order statistic: its bits above the pass, and its rank among the numbers that share them.
 #[derive(Clone, Copy)]
@@ -26,11 +29,20 @@ struct Wanted {
 pub(super) fn quantiles<E>(probabilities: &[f64], n: u64, read: Read<'_, E>) -> Result<Vec<f64>, E> {
     let places: Vec<f64> = probabilities.iter().map(|p| p * (n - 1) as f64).collect();
     let ranks: Vec<u64> = places.iter().flat_map(|at| [at.floor() as u64, (at.floor() as u64 + 1).min(n - 1)]).collect();
-    let values = at_ranks(&ranks, read)?;
+    let values = if n <= SORTED { sorted(&ranks, read)? } else { at_ranks(&ranks, read)? };
     Ok(places.iter().zip(values.chunks_exact(2)).map(|(at, v)| v[0] + (at - at.floor()) * (v[1] - v[0])).collect())
 }
 
-/// Numbers at these ranks of the sorted numbers.
+/// Numbers at these ranks, at most [`SORTED`] of them.
+#[expect(clippy::cast_possible_truncation, reason = "a place among the numbers")]
+fn sorted<E>(ranks: &[u64], read: Read<'_, E>) -> Result<Vec<f64>, E> {
+    let mut all = Vec::new();
+    read(&mut |cell| all.extend(cell.number()))?;
+    all.sort_unstable_by(f64::total_cmp);
+    Ok(ranks.iter().map(|&rank| all[rank as usize]).collect())
+}
+
+/// Numbers at these ranks of the sorted numbers, by selection.
 fn at_ranks<E>(ranks: &[u64], read: Read<'_, E>) -> Result<Vec<f64>, E> {
     let mut wanted: Vec<Wanted> = ranks.iter().map(|&rank| Wanted { above: 0, rank }).collect();
     for (low, high) in PASSES {
@@ -115,6 +127,8 @@ mod tests {
             Ok::<(), ()>(())
         };
         let found = at_ranks(&ranks, &read).expect("reads");
-        assert!(found.iter().zip(&sorted).all(|(a, b)| a.to_bits() == b.to_bits()));
+        let held = super::sorted(&ranks, &read).expect("reads");
+        let same = |all: &[f64]| all.iter().zip(&sorted).all(|(a, b)| a.to_bits() == b.to_bits());
+        assert!(same(&found) && same(&held));
     }
 }

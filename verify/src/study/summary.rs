@@ -221,8 +221,8 @@ fn number_line<E>(name: &str, read: Read<'_, E>) -> Result<Option<NumberLine>, E
     if m.n == 0 {
         return Ok(None);
     }
-    let ends = quantiles(&[0.0, 1.0], m.n, read)?;
-    let middle = QUANTILES.into_iter().zip(quantiles(&QUANTILES, m.n, read)?);
+    let ends = quantiles(&[[0.0, 1.0].as_slice(), &QUANTILES].concat(), m.n, read)?;
+    let middle = QUANTILES.into_iter().zip(ends[2..].iter().copied());
     Ok(Some(NumberLine {
         name: name.to_owned(),
         n: m.n,
