@@ -172,7 +172,7 @@ mod tests {
         for last in [Ok(false), Err("full")] {
             let kept = std::sync::atomic::AtomicUsize::new(0);
             let keep = |_| if kept.fetch_add(1, Ordering::Relaxed) == 2 { last } else { Ok(true) };
-            assert_eq!(pool.install(|| run(&prepared, Vec::from([0..11]), keep)).is_err(), last.is_err());
+            assert_eq!(pool.install(|| run(&prepared, std::iter::once(0..11).collect(), keep)).is_err(), last.is_err());
             assert_eq!(kept.into_inner(), 3);
         }
     }
