@@ -6,12 +6,11 @@
 
 use crate::engine::Engine;
 use crate::filter::Seen;
+use crate::intensity::{Intensity, KNOT_S, place};
 use crate::model::Model;
-use crate::run::Prepared;
-use crate::shock::{Gust, backward};
+use crate::run::{Prepared, whole};
+use crate::shock::{GustNoise, backward};
 
-/// Time between knots, s: half the pitch mode's period.
-const KNOT_S: f64 = 0.5;
 /// Memories of the process that are tried, s.
 const MEMORIES_S: [f64; 4] = [0.4, 1.0, 2.5, 6.0];
 /// Standard deviations of the process that are tried.
@@ -29,31 +28,6 @@ const AXES: [&[usize]; 2] = [&[0], &[1, 2]];
 /// Farthest logarithm: what is calmer is not told from calm.
 const FARTHEST: f64 = 6.0;
 
-/// Variance of a run's gusts over its mean, by axis: logarithms at knots; one where there are none.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Intensity {
-    logs: [Vec<f64>; 3],
-}
-
-/// Knot before a time and the share of the way to the next.
-fn place(t_s: f64, knots: usize) -> (usize, f64) {
-    let at = (t_s / KNOT_S).clamp(0.0, (knots - 1) as f64);
-    let k = crate::run::whole(at.floor()).min(knots.saturating_sub(2));
-    (k, at - k as f64)
-}
-
-impl Intensity {
-    /// Variance over its mean of an axis' gusts.
-    pub(crate) fn at(&self, axis: usize, t_s: f64) -> f64 {
-        let logs = &self.logs[axis];
-        if logs.len() < 2 {
-            return 1.0;
-        }
-        let (k, share) = place(t_s, logs.len());
-        ((1.0 - share) * logs[k] + share * logs[k + 1]).exp()
-    }
-}
-
 /// Slopes of the log-likelihood by an axis' logarithms in a run, and their expected information: its diagonal and the one beside it.
 struct Slopes {
     gradient: Vec<f64>,
@@ -63,7 +37,7 @@ struct Slopes {
 
 /// Slopes of a run, by axis; none where no gust acts along it.
 fn slopes(run: &Prepared, seen: &Seen) -> [Option<Slopes>; 3] {
-    let knots = crate::run::whole((run.duration_s() / KNOT_S).ceil()) + 1;
+    let knots = whole((run.duration_s() / KNOT_S).ceil()) + 1;
     let mut all: [Option<Slopes>; 3] = Default::default();
     if knots < 3 {
         return all;
@@ -72,7 +46,7 @@ fn slopes(run: &Prepared, seen: &Seen) -> [Option<Slopes>; 3] {
     backward(&seen.trace, seen.states, |to, score, information| {
         let Some(from) = to.checked_sub(1).map(|k| &nodes[k]) else { return };
         let (k, by) = place(from.t_s, knots);
-        for Gust { axis, states, added } in &from.gusts {
+        for GustNoise { axis, states, added } in &from.gusts {
             let (mut squares, mut share, mut entries) = (0.0, 0.0, added.iter());
             for (i, a) in states.iter().enumerate() {
                 for (b, q) in states[..=i].iter().zip(&mut entries) {
@@ -195,7 +169,7 @@ impl Engine {
         let mut all: Vec<f64> =
             self.runs.iter().flat_map(|r| r.intensity.logs.iter().flatten()).map(|log| (0.5 * log).exp()).collect();
         all.sort_by(f64::total_cmp);
-        let at = |share: f64| all.get(crate::run::whole(share * (all.len().max(1) - 1) as f64)).copied();
+        let at = |share: f64| all.get(whole(share * (all.len().max(1) - 1) as f64)).copied();
         Some([at(0.05)?, at(0.95)?])
     }
 
@@ -268,13 +242,13 @@ impl Engine {
 
 /// Standard deviation of the logarithm of the gusts' size, the root of their mean variance, that bursts leave.
 fn mean_std(locals: &[Local], process: Process, axes: &[usize]) -> f64 {
-    let (mut variance, mut whole) = (0.0, 0.0);
+    let (mut variance, mut sum) = (0.0, 0.0);
     for local in locals.iter().filter(|l| axes.contains(&l.axis)) {
         let weights: Vec<f64> = local.logs.iter().map(|log| log.exp()).collect();
         variance += product(&weights, &local.solved(process, &weights).0);
-        whole += weights.iter().sum::<f64>();
+        sum += weights.iter().sum::<f64>();
     }
-    if whole > 0.0 { 0.5 * variance.sqrt() / whole } else { 0.0 }
+    if sum > 0.0 { 0.5 * variance.sqrt() / sum } else { 0.0 }
 }
 
 fn product(a: &[f64], b: &[f64]) -> f64 {

@@ -15,7 +15,7 @@ use crate::columns::{Basis, SensitivityColumn, Shown, View, body_to_tunnel, lag_
 use crate::noise::{ChannelNoise, MeanNoise};
 use crate::random::{Input, ORDER, inputs};
 use crate::run::Prepared;
-use crate::shock::{Gust, Taken, Trace};
+use crate::shock::{GustNoise, Taken, Trace};
 use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, Simd, WithSimd};
 use rows::VECTOR;
@@ -459,7 +459,7 @@ struct Work {
     pushed: [[[f64; ADDED]; MOTION]; 2],
     terms: Vec<f64>,
     values: Vec<f64>,
-    gusts: Vec<Gust>,
+    gusts: Vec<GustNoise>,
 }
 
 impl Work {

@@ -17,6 +17,7 @@ mod filter;
 mod gram;
 mod hum;
 mod innovations;
+mod intensity;
 mod model;
 mod noise;
 mod random;

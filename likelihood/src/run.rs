@@ -3,7 +3,7 @@
 //! A node stands for a block of samples: the mean of what was measured less what motion over the block explains carries all that a filter
 //! can use below the block's own rate, at a fraction of its cost. Missing samples leave a node with fewer, or none.
 
-use crate::bursts::Intensity;
+use crate::intensity::Intensity;
 use crate::noise::ChannelNoise;
 use crate::wind::Speed;
 use windfall_model::{POSE, Record};

@@ -28,12 +28,12 @@ pub(crate) struct Taken {
     /// Transition to the next node, by rows; empty at the last.
     pub(crate) phi: Vec<f64>,
     /// What gusts add on the way to the next node.
-    pub(crate) gusts: Vec<Gust>,
+    pub(crate) gusts: Vec<GustNoise>,
 }
 
 /// What one axis' gust adds to the states' covariance over a step.
 #[derive(Clone, Debug)]
-pub(crate) struct Gust {
+pub(crate) struct GustNoise {
     pub(crate) axis: usize,
     /// The states that it reaches, and the covariance that it adds to them, on and below the diagonal by rows.
     pub(crate) states: Vec<usize>,

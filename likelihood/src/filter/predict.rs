@@ -4,7 +4,7 @@ use super::rows::{VECTOR, add_rows};
 use super::{Filter, Keep, Ready, SLACK, Stage, Work, states, times};
 use crate::columns::View;
 use crate::random::{Input, REACH};
-use crate::shock::Gust;
+use crate::shock::GustNoise;
 use windfall_model::{Entry, Plant};
 use windfall_pid::equations::{ADDED, LOOSE, Local, MOTION, STATES, TunnelAir};
 
@@ -267,7 +267,7 @@ impl Filter<'_> {
             for i in 0..input.order {
                 gust.extend(reached[..=nm + i].iter().map(|k| q[(at + i) * n + k]));
             }
-            gusts.push(Gust { axis, states: reached, added: gust });
+            gusts.push(GustNoise { axis, states: reached, added: gust });
         }
     }
 

@@ -1,7 +1,7 @@
 //! pid: symmetric banded systems. In: normal matrix of a local basis. Out: its Cholesky factor and solutions.
 
 use super::bspline::ORDER;
-use super::wide::{Row, load, minus, parts, store};
+use super::wide::{WideRow, load, minus, parts, store};
 use pulp::Simd;
 
 const BAND: usize = ORDER - 1;
@@ -67,7 +67,7 @@ impl BandedFactor {
     }
     /// Solves for eight right-hand sides in place.
     #[inline(always)]
-    pub(super) fn solve<S: Simd>(&self, simd: S, b: &mut [Row]) {
+    pub(super) fn solve<S: Simd>(&self, simd: S, b: &mut [WideRow]) {
         for part in parts::<S>() {
             self.forward(simd, b, part);
             self.backward(simd, b, part);
@@ -75,7 +75,7 @@ impl BandedFactor {
     }
     /// L z = b.
     #[inline(always)]
-    fn forward<S: Simd>(&self, simd: S, b: &mut [Row], part: usize) {
+    fn forward<S: Simd>(&self, simd: S, b: &mut [WideRow], part: usize) {
         for (i, row) in self.rows.iter().enumerate() {
             let mut v = load::<S>(&b[i], part);
             for k in BAND.saturating_sub(i)..BAND {
@@ -86,7 +86,7 @@ impl BandedFactor {
     }
     /// Lᵀ c = z.
     #[inline(always)]
-    fn backward<S: Simd>(&self, simd: S, b: &mut [Row], part: usize) {
+    fn backward<S: Simd>(&self, simd: S, b: &mut [WideRow], part: usize) {
         let n = self.rows.len();
         for i in (0..n).rev() {
             let mut v = load::<S>(&b[i], part);

@@ -7,7 +7,7 @@
 
 use super::banded::{Banded, BandedFactor};
 use super::bspline::{DEGREE, Knots, ORDER};
-use super::wide::{Row, WIDE, gather, load, of_all, parts, scatter, store};
+use super::wide::{WIDE, WideRow, gather, load, of_all, parts, scatter, store};
 use super::{Fit, Signal};
 use crate::PidError;
 use crate::shared::Shared;
@@ -61,12 +61,12 @@ pub(super) fn smooth(raw: PerChannel<&[f64]>, dt: f64, knot_s: Option<f64>) -> R
 struct Smoothing<'a> {
     grid: &'a Grid,
     factor: &'a BandedFactor,
-    samples: &'a [Row],
+    samples: &'a [WideRow],
     dt: f64,
 }
 
 impl WithSimd for Smoothing<'_> {
-    type Output = ([Vec<Row>; 3], Row);
+    type Output = ([Vec<WideRow>; 3], WideRow);
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         self.grid.evaluate(simd, self.samples, &self.grid.fit(simd, self.samples, self.factor), self.dt)
@@ -76,23 +76,23 @@ impl WithSimd for Smoothing<'_> {
 /// The residual of a knot interval that is tried, compiled for each vector unit.
 struct Trial<'a> {
     grid: &'a Grid,
-    samples: &'a [Row],
-    size2: Row,
+    samples: &'a [WideRow],
+    size2: WideRow,
 }
 
 impl WithSimd for Trial<'_> {
-    type Output = Option<Row>;
+    type Output = Option<WideRow>;
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         self.grid.residual(simd, self.samples, self.size2)
     }
 }
 
-fn interleave(raw: PerChannel<&[f64]>) -> Vec<Row> {
+fn interleave(raw: PerChannel<&[f64]>) -> Vec<WideRow> {
     (0..raw[0].len()).map(|i| std::array::from_fn(|k| raw.get(k).map_or(0.0, |x| x[i]))).collect()
 }
 
-fn by_channel(rows: &[Row]) -> PerChannel<Vec<f64>> {
+fn by_channel(rows: &[WideRow]) -> PerChannel<Vec<f64>> {
     let mut series = [(); CHANNELS].map(|()| vec![0.0; rows.len()]);
     for (i, row) in rows.iter().enumerate() {
         for (series, x) in series.iter_mut().zip(row) {
@@ -110,14 +110,14 @@ fn intervals_of(samples: f64, n: usize) -> usize {
 }
 
 /// Number of intervals: cross-validation, then undersmoothing.
-fn choose(samples: &[Row], dt: f64) -> usize {
+fn choose(samples: &[WideRow], dt: f64) -> usize {
     let n = samples.len();
     let best = cross_validate(samples, dt);
     intervals_of(((n - 1) as f64 / best as f64 * UNDERSMOOTH).max(SHORTEST), n)
 }
 
 /// Knot interval of least Σ over channels of ln GCV, GCV = RSS/n / (1 − p/n)²: equal weight to a relative gain in any channel.
-fn cross_validate(samples: &[Row], dt: f64) -> usize {
+fn cross_validate(samples: &[WideRow], dt: f64) -> usize {
     let n = samples.len();
     let size2 = sum_of_squares(samples);
     let mut best = (f64::INFINITY, 1);
@@ -138,7 +138,7 @@ fn cross_validate(samples: &[Row], dt: f64) -> usize {
     best.1
 }
 
-fn sum_of_squares(samples: &[Row]) -> Row {
+fn sum_of_squares(samples: &[WideRow]) -> WideRow {
     let mut s = [0.0; WIDE];
     for x in samples {
         for (s, x) in s.iter_mut().zip(x) {
@@ -207,7 +207,7 @@ impl Grid {
     /// Least-squares coefficients from normal equations, once more on the residual, which restores the digits that their squared
     /// condition number costs.
     #[inline(always)]
-    fn fit<S: Simd>(&self, simd: S, samples: &[Row], factor: &BandedFactor) -> Vec<Row> {
+    fn fit<S: Simd>(&self, simd: S, samples: &[WideRow], factor: &BandedFactor) -> Vec<WideRow> {
         let mut c = self.projection(simd, samples);
         factor.solve(simd, &mut c);
         let mut more = vec![[0.0; WIDE]; c.len()];
@@ -222,7 +222,7 @@ impl Grid {
     }
     /// Sums of squared residuals. From the normal equations, yᵀy − cᵀBᵀy; where that has lost its digits, sample by sample.
     #[inline(always)]
-    fn residual<S: Simd>(&self, simd: S, samples: &[Row], size2: Row) -> Option<Row> {
+    fn residual<S: Simd>(&self, simd: S, samples: &[WideRow], size2: WideRow) -> Option<WideRow> {
         let factor = self.factor.as_ref()?;
         let projection = self.projection(simd, samples);
         let mut c = projection.clone();
@@ -235,7 +235,7 @@ impl Grid {
             }
             store::<S>(&mut explained, part, sum);
         }
-        let rss: Row = std::array::from_fn(|k| size2[k] - explained[k]);
+        let rss: WideRow = std::array::from_fn(|k| size2[k] - explained[k]);
         // Cancellation leaves 1e-16/1e-9: seven digits.
         if rss.iter().zip(size2).all(|(r, s)| *r > 1.0e-9 * s || s <= 0.0) {
             Some(rss)
@@ -244,7 +244,7 @@ impl Grid {
         }
     }
     #[inline(always)]
-    fn residual_by_sample<S: Simd>(&self, simd: S, samples: &[Row], c: &[Row]) -> Row {
+    fn residual_by_sample<S: Simd>(&self, simd: S, samples: &[WideRow], c: &[WideRow]) -> WideRow {
         let mut rss = [0.0; WIDE];
         for (first, span) in self.spans() {
             for part in parts::<S>() {
@@ -259,7 +259,7 @@ impl Grid {
     }
     /// Right-hand sides of the normal equations.
     #[inline(always)]
-    fn projection<S: Simd>(&self, simd: S, samples: &[Row]) -> Vec<Row> {
+    fn projection<S: Simd>(&self, simd: S, samples: &[WideRow]) -> Vec<WideRow> {
         let mut projection = vec![[0.0; WIDE]; self.knots.count()];
         for (first, span) in self.spans() {
             scatter(simd, local_mut(&mut projection, first), &self.values[span.clone()], &samples[span], None);
@@ -275,7 +275,7 @@ impl Grid {
     }
     /// Value, rate (per s) and second derivative (per s²) at each sample, and sums of squared residuals.
     #[inline(always)]
-    fn evaluate<S: Simd>(&self, simd: S, samples: &[Row], c: &[Row], dt: f64) -> ([Vec<Row>; 3], Row) {
+    fn evaluate<S: Simd>(&self, simd: S, samples: &[WideRow], c: &[WideRow], dt: f64) -> ([Vec<WideRow>; 3], WideRow) {
         let per_s = simd.splat_f64s(self.per_sample / dt);
         let mut out = [(); 3].map(|()| vec![[0.0; WIDE]; self.n]);
         let mut rss = [0.0; WIDE];
@@ -328,10 +328,10 @@ impl Grid {
     }
 }
 
-fn local(c: &[Row], first: usize) -> &[Row; ORDER] {
+fn local(c: &[WideRow], first: usize) -> &[WideRow; ORDER] {
     c[first..].first_chunk().expect("an interval has as many coefficients")
 }
-fn local_mut(c: &mut [Row], first: usize) -> &mut [Row; ORDER] {
+fn local_mut(c: &mut [WideRow], first: usize) -> &mut [WideRow; ORDER] {
     c[first..].first_chunk_mut().expect("an interval has as many coefficients")
 }
 
@@ -343,16 +343,16 @@ fn plus_square<S: Simd>(simd: S, sum: S::f64s, x: S::f64s) -> S::f64s {
 
 #[cfg(test)]
 mod tests {
-    use super::{Grid, Row, Smoothing, Trial, sum_of_squares};
+    use super::{Grid, Smoothing, Trial, WideRow, sum_of_squares};
     use pulp::{Arch, Scalar, WithSimd};
 
     /// On the widest unit and on none at all.
     #[test]
     fn exact_bits_on_every_unit() {
-        let sample = |i: usize| -> Row {
+        let sample = |i: usize| -> WideRow {
             std::array::from_fn(|k| (0.01 * (1 + k * i) as f64).sin() + (17.3 * (i * i + k) as f64).sin() * 1e-3)
         };
-        let samples: Vec<Row> = (0..400).map(sample).collect();
+        let samples: Vec<WideRow> = (0..400).map(sample).collect();
         let size2 = sum_of_squares(&samples);
         let grid = Grid::new(40, samples.len());
         let factor = grid.factor.as_ref().expect("more samples than coefficients");

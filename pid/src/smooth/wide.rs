@@ -7,7 +7,7 @@ use super::bspline::ORDER;
 use pulp::Simd;
 
 /// The seven channels at one sample, or their coefficients, and a zero: as many as the widest vector unit takes at once.
-pub(super) type Row = [f64; WIDE];
+pub(super) type WideRow = [f64; WIDE];
 pub(super) const WIDE: usize = 8;
 
 /// Vectors to a row.
@@ -16,11 +16,11 @@ pub(super) fn parts<S: Simd>() -> std::ops::Range<usize> {
     0..WIDE / S::F64_LANES
 }
 #[inline(always)]
-pub(super) fn load<S: Simd>(row: &Row, part: usize) -> S::f64s {
+pub(super) fn load<S: Simd>(row: &WideRow, part: usize) -> S::f64s {
     S::as_simd_f64s(row).0[part]
 }
 #[inline(always)]
-pub(super) fn store<S: Simd>(row: &mut Row, part: usize, x: S::f64s) {
+pub(super) fn store<S: Simd>(row: &mut WideRow, part: usize, x: S::f64s) {
     S::as_mut_simd_f64s(row).0[part] = x;
 }
 /// `sum + k·x`.
@@ -36,7 +36,7 @@ pub(super) fn minus<S: Simd>(simd: S, sum: S::f64s, k: f64, x: S::f64s) -> S::f6
 
 /// One vector of each of the rows.
 #[inline(always)]
-pub(super) fn of_all<S: Simd>(simd: S, rows: &[Row; ORDER], part: usize) -> [S::f64s; ORDER] {
+pub(super) fn of_all<S: Simd>(simd: S, rows: &[WideRow; ORDER], part: usize) -> [S::f64s; ORDER] {
     let mut out = [simd.splat_f64s(0.0); ORDER];
     for (out, row) in out.iter_mut().zip(rows) {
         *out = load::<S>(row, part);
@@ -56,10 +56,10 @@ pub(super) fn gather<S: Simd>(simd: S, c: &[S::f64s; ORDER], b: &[f64; ORDER]) -
 #[inline(always)]
 pub(super) fn scatter<S: Simd>(
     simd: S,
-    sums: &mut [Row; ORDER],
+    sums: &mut [WideRow; ORDER],
     values: &[[f64; ORDER]],
-    samples: &[Row],
-    fit: Option<&[Row; ORDER]>,
+    samples: &[WideRow],
+    fit: Option<&[WideRow; ORDER]>,
 ) {
     for part in parts::<S>() {
         let mut sum = of_all(simd, sums, part);

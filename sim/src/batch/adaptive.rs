@@ -30,25 +30,25 @@ pub(super) struct Control {
 }
 
 /// An embedded pair with dense output; it keeps the rates of the stages of the steps tried last.
-pub(super) trait Method<S: Simd, const N: usize>: Sized {
+pub(super) trait EmbeddedPair<S: Simd, const N: usize>: Sized {
     const CONTROL: Control;
     /// Coefficients of the polynomial through a step.
     type Dense: AsRef<[[Lanes<S>; N]]>;
     /// Before the first step.
     fn new(simd: S) -> Self;
     /// Tries the steps: the states at their ends.
-    fn attempt(&mut self, simd: S, from: &Start<S, N>, rhs: &mut Rhs<'_, '_, S>) -> [Lanes<S>; N];
+    fn attempt(&mut self, simd: S, from: &StepStart<S, N>, rhs: &mut Rhs<'_, '_, S>) -> [Lanes<S>; N];
     /// Error of each lane's step over what it may be.
-    fn errors(&self, simd: S, from: &Start<S, N>, end: &[Lanes<S>; N], tolerance: &Tolerance<S>) -> [f64; LANES_MAX];
+    fn errors(&self, simd: S, from: &StepStart<S, N>, end: &[Lanes<S>; N], tolerance: &Tolerance<S>) -> [f64; LANES_MAX];
     /// Rates at the ends of the steps; what was looked at last is still there.
     fn rate_at_end(&mut self, end: &[Lanes<S>; N], rhs: &mut Rhs<'_, '_, S>) -> [Lanes<S>; N];
     /// States within the steps, once the rates at their ends are known: with θ the part of the step and θ' = 1 − θ,
     /// `y + θ(c₀ + θ'(c₁ + θ(c₂ + θ'(…))))`.
-    fn dense(&mut self, simd: S, from: &Start<S, N>, end: &[Lanes<S>; N], rhs: &mut Rhs<'_, '_, S>) -> Self::Dense;
+    fn dense(&mut self, simd: S, from: &StepStart<S, N>, end: &[Lanes<S>; N], rhs: &mut Rhs<'_, '_, S>) -> Self::Dense;
 }
 
 /// Where each lane's step begins, and its length, s.
-pub(super) struct Start<S: Simd, const N: usize> {
+pub(super) struct StepStart<S: Simd, const N: usize> {
     t_s: [f64; LANES_MAX],
     h_s: [f64; LANES_MAX],
     pub(super) h: Lanes<S>,
@@ -92,7 +92,7 @@ impl<S: Simd> Rhs<'_, '_, S> {
     }
     /// Reads the inputs at this part of the steps.
     #[inline(always)]
-    pub(super) fn look_ahead<const N: usize>(&mut self, from: &Start<S, N>, part: f64) {
+    pub(super) fn look_ahead<const N: usize>(&mut self, from: &StepStart<S, N>, part: f64) {
         self.look(&std::array::from_fn(|lane| from.t_s[lane] + part * from.h_s[lane]));
     }
     /// Rates of states at the time that was looked at.
@@ -106,7 +106,7 @@ impl<S: Simd> Rhs<'_, '_, S> {
 #[inline(always)]
 pub(super) fn ahead<S: Simd, const N: usize, const K: usize>(
     simd: S,
-    from: &Start<S, N>,
+    from: &StepStart<S, N>,
     k: &[[Lanes<S>; N]; K],
     weights: &[(usize, f64)],
 ) -> [Lanes<S>; N] {
@@ -229,7 +229,7 @@ impl Clock {
     /// The next sample of each lane within its accepted step; none when no lane has one.
     fn due<S: Simd, const N: usize>(
         &mut self,
-        from: &Start<S, N>,
+        from: &StepStart<S, N>,
         accepted: &[f64; LANES_MAX],
         tracks: &Tracks<'_, '_, S>,
     ) -> Option<Due> {
@@ -250,7 +250,7 @@ impl Clock {
 
 /// Flies the lanes; there are inputs and wishes for each.
 #[inline(always)]
-pub(super) fn fly<S: Simd, const N: usize, M: Method<S, N>>(
+pub(super) fn fly<S: Simd, const N: usize, M: EmbeddedPair<S, N>>(
     simd: S,
     kernel: &Kernel<'_, S>,
     inputs: &mut [Inputs<'_>],
@@ -267,7 +267,7 @@ pub(super) fn fly<S: Simd, const N: usize, M: Method<S, N>>(
     let mut method = M::new(simd);
     rhs.look(&clock.t_s);
     tracks.observe(simd, kernel, &y, &rhs.row, |_| true);
-    let mut from = Start { t_s: clock.t_s, h_s: clock.h_s, h: Lanes::zero(simd), y, rate: rhs.rate(&y) };
+    let mut from = StepStart { t_s: clock.t_s, h_s: clock.h_s, h: Lanes::zero(simd), y, rate: rhs.rate(&y) };
     begin(simd, &mut from, &mut clock, &mut rhs, &tolerance);
     while !tracks.done() {
         (from.t_s, from.h_s) = (clock.t_s, clock.h_s);
@@ -306,7 +306,7 @@ pub(super) fn fly<S: Simd, const N: usize, M: Method<S, N>>(
 #[inline(always)]
 fn begin<S: Simd, const N: usize>(
     simd: S,
-    from: &mut Start<S, N>,
+    from: &mut StepStart<S, N>,
     clock: &mut Clock,
     rhs: &mut Rhs<'_, '_, S>,
     tolerance: &Tolerance<S>,

@@ -2,7 +2,7 @@
 //! Wanner 1993, §II.5-6, coefficients of their program `dop853.f`), on lanes. In: where a step begins and the rates there. Out: where it
 //! ends, its error, the states between.
 
-use super::adaptive::{Control, Method, Rhs, Start, Tolerance, ahead, weighted};
+use super::adaptive::{Control, EmbeddedPair, Rhs, StepStart, Tolerance, ahead, weighted};
 use super::lane::Lanes;
 use super::track::LANES_MAX;
 use pulp::Simd;
@@ -217,7 +217,7 @@ pub(super) struct Dop853<S: Simd, const N: usize> {
 /// Place of the rate at the end of the step.
 const END: usize = 12;
 
-impl<S: Simd, const N: usize> Method<S, N> for Dop853<S, N> {
+impl<S: Simd, const N: usize> EmbeddedPair<S, N> for Dop853<S, N> {
     const CONTROL: Control = Control { order: 8.0, beta: 0.0, shrink: 0.333, grow: 6.0 };
     type Dense = [[Lanes<S>; N]; 7];
 
@@ -227,7 +227,7 @@ impl<S: Simd, const N: usize> Method<S, N> for Dop853<S, N> {
     }
 
     #[inline(always)]
-    fn attempt(&mut self, simd: S, from: &Start<S, N>, rhs: &mut Rhs<'_, '_, S>) -> [Lanes<S>; N] {
+    fn attempt(&mut self, simd: S, from: &StepStart<S, N>, rhs: &mut Rhs<'_, '_, S>) -> [Lanes<S>; N] {
         self.k[0] = from.rate;
         for (stage, (part, weights)) in STAGES.iter().enumerate() {
             let y = ahead(simd, from, &self.k, weights);
@@ -239,7 +239,7 @@ impl<S: Simd, const N: usize> Method<S, N> for Dop853<S, N> {
 
     /// The error of order 5, less where that of order 3 says that it is overestimated.
     #[inline(always)]
-    fn errors(&self, simd: S, from: &Start<S, N>, end: &[Lanes<S>; N], tolerance: &Tolerance<S>) -> [f64; LANES_MAX] {
+    fn errors(&self, simd: S, from: &StepStart<S, N>, end: &[Lanes<S>; N], tolerance: &Tolerance<S>) -> [f64; LANES_MAX] {
         let (mut fifth, mut third) = (from.y, from.y);
         for i in 0..N {
             fifth[i] = weighted(simd, &self.k, E5, i);
@@ -260,7 +260,7 @@ impl<S: Simd, const N: usize> Method<S, N> for Dop853<S, N> {
     }
 
     #[inline(always)]
-    fn dense(&mut self, simd: S, from: &Start<S, N>, end: &[Lanes<S>; N], rhs: &mut Rhs<'_, '_, S>) -> Self::Dense {
+    fn dense(&mut self, simd: S, from: &StepStart<S, N>, end: &[Lanes<S>; N], rhs: &mut Rhs<'_, '_, S>) -> Self::Dense {
         for (stage, (part, weights)) in MORE.iter().enumerate() {
             let y = ahead(simd, from, &self.k, weights);
             rhs.look_ahead(from, *part);

@@ -1,7 +1,7 @@
 //! sim: the method of Dormand and Prince, 5(4) with dense output (Dormand & Prince 1980; Hairer, Nørsett & Wanner 1993, §II.4-6),
 //! on lanes. In: where a step begins and the rates there. Out: where it ends, its error, the states between.
 
-use super::adaptive::{Control, Method, Rhs, Start, Tolerance, ahead, root, weighted};
+use super::adaptive::{Control, EmbeddedPair, Rhs, StepStart, Tolerance, ahead, root, weighted};
 use super::lane::Lanes;
 use super::track::LANES_MAX;
 use pulp::Simd;
@@ -39,7 +39,7 @@ pub(super) struct Dopri5<S: Simd, const N: usize> {
     k: [[Lanes<S>; N]; 7],
 }
 
-impl<S: Simd, const N: usize> Method<S, N> for Dopri5<S, N> {
+impl<S: Simd, const N: usize> EmbeddedPair<S, N> for Dopri5<S, N> {
     const CONTROL: Control = Control { order: 5.0, beta: 0.04, shrink: 0.2, grow: 10.0 };
     type Dense = [[Lanes<S>; N]; 4];
 
@@ -49,7 +49,7 @@ impl<S: Simd, const N: usize> Method<S, N> for Dopri5<S, N> {
     }
 
     #[inline(always)]
-    fn attempt(&mut self, simd: S, from: &Start<S, N>, rhs: &mut Rhs<'_, '_, S>) -> [Lanes<S>; N] {
+    fn attempt(&mut self, simd: S, from: &StepStart<S, N>, rhs: &mut Rhs<'_, '_, S>) -> [Lanes<S>; N] {
         self.k[0] = from.rate;
         let mut y = from.y;
         for (stage, (part, weights)) in STAGES.iter().enumerate() {
@@ -64,7 +64,7 @@ impl<S: Simd, const N: usize> Method<S, N> for Dopri5<S, N> {
     }
 
     #[inline(always)]
-    fn errors(&self, simd: S, from: &Start<S, N>, end: &[Lanes<S>; N], tolerance: &Tolerance<S>) -> [f64; LANES_MAX] {
+    fn errors(&self, simd: S, from: &StepStart<S, N>, end: &[Lanes<S>; N], tolerance: &Tolerance<S>) -> [f64; LANES_MAX] {
         let mut error = from.y;
         for (i, e) in error.iter_mut().enumerate() {
             *e = from.h * weighted(simd, &self.k, E, i);
@@ -78,7 +78,7 @@ impl<S: Simd, const N: usize> Method<S, N> for Dopri5<S, N> {
     }
 
     #[inline(always)]
-    fn dense(&mut self, simd: S, from: &Start<S, N>, end: &[Lanes<S>; N], _rhs: &mut Rhs<'_, '_, S>) -> Self::Dense {
+    fn dense(&mut self, simd: S, from: &StepStart<S, N>, end: &[Lanes<S>; N], _rhs: &mut Rhs<'_, '_, S>) -> Self::Dense {
         let mut out = [from.y; 4];
         for i in 0..N {
             let rise = end[i] - from.y[i];

@@ -31,7 +31,7 @@ pub struct PreparedStudy {
 type Flown = (DrawnSetup, Plant, Vec<Record>);
 
 /// A draw whose flights are over.
-pub(super) struct Drawn<'p> {
+pub(super) struct FlownRow<'p> {
     out: Cells<'p>,
     flown: Result<Flown, String>,
 }
@@ -90,13 +90,13 @@ impl PreparedStudy {
 
     /// Flies some draws side by side; [`PreparedStudy::row`] does the rest of each, whose bits do not depend on the others. None where the
     /// program's own checks failed: then each is flown by itself, so that the one at fault says so.
-    pub(super) fn fly(&self, draws: &[u64]) -> Vec<Option<Box<Drawn<'_>>>> {
+    pub(super) fn fly(&self, draws: &[u64]) -> Vec<Option<Box<FlownRow<'_>>>> {
         catch_unwind(AssertUnwindSafe(|| self.flown(draws).into_iter().map(|d| Some(Box::new(d))).collect()))
             .unwrap_or_else(|_| draws.iter().map(|_| None).collect())
     }
 
     /// The row of a draw; flown here where it is not yet.
-    pub(super) fn row(&self, draw: u64, flown: Option<Box<Drawn<'_>>>) -> Row {
+    pub(super) fn row(&self, draw: u64, flown: Option<Box<FlownRow<'_>>>) -> Row {
         let mut out = self.empty();
         let filled = catch_unwind(AssertUnwindSafe(|| {
             let drawn = flown.or_else(|| self.flown(&[draw]).pop().map(Box::new)).ok_or_else(String::new)?;
@@ -118,7 +118,7 @@ impl PreparedStudy {
     }
 
     /// The draws' flights, side by side; what of each fails keeps its reason.
-    fn flown(&self, draws: &[u64]) -> Vec<Drawn<'_>> {
+    fn flown(&self, draws: &[u64]) -> Vec<FlownRow<'_>> {
         let mut outs: Vec<Cells<'_>> = draws.iter().map(|_| self.empty()).collect();
         let settings: Vec<_> = draws.iter().zip(&mut outs).map(|(draw, out)| self.setting(*draw, out)).collect();
         // Place of the draw, the flight, its plant and seed.
@@ -156,7 +156,7 @@ impl PreparedStudy {
                 let own: Vec<_> = records.by_ref().take(setting.flights.len()).collect();
                 Ok((setting, declared, own.into_iter().collect::<Result<_, _>>()?))
             });
-            Drawn { out, flown }
+            FlownRow { out, flown }
         };
         outs.into_iter().zip(settings).map(drawn).collect()
     }

@@ -1,6 +1,6 @@
 //! verify: draws, and other pieces of work, on all threads. In: what is wanted. Out: results, handed on as they come.
 
-use super::draw::{Drawn, PreparedStudy};
+use super::draw::{FlownRow, PreparedStudy};
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,13 +13,13 @@ const SIDE: usize = 8;
 /// What a thread does next.
 enum Task<'p> {
     Fly(Vec<u64>),
-    Row(u64, Option<Box<Drawn<'p>>>),
+    Row(u64, Option<Box<FlownRow<'p>>>),
 }
 
 /// Draws that are left, and those that are flown and wait for the rest.
 struct Queue<'p, I> {
     draws: I,
-    flown: VecDeque<(u64, Option<Box<Drawn<'p>>>)>,
+    flown: VecDeque<(u64, Option<Box<FlownRow<'p>>>)>,
     /// Threads that are flying.
     flying: usize,
     over: bool,
