@@ -212,7 +212,7 @@ impl Engine {
     }
 
     fn locals(&self, model: &Model) -> Option<Vec<Local>> {
-        let seen = self.traced(model, &[]).ok()?;
+        let seen = self.traced_with_gusts(model).ok()?;
         let mut all = Vec::new();
         for (i, (run, seen)) in self.runs.iter().zip(&seen).enumerate() {
             for (axis, slopes) in slopes(run, seen).into_iter().enumerate() {
@@ -288,7 +288,7 @@ mod tests {
                 pass(run, &PassSetting { plant: &plant, noise: &noise, columns: &[], slack: 0.0, von_karman: false, keep })
                     .expect("a pass")
             };
-            let found = slopes(&run, &passed(&run, Keep::Trace));
+            let found = slopes(&run, &passed(&run, Keep::Gusts));
             for (axis, found) in found.iter().enumerate() {
                 let found = found.as_ref().expect("a gust");
                 // The first knot's logarithm is also that of the start, whose slope is not the step's.

@@ -92,16 +92,8 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let sets = named(&weighed, &after.model);
     let (random_gains, random_ranges) = (gains(engine, &after), engine.random_ranges(&after));
     let random_bounds = random_bounds(engine, &after);
-    let stand_ins = match faint.is_empty() {
-        true => Vec::new(),
-        false => after
-            .model
-            .members
-            .iter()
-            .filter(|m| m.random && !m.declared && engine.moves_air(m))
-            .map(|m| m.effect.family)
-            .collect(),
-    };
+    let stands_in = |m: &&Member| !faint.is_empty() && m.random && !m.declared && engine.moves_air(m);
+    let stand_ins = after.model.members.iter().filter(stands_in).map(|m| m.effect.family).collect();
     let after = engine.robust(&after);
     let (before, before_fault) = match before {
         Ok(fit) => (Some(engine.robust(&fit)), Ok(())),
@@ -158,7 +150,7 @@ fn searched(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Res
     {
         best = other;
     }
-    if engine.bursts_price == 0.0 && !engine.is_exhausted() {
+    if engine.bursts().is_none() && !engine.is_exhausted() {
         best = in_bursts(engine, best, log);
     }
     Ok(Some(best))

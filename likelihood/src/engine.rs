@@ -254,6 +254,11 @@ impl Engine {
         self.passed(model, numbers, &[], Keep::Trace)
     }
 
+    /// The same, with what gusts add at each step.
+    pub(crate) fn traced_with_gusts(&self, model: &Model) -> Result<Vec<Seen>, Departed> {
+        self.passed(model, &[], &[], Keep::Gusts)
+    }
+
     /// One pass over all runs that keeps the whitened slopes of the innovations.
     pub(crate) fn with_rows(&self, model: &Model, numbers: &[Number]) -> Result<Vec<Seen>, Departed> {
         self.passed(model, numbers, &[], Keep::Rows)

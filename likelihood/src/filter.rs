@@ -91,6 +91,8 @@ pub(crate) enum Keep {
     Rows,
     /// What the filter did.
     Trace,
+    /// The same, with what gusts add at each step.
+    Gusts,
 }
 
 /// A column made ready for a run.
@@ -235,7 +237,7 @@ impl<'a> Filter<'a> {
             let departed = Departed { run: self.run.index, t_s: self.run.nodes[k].t_s };
             let rate = self.rates(&z, k, Stage::Now, [0.0; 3], &mut work.terms).ok_or(departed)?;
             let view = self.view(&z, k);
-            if self.keep == Keep::Trace {
+            if matches!(self.keep, Keep::Trace | Keep::Gusts) {
                 seen.trace.nodes.push(Taken { t_s: self.run.nodes[k].t_s, ..Taken::default() });
             }
             self.update(k, &mut z, &mut p, &mut s, &rate, &columns, &view, &mut seen, &mut rows, &mut work);

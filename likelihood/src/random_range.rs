@@ -50,19 +50,22 @@ fn log_normal(value: f64, s: f64, [low, high]: [f64; 2]) -> [f64; 2] {
 impl Engine {
     /// Of every number of a fit's random members; none where a model departs.
     pub(crate) fn random_ranges(&self, fit: &Fit) -> Vec<RandomRange> {
+        self.over_forms(fit).into_iter().map(|range| self.within(&fit.model, range)).collect()
+    }
+
+    /// The same, averaged over the forms of the gusts' spectrum.
+    fn over_forms(&self, fit: &Fit) -> Vec<RandomRange> {
         /// Most steps of scoring in the other form, which starts near.
         const STEPS: usize = 4;
-        let within =
-            |all: Vec<RandomRange>| -> Vec<RandomRange> { all.into_iter().map(|r| self.within(&fit.model, r)).collect() };
         let own = self.ranges_in(&fit.model);
         let dryden = |d: &Shape| matches!(d, Shape::DrydenLongitudinal { .. } | Shape::DrydenLateral { .. });
         let plant = fit.model.plant(&self.campaign);
         if self.von_karman || !plant.disturbances(1.0).iter().any(|d| dryden(&d.shape)) {
-            return within(own);
+            return own;
         }
         let mut other = self.clone();
         other.von_karman = true;
-        let Ok(start) = other.climb(&fit.model, false, 0) else { return within(own) };
+        let Ok(start) = other.climb(&fit.model, false, 0) else { return own };
         let end = other.settle_random(&start, STEPS);
         let ranges = other.ranges_in(&end.model);
         let odds = (end.total - fit.total).exp();
@@ -71,7 +74,7 @@ impl Engine {
             Some(two) => averaged(one, value(&fit.model, one.place), *two, value(&end.model, one.place), odds),
             None => one,
         };
-        within(own.into_iter().map(with_other).collect())
+        own.into_iter().map(with_other).collect()
     }
 
     /// A range with what bursts leave of a size, within what is plausible.

@@ -27,7 +27,7 @@ pub(crate) struct Taken {
     pub(crate) channels: Vec<Innovation>,
     /// Transition to the next node, by rows; empty at the last.
     pub(crate) phi: Vec<f64>,
-    /// What gusts add on the way to the next node.
+    /// What gusts add on the way to the next node, where asked for.
     pub(crate) gusts: Vec<GustNoise>,
 }
 

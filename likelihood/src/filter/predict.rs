@@ -245,12 +245,16 @@ impl Filter<'_> {
         }
         let spread = input.reach_added.map(|r| weighted(&moved, &r));
         let Work { phi, q, gusts, .. } = work;
+        let kept = match input.entry {
+            Entry::AirVelocity(axis) if self.keep == Keep::Gusts => Some(axis),
+            _ => None,
+        };
         let mut gust = Vec::new();
         for i in 0..nm {
             let mut sum = weighted(&moved, &spread.map(|s| now * s[i]));
             sum.iter_mut().zip(&own).for_each(|(sum, x)| *sum += broad * own[i] * x);
             q[i * n..=i * n + i].iter_mut().zip(&sum).for_each(|(q, s)| *q += s);
-            if self.keep == Keep::Trace {
+            if kept.is_some() {
                 gust.extend_from_slice(&sum[..=i]);
             }
         }
@@ -260,9 +264,7 @@ impl Filter<'_> {
                 q[(at + i) * n + at + k] = now * input.added[i][k];
             }
         }
-        if self.keep == Keep::Trace
-            && let Entry::AirVelocity(axis) = input.entry
-        {
+        if let Some(axis) = kept {
             let reached: Vec<usize> = (0..nm).chain(at..at + input.order).collect();
             for i in 0..input.order {
                 gust.extend(reached[..=nm + i].iter().map(|k| q[(at + i) * n + k]));

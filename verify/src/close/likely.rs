@@ -12,7 +12,8 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use windfall_likelihood::{Discovery, Engine, Fit, Id, Lead, Member, discover};
 use windfall_model::{CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, Role, Use};
 
-/// Gain, in nats beyond its cost, from which a generic alternative says that something is unexplained.
+/// Gain, in nats beyond its cost, from which a generic alternative says that something is unexplained, and from which a line of the
+/// instrument's is listed.
 const LEAD: f64 = 4.0;
 /// How well noise is known from the record, as a share of its variance.
 const NOISE_KNOWN: f64 = 0.03;

@@ -1,10 +1,10 @@
 //! What strikes one run, and runs that choose.
 
-use super::common::bundled;
+use super::common::{bundled, families};
 use windfall_model::{CATALOGUE, Campaign, Data, Plant, Record, Use};
 use windfall_sim::{Seed, fly};
 use windfall_verify::campaign_of;
-use windfall_verify::close::{Closing, Options, close};
+use windfall_verify::close::{Options, close};
 
 /// Three runs of a lander, each of which flies a plant of its own that is not declared.
 pub(crate) fn flown(seed: u64, plant_of: impl Fn(&Plant, usize) -> Plant) -> Campaign {
@@ -26,13 +26,6 @@ pub(crate) fn with(plant: &Plant, family: &str, values: &[f64]) -> Plant {
     let mut plant = plant.clone();
     (CATALOGUE.iter().find(|e| e.family == family).expect("in the catalogue").apply)(&mut plant, values);
     plant
-}
-
-/// Families named, in order of their names.
-pub(crate) fn families(c: &Closing) -> Vec<&str> {
-    let mut all: Vec<&str> = c.effects.iter().map(|e| e.family.as_str()).collect();
-    all.sort_unstable();
-    all
 }
 
 /// A touch of a fiftieth of a newton second in the second run is found there and then.

@@ -1,45 +1,15 @@
 //! verify tests: closing on rigid bodies in free flight. In: the bundled campaign of a blimp, flights of an independent integrator. Out: what is
 //! named, what is not, and how well runs held out are predicted.
 
+use super::common::{closed, families, measured};
 use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
-use std::path::PathBuf;
 use windfall_model::frames::{Body, Rotation, Tunnel, Vec3};
 use windfall_model::{Campaign, Data, FreeState, Measured, PointRecord};
-use windfall_scenarios::read_campaign;
 use windfall_sim::{Seed, record_free};
-use windfall_verify::close::{Closing, HeldOut, Options, Verdict, close};
+use windfall_verify::close::{Closing, HeldOut, Verdict};
 use windfall_verify::tracks::TrackEvidence;
-
-fn campaign(file: &str) -> Campaign {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../benchmarks/measured/gliding-blimp").join(file);
-    read_campaign(&path).expect("a bundled campaign is well-formed")
-}
-
-fn closed(c: &Campaign) -> Closing {
-    let begun = std::time::Instant::now();
-    let closing = close(c, &Options::default()).expect("closes");
-    eprintln!("{}: {:?} in {:.1} s, {} runs", c.name, closing.verdict, begun.elapsed().as_secs_f64(), c.runs.len());
-    for r in closing.residual.per_channel.iter().zip(&closing.residual_after.per_channel) {
-        eprintln!("  {} rms {:.4} -> {:.4}, p {:.1e} -> {:.1e}", r.0.channel, r.0.rms, r.1.rms, r.0.p_value, r.1.p_value);
-    }
-    for e in &closing.effects {
-        eprintln!("  {} p {:.1e} probability {:?} rivals {:?}", e.family, e.p_value, e.probability, e.rivals);
-        e.parameters.iter().for_each(|p| eprintln!("    {} = {:.5} ± {:?} {}", p.name, p.estimate, p.std_error, p.unit));
-    }
-    closing.constants.iter().for_each(|k| eprintln!("  {} {} -> {} ± {:?}", k.key, k.declared, k.estimate, k.std_error));
-    closing.shifts.iter().for_each(|p| eprintln!("  {} {:.4} -> {:.4} ± {:.4}", p.name, p.before, p.after, p.std_error_after));
-    closing.candidates.iter().for_each(|k| eprintln!("  candidate {} {:.1} p {:.1e}", k.family, k.score, k.p_value));
-    closing.sets.iter().for_each(|s| eprintln!("  set {:?} {:.3}", s.families, s.probability));
-    eprintln!("  held out {:?} -> {:?}", closing.before.hold_out, closing.after.hold_out);
-    closing.unexplained.iter().for_each(|u| eprintln!("  unexplained {}: {}", u.channel, u.description));
-    closing
-}
-
-fn families(c: &Closing) -> Vec<&str> {
-    c.effects.iter().map(|e| e.family.as_str()).collect()
-}
 
 /// What the truth of made flights has beyond the source's model, and what each flight has of its own.
 #[derive(Clone, Copy, Default)]
@@ -152,7 +122,7 @@ fn record(start: Flight, inputs: &[f64], truth: &Truth, seconds: f64) -> PointRe
 /// Flights of the bundled campaign's settings with a truth, each with a little of its own: displaced air (0.3 %), thrusts (4 %), gondola (2
 /// mm), and another start.
 fn made(truth: Truth, seed: u64) -> Campaign {
-    let mut c = campaign("campaign.toml");
+    let mut c = measured("gliding-blimp/campaign.toml");
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
     let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
     for run in &mut c.runs {
@@ -245,7 +215,9 @@ fn error_and_repeatability(c: &Campaign) -> [[f64; 2]; 6] {
 /// (15 %, three times over). The makers' model of the measured ones is off by more than that somewhere.
 #[test]
 fn law_the_floor_is_what_twins_differ_by() {
-    for (name, c, more) in [("made", made(Truth::default(), 21), false), ("measured", campaign("campaign.toml"), true)] {
+    for (name, c, more) in
+        [("made", made(Truth::default(), 21), false), ("measured", measured("gliding-blimp/campaign.toml"), true)]
+    {
         let all = error_and_repeatability(&c);
         let ratios = all.map(|[error, floor]| error / floor);
         eprintln!("{name}: error and repeatability {all:.4?}, ratios {ratios:.2?}");
@@ -257,7 +229,7 @@ fn law_the_floor_is_what_twins_differ_by() {
 /// worse with what is named than without.
 #[test]
 fn recover_what_the_blimp_leaves_open() {
-    let closing = closed(&campaign("campaign.toml"));
+    let closing = closed(&measured("gliding-blimp/campaign.toml"));
     assert!(closing.verdict != Verdict::Consistent, "{:?}", closing.verdict);
     let [before, after] = held(&closing);
     assert!((0.3..0.7).contains(&before) && after < 1.02 * before, "{before} {after} m");
@@ -266,20 +238,15 @@ fn recover_what_the_blimp_leaves_open() {
 #[test]
 #[ignore = "slow: minutes; twenty coefficients with priors"]
 fn recover_what_is_left_beside_uncertain_coefficients() {
-    let closing = closed(&campaign("uncertain.toml"));
+    let closing = closed(&measured("gliding-blimp/uncertain.toml"));
     assert!(closing.effects.iter().all(|e| e.parameters.iter().any(|p| p.std_error.is_some())));
     let [before, after] = held(&closing);
     assert!(after < 1.02 * before, "{before} {after} m");
 }
 
-fn cubes() -> Campaign {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../benchmarks/measured/cube-tosses/campaign.toml");
-    read_campaign(&path).expect("a bundled campaign is well-formed")
-}
-
 /// As many tosses as were measured, each as long, with the noise that is stated, of a cube whose centre of mass is so far along its z.
 fn tossed(ahead_m: f64, seed: u64) -> Campaign {
-    let mut c = cubes();
+    let mut c = measured("cube-tosses/campaign.toml");
     let mut truth = c.plant.clone();
     truth.vehicle.p_origin_cm += Vec3::new(0.0, 0.0, ahead_m);
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
@@ -321,7 +288,7 @@ fn recover_a_shifted_centre_of_mass_of_tosses_and_nothing_from_others() {
 /// drag would need more than a cube can have.
 #[test]
 fn recover_what_the_cube_tosses_lack() {
-    let closing = closed(&cubes());
+    let closing = closed(&measured("cube-tosses/campaign.toml"));
     let pairs = [["time-base", "length-scale"], ["center-of-mass", "tracked-point"]];
     assert_eq!(closing.effects.len(), 2, "{:?}", families(&closing));
     for pair in pairs {

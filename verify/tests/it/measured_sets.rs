@@ -1,37 +1,8 @@
 //! verify tests: measured sets of others that are bundled in `benchmarks/measured`. In: their campaigns. Out: what closing says of them.
 
-use std::path::PathBuf;
-use windfall_model::{Campaign, Data, Use};
-use windfall_scenarios::read_campaign;
-use windfall_verify::close::{Closing, HeldOut, Options, Verdict, close};
-
-fn campaign(file: &str) -> Campaign {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../benchmarks/measured").join(file);
-    read_campaign(&path).expect("a bundled campaign is well-formed")
-}
-
-fn closed(c: &Campaign) -> Closing {
-    let closing = close(c, &Options::default()).expect("closes");
-    eprintln!("{}: {:?}", c.name, closing.verdict);
-    for r in closing.residual.per_channel.iter().zip(&closing.residual_after.per_channel) {
-        eprintln!("  {} rms {:.4} -> {:.4}, p {:.1e} -> {:.1e}", r.0.channel, r.0.rms, r.1.rms, r.0.p_value, r.1.p_value);
-    }
-    for e in &closing.effects {
-        eprintln!("  {} p {:.1e} probability {:?} rivals {:?}", e.family, e.p_value, e.probability, e.rivals);
-        e.parameters.iter().for_each(|p| eprintln!("    {} = {:.5} ± {:?} {}", p.name, p.estimate, p.std_error, p.unit));
-    }
-    closing.constants.iter().for_each(|k| eprintln!("  {} {} -> {} ± {:?}", k.key, k.declared, k.estimate, k.std_error));
-    closing.after.parameters.iter().for_each(|p| eprintln!("  {} = {} ± {:?}", p.name, p.estimate, p.std_error));
-    closing.candidates.iter().for_each(|k| eprintln!("  candidate {} {:.1} p {:.1e}", k.family, k.score, k.p_value));
-    closing.sets.iter().for_each(|s| eprintln!("  set {:?} {:.3}", s.families, s.probability));
-    eprintln!("  held out {:?} -> {:?}", closing.before.hold_out, closing.after.hold_out);
-    closing.unexplained.iter().for_each(|u| eprintln!("  unexplained {}: {}", u.channel, u.description));
-    closing
-}
-
-fn families(c: &Closing) -> Vec<&str> {
-    c.effects.iter().map(|e| e.family.as_str()).collect()
-}
+use super::common::{closed, families, measured};
+use windfall_model::{Data, Use};
+use windfall_verify::close::{Closing, HeldOut, Verdict};
 
 /// Error on runs held out, before and after, in the unit that `of` gives.
 fn held(c: &Closing, of: impl Fn(&HeldOut) -> Option<f64>) -> [f64; 2] {
@@ -42,7 +13,7 @@ fn held(c: &Closing, of: impl Fn(&HeldOut) -> Option<f64>) -> [f64; 2] {
 /// by a fifth about 0.05 /m (attitude), where that of the assumed size and a coefficient of one is 0.044.
 #[test]
 fn recover_drag_of_a_falling_telephone() {
-    let c = campaign("phone-drops/campaign.toml");
+    let c = measured("phone-drops/campaign.toml");
     let closing = closed(&c);
     assert_eq!(families(&closing), ["drag"]);
     let cd = &closing.effects[0].parameters[0];
@@ -55,7 +26,7 @@ fn recover_drag_of_a_falling_telephone() {
 /// A pendulum, declared with viscous friction: what it lacks does not follow the rate but hardly depends on it.
 #[test]
 fn recover_dry_friction_of_a_pendulum() {
-    let c = campaign("pendulum/campaign.toml");
+    let c = measured("pendulum/campaign.toml");
     let closing = closed(&c);
     assert!(families(&closing).contains(&"pivot-friction"), "{:?}", families(&closing));
     let [before, after] = held(&closing, |h| h.trajectory.and_then(|t| t.attitude_rms_deg));
@@ -66,7 +37,7 @@ fn recover_dry_friction_of_a_pendulum() {
 /// average, while single rockets are off by more than an altimeter's errors.
 #[test]
 fn recover_nothing_from_coasts_of_five_rockets() {
-    let closing = closed(&campaign("rocket-coasts/campaign.toml"));
+    let closing = closed(&measured("rocket-coasts/campaign.toml"));
     assert_eq!((families(&closing), closing.verdict), (Vec::new(), Verdict::Unexplained));
     let scale = closing.constants.iter().find(|c| c.key.ends_with("CD_scale")).expect("uncertain");
     let std = scale.std_error.expect("seen");
@@ -76,7 +47,7 @@ fn recover_nothing_from_coasts_of_five_rockets() {
 /// The same tables believed not at all: a first step of the common factor goes to where a rocket cannot be flown, and back.
 #[test]
 fn recover_a_factor_common_to_five_rockets_without_a_prior() {
-    let mut c = campaign("rocket-coasts/campaign.toml");
+    let mut c = measured("rocket-coasts/campaign.toml");
     c.knowledge.constants.clear();
     c.declared = vec![true];
     let closing = closed(&c);
@@ -91,7 +62,7 @@ fn recover_a_factor_common_to_five_rockets_without_a_prior() {
 #[test]
 fn recover_nothing_from_one_rocket_alone() {
     for rocket in ["andromeda", "erebus-11", "juno-3"] {
-        let closing = closed(&campaign(&format!("rocket-coasts/{rocket}.toml")));
+        let closing = closed(&measured(&format!("rocket-coasts/{rocket}.toml")));
         assert_eq!(closing.verdict, Verdict::Consistent, "{rocket}");
         assert!(closing.after.parameters[0].std_error.is_some_and(|s| s > 0.01), "{rocket}");
     }
@@ -100,7 +71,7 @@ fn recover_nothing_from_one_rocket_alone() {
 /// A coast with air brakes: what follows the brakes is named; the flight whose brakes stuck against their command is not predicted by it.
 #[test]
 fn recover_what_follows_the_air_brakes() {
-    let c = campaign("rocket-coasts/jackpot.toml");
+    let c = measured("rocket-coasts/jackpot.toml");
     let closing = closed(&c);
     // By hand, speeds integrated from the accelerometer back from apogee: C_D 0.47 to 0.49 with the brakes in, 1.55 out; 0.393 is declared.
     let drag = closing.effects.iter().find(|e| e.family == "drag").expect("named");
@@ -111,7 +82,7 @@ fn recover_what_follows_the_air_brakes() {
 /// A published uncertainty of the drag is a prior, and a rocket within it is consistent.
 #[test]
 fn recover_nothing_from_a_rocket_within_its_uncertainty() {
-    let closing = closed(&campaign("rocket-coasts/bella-lui.toml"));
+    let closing = closed(&measured("rocket-coasts/bella-lui.toml"));
     assert_eq!(closing.verdict, Verdict::Consistent);
     let scale = closing.constants.iter().find(|c| c.key.ends_with("CD_scale")).expect("uncertain");
     assert!(scale.std_error.is_some_and(|s| s <= 0.05) && (scale.estimate - 1.0).abs() < 0.1, "{scale:?}");
@@ -120,7 +91,7 @@ fn recover_nothing_from_a_rocket_within_its_uncertainty() {
 /// The same windows twice are not more evidence: a decay in windows has no scatter between recordings to speak by.
 #[test]
 fn law_windows_of_one_recording_are_one_witness() {
-    let c = campaign("pendulum/campaign.toml");
+    let c = measured("pendulum/campaign.toml");
     let recordings: Vec<_> = c
         .runs
         .iter()

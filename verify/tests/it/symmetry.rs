@@ -5,7 +5,8 @@
 
 #![expect(clippy::print_stdout, reason = "a test prints what it measured")]
 
-use super::closing::{families, flown, with};
+use super::closing::{flown, with};
+use super::common::families;
 use windfall_model::frames::Vec3;
 use windfall_model::{Campaign, Data, Record, Run, Use};
 use windfall_verify::close::{Closing, Options, close};
