@@ -18,6 +18,7 @@ mod gram;
 mod hum;
 mod innovations;
 mod intensity;
+mod joined;
 mod model;
 mod noise;
 mod random;

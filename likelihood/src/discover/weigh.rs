@@ -57,7 +57,7 @@ pub(super) fn weigh_beside(engine: &Engine, model: &Model, alternatives: &[Alter
         for basis in &a.bases {
             let id = Id::Generic(generic.len());
             numbers.push(Number { id, value: 0.0, prior: a.prior, range: [f64::NEG_INFINITY, f64::INFINITY], step: 1.0 });
-            generic.push((a.error, a.place, *basis));
+            generic.push((a.site, *basis));
             group.push(k);
         }
     }

@@ -4,7 +4,7 @@ use super::common::{bundled, families};
 use windfall_model::{CATALOGUE, Campaign, Data, Plant, Record, Use};
 use windfall_sim::{Seed, fly};
 use windfall_verify::campaign_of;
-use windfall_verify::close::{Options, close};
+use windfall_verify::close::{Options, Verdict, close};
 
 /// Three runs of a lander, each of which flies a plant of its own that is not declared.
 pub(crate) fn flown(seed: u64, plant_of: impl Fn(&Plant, usize) -> Plant) -> Campaign {
@@ -58,4 +58,31 @@ fn law_runs_that_choose_may_refuse() {
     };
     assert_eq!(families(&choose(true)), ["swirl"]);
     assert!(!families(&choose(false)).contains(&"swirl"));
+}
+
+/// A probe that warms up: the recorded speed drifts by a thousandth and a half in a run, more in a longer one. No effect of the catalogue is taken
+/// for it, and the lead is the tunnel speed over time, at its size.
+#[test]
+fn recover_a_drift_of_the_recorded_speed() {
+    const PER_S: f64 = 1e-4;
+    let mut campaign = flown(21, |plant, _| plant.clone());
+    for (run, keep_s) in campaign.runs.iter_mut().zip([14.0, 9.0, 12.0]) {
+        let Data::Tunnel(record) = &mut run.data else { panic!("a tunnel run") };
+        let samples = record.t_s.iter().filter(|t| **t < keep_s).count();
+        let poses = record.position_m.iter_mut().chain(&mut record.attitude_rad);
+        let others = [&mut record.t_s, &mut record.vw_m_s, &mut record.ps_pa, &mut record.ts_k];
+        poses.chain(others).chain(&mut record.qw_pa).for_each(|series| series.truncate(samples));
+        record.bridged.truncate(samples);
+        let start_s = record.t_s[0];
+        record.vw_m_s.iter_mut().zip(&record.t_s).for_each(|(v, t)| *v *= 1.0 + PER_S * (t - start_s));
+    }
+    let closing = close(&campaign, &Options::default()).expect("closes");
+    assert_eq!((families(&closing), closing.verdict), (Vec::new(), Verdict::Unexplained));
+    let lead = &closing.unexplained[0];
+    assert!(lead.channel == "VW_m_s" && lead.description.contains("time"), "{lead:?}");
+    // Ten seconds of it, the true speed beneath its record.
+    let (_, amplitudes) = lead.description.split_once("amplitudes ").expect("amplitudes");
+    let first: f64 = amplitudes.split([',', ')']).next().expect("one").parse().expect("a number");
+    let expected = -10.0 * PER_S * 7.4;
+    assert!((first / expected - 1.0).abs() < 0.3, "{first} for {expected}");
 }
