@@ -16,7 +16,7 @@ use crate::svg::dots;
 use crate::wind_tunnel::differences;
 use crate::words::{channel, number, p_value, plain_key, sentence, with_interval, with_unit};
 use std::fmt::Write as _;
-use windfall_verify::close::{
+use windfall_discover::close::{
     ChannelResidual, Closing, EffectLine, Figure, ParameterLine, SignalTracks, SmoothingTracks, Topic, Verdict,
 };
 
@@ -261,7 +261,7 @@ fn leads(c: &Closing) -> String {
     if c.unexplained.is_empty() {
         return String::new();
     }
-    let one = |u: &windfall_verify::close::Unexplained| {
+    let one = |u: &windfall_discover::close::Unexplained| {
         format!("<li><strong>{}</strong>: {}</li>", escape(&channel(&u.channel)), escape(&u.description))
     };
     format!("<ul>{}</ul>\n", c.unexplained.iter().map(one).collect::<String>())

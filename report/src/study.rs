@@ -10,10 +10,8 @@ use crate::plot::{Plot, Plots};
 use crate::study_closings::closings;
 use crate::study_varied::over_varied;
 use crate::words::with_interval;
-use windfall_verify::close::{Figure, Role, Series};
-use windfall_verify::study::{
-    NumberLine, ParameterSummary, Rate, RecoveredDraw, RecoveryLine, ReliabilityPoint, Summary, WordLine,
-};
+use windfall_discover::close::{Figure, Role, Series};
+use windfall_study::{NumberLine, ParameterSummary, Rate, RecoveredDraw, RecoveryLine, ReliabilityPoint, Summary, WordLine};
 
 /// Share of the draws that a stated interval should cover, and the number of standard errors that it reaches.
 const STATED: f64 = 0.95;
@@ -60,7 +58,7 @@ pub(crate) fn study_body(s: &Summary, plots: &mut Plots) -> String {
         })
         .collect();
     out += &section("What was said how often", "", &some(&["column", "word", "draws"], &rows));
-    let failed = |m: &windfall_verify::study::Count| vec![Cell::text(&m.message), Cell::Number(m.count.to_string())];
+    let failed = |m: &windfall_study::Count| vec![Cell::text(&m.message), Cell::Number(m.count.to_string())];
     let rows: Vec<Vec<Cell>> = s.failures.messages.iter().map(failed).collect();
     out + &section("Failures", "", &some(&["message", "draws"], &rows))
 }

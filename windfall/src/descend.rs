@@ -6,10 +6,10 @@ use crate::{Descend, Error, Result};
 use std::path::Path;
 use windfall_model::planet::PlanetFlight;
 use windfall_pid::Identification;
+use windfall_replay::descent::{Descended, descend};
 use windfall_scenarios::{
     BUNDLED_PLANETS, FileSet, PlanetFile, bytes_atomically, part_bytes, text_atomically, write_json_atomically,
 };
-use windfall_verify::descent::{Descended, descend};
 
 /// Seed where neither the request nor the scenario has one.
 const SEED: u64 = 1;

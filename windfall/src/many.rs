@@ -11,8 +11,8 @@ use windfall_scenarios::{
     CampaignStore, FoundCampaign, FoundCampaigns, ManyIdentity, Opening, ResultFile, Shard, StoreError, campaign_hash,
     find_campaigns, json_text, table_bytes,
 };
-use windfall_verify::many::{CampaignOutcome, ManySummary, campaign_table};
-use windfall_verify::study::each;
+use windfall_study::each;
+use windfall_study::many::{CampaignOutcome, ManySummary, campaign_table};
 
 /// Name of the table of all campaigns.
 const TABLE: &str = "campaigns.parquet";

@@ -7,9 +7,9 @@ use std::path::Path;
 use std::sync::Mutex;
 use windfall_model::study::{Cell, CellKind, Column, Row};
 use windfall_pid::Identification;
+use windfall_replay::ReplayError;
 use windfall_scenarios::{Identity, Part, Shard, Store, StoreError, part_bytes, read_json, read_study, write_json_atomically};
-use windfall_verify::VerifyError;
-use windfall_verify::study::{Moments, PreparedStudy, Progress, Summary, run as draw_all, summarise};
+use windfall_study::{Moments, PreparedStudy, Progress, Summary, run as draw_all, summarise};
 
 /// Name of the summary.
 pub const SUMMARY: &str = "summary.json";
@@ -50,8 +50,8 @@ impl Drawing {
         let mut study = file.study;
         if let (Some(model), Some(campaign)) = (&file.model, &file.campaign) {
             let found: Identification = read_json(model)?;
-            let set = found.combined().ok_or(VerifyError::NoDataSet)?;
-            study.plant = set.plant(&campaign.plant).map_err(VerifyError::from)?;
+            let set = found.combined().ok_or(ReplayError::NoDataSet)?;
+            study.plant = set.plant(&campaign.plant).map_err(ReplayError::from)?;
         }
         let prepared = PreparedStudy::new(study, file.campaign.as_ref())?;
         let identity = Identity {
