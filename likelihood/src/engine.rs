@@ -169,6 +169,13 @@ impl Engine {
         &self.campaign
     }
 
+    /// Names of the runs of a campaign that were taken as one flight, a text for each flight.
+    #[must_use]
+    pub fn joined(&self, campaign: &Campaign) -> Vec<String> {
+        let pairs = self.campaign.runs.iter().zip(&campaign.runs);
+        pairs.filter(|(own, given)| own.name != given.name).map(|(own, _)| own.name.clone()).collect()
+    }
+
     /// The same runs in longer nodes, at half the cost.
     pub(crate) fn coarse(&self) -> Self {
         let gas = self.campaign.plant.environment.gas_constant_j_kg_k;

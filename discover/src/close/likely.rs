@@ -8,7 +8,7 @@ use super::{
 };
 use crate::DiscoverError;
 use statrs::distribution::{ContinuousCDF, Normal};
-use windfall_likelihood::{Discovery, Engine, Fit, Id, Lead, Member, discover};
+use windfall_likelihood::{Discovery, Engine, FamilySet, Fit, Id, Lead, Member, discover};
 use windfall_model::{CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, Role, Use};
 use windfall_replay::{ReplayError, hold_out};
 
@@ -48,6 +48,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
     Ok(Closing {
         campaign: campaign.name.clone(),
         verdict,
+        joined: engine.joined(campaign),
         residual: Residuals { per_channel: channels(before) },
         residual_after: Residuals { per_channel: channels(after) },
         noise: noise(campaign, &engine, &indices, &found),
@@ -148,8 +149,8 @@ fn error_of(fit: &Fit, id: Id) -> Option<f64> {
 /// Sets with their probabilities, down to a thousandth; what only stands for something else is in none.
 fn sets(found: &Discovery) -> Vec<SetLine> {
     let mut all: Vec<SetLine> = Vec::new();
-    for ((families, _), probability) in found.sets.iter().zip(weights(found)) {
-        let named = families.iter().filter(|f| !found.stand_ins.contains(f));
+    for (set, probability) in found.sets.iter().zip(weights(found)) {
+        let named = set.families.iter().filter(|f| !found.stand_ins.contains(f));
         let families: Vec<String> = named.map(|f| (*f).to_owned()).collect();
         match all.iter_mut().find(|line| line.families == families) {
             Some(line) => line.probability += probability,
@@ -161,8 +162,8 @@ fn sets(found: &Discovery) -> Vec<SetLine> {
 }
 
 fn weights(found: &Discovery) -> Vec<f64> {
-    let top = found.sets.first().map_or(0.0, |s| s.1);
-    let all: Vec<f64> = found.sets.iter().map(|s| (s.1 - top).exp()).collect();
+    let top = found.sets.first().map_or(0.0, |s| s.gain);
+    let all: Vec<f64> = found.sets.iter().map(|s| (s.gain - top).exp()).collect();
     let sum: f64 = all.iter().sum();
     all.iter().map(|w| w / sum).collect()
 }
@@ -181,7 +182,7 @@ fn effect_line(k: usize, m: &Member, found: &Discovery, engine: &Engine, unexpla
             ParameterLine { ci95: random.map(|range| range.ci95).or(line.ci95), ..line }
         })
         .collect();
-    let probability = found.sets.iter().zip(weights(found)).filter(|((f, _), _)| f.contains(&family)).map(|(_, w)| w).sum();
+    let probability = found.sets.iter().zip(weights(found)).filter(|(s, _)| s.families.contains(&family)).map(|(_, w)| w).sum();
     let strongest = found.contest.as_ref().map_or(f64::NEG_INFINITY, |c| c.strongest);
     EffectLine {
         family: family.to_owned(),
@@ -223,19 +224,21 @@ fn p_of(k: usize, m: &Member, found: &Discovery) -> f64 {
     p_value(statistic, n, families)
 }
 
-/// Families that take this one's place at odds of less than twenty.
+/// Families that take this one's place at odds of less than twenty, or whose best fit is less than that from the best set's: how plausible a
+/// size was beforehand does not say that the runs tell two families apart.
 fn rivals(found: &Discovery, family: &str) -> Vec<String> {
-    let Some((best, top)) = found.sets.first() else { return Vec::new() };
-    let rest: Vec<&str> = best.iter().copied().filter(|f| *f != family).collect();
-    let mut all: Vec<String> = found
-        .sets
-        .iter()
-        .filter(|(f, gain)| {
-            f.len() == best.len() && !f.contains(&family) && rest.iter().all(|r| f.contains(r)) && top - gain < RIVAL.ln()
-        })
-        .flat_map(|(f, _)| f.iter().filter(|x| !rest.contains(x)).map(|x| (*x).to_owned()).collect::<Vec<_>>())
-        .collect();
-    all.dedup();
+    let Some(best) = found.sets.first() else { return Vec::new() };
+    let rest: Vec<&str> = best.families.iter().copied().filter(|f| *f != family).collect();
+    let in_its_place = |s: &&FamilySet| {
+        s.families.len() == best.families.len() && !s.families.contains(&family) && rest.iter().all(|r| s.families.contains(r))
+    };
+    let near = |s: &&FamilySet| best.gain - s.gain < RIVAL.ln() || best.fit - s.fit < RIVAL.ln();
+    let mut all: Vec<String> = Vec::new();
+    for other in found.sets.iter().filter(in_its_place).filter(near).flat_map(|s| &s.families).filter(|f| !rest.contains(f)) {
+        if !all.iter().any(|f| f == other) {
+            all.push((*other).to_owned());
+        }
+    }
     all
 }
 

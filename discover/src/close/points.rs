@@ -64,6 +64,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
     Ok(Closing {
         campaign: campaign.name.clone(),
         verdict,
+        joined: Vec::new(),
         residual: result::Residuals { per_channel: residual },
         noise: noise(&found, campaign, &left),
         residual_after: result::Residuals { per_channel: left },

@@ -331,6 +331,9 @@ pub struct Closing {
     pub campaign: String,
     /// Conclusion.
     pub verdict: Verdict,
+    /// Runs that were taken as one flight, since one goes on where the other ended: their names, a text for each flight.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joined: Vec<String>,
     /// Residual of the declared model.
     pub residual: Residuals,
     /// Residual with the effects added.
