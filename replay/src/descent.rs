@@ -57,7 +57,7 @@ pub struct Descended {
 
 /// Flies a scenario's flight down many times, side by side on the threads of the current pool, each draw with a model drawn from the
 /// identification's posterior (without one: the scenario's own coefficients). The result does not depend on the number of threads.
-/// `see` is told of each descent.
+/// `see` is called after each descent.
 ///
 /// # Errors
 /// An identification without covariance or of another structure, a flight or a body that cannot begin.

@@ -59,7 +59,7 @@ pub(crate) fn closing_body(c: &Closing, figures: &[Figure], tracks: Option<&Sign
     out += &innovations(c, plots);
     let lead = "Look for histograms under the dashed bell, the stated noise of a sample, and correlations inside the dashed lines. A residual \
                 that is wider and follows itself for many samples is a tracker's drift or a force that the model lacks. Cut at three times the reach of \
-                the narrower one; what lies beyond is told above each.";
+                the narrower one; what lies beyond is counted above each.";
     out += &topic(figures, Topic::Shape, "Residuals of the tracks: distribution and correlation", lead, plots);
     let lead = "Look for curves at one and for histograms under the dashed bell. Slow parts above one are a tracker's drift or a force that the \
                 model lacks, fast ones noise that is larger than stated. Residuals of the runs held out with the initial state taken out, in \

@@ -27,7 +27,7 @@ pub(crate) fn innovations(c: &Closing, plots: &mut Plots) -> String {
         all.push(correlation(&channel, line.step_s, &sides));
     }
     let lead = "Look for histograms under the dashed bell, and correlations inside the dashed lines: then each sample brings only noise. \
-                Innovation: what a sample adds to its prediction from all before it, over its standard deviation; what lies beyond five is not drawn, its share is told above each.";
+                Innovation: what a sample adds to its prediction from all before it, over its standard deviation; what lies beyond five is not drawn, its share stands above each.";
     all.iter_mut().for_each(say_beyond);
     let key = legend(&all);
     section("Innovations", lead, &format!("{key}<div class=\"grid\">{}</div>", plots.charts(all)))

@@ -50,9 +50,9 @@ pub(crate) fn study_body(s: &Summary, plots: &mut Plots) -> String {
     let lead = "Dot: share of draws. Bar: its 95 % interval (Clopper and Pearson).";
     out += &section("How often", lead, &ranges(plots, "Share of draws", rates, &[], "share"));
     // The confusion matrix has what those two say.
-    let told = |w: &&WordLine| s.closings.is_none() || !["close.families", "close.truth"].contains(&w.name.as_str());
-    let told = s.words.iter().filter(told).flat_map(|w| w.counts.iter().map(move |c| (w.name.as_str(), c)));
-    let rows: Vec<Vec<Cell>> = told
+    let shown = |w: &&WordLine| s.closings.is_none() || !["close.families", "close.truth"].contains(&w.name.as_str());
+    let shown = s.words.iter().filter(shown).flat_map(|w| w.counts.iter().map(move |c| (w.name.as_str(), c)));
+    let rows: Vec<Vec<Cell>> = shown
         .map(|(w, c)| {
             vec![Cell::text(words(w)), Cell::text(if c.name.is_empty() { "none" } else { &c.name }), Cell::Number(of(c))]
         })

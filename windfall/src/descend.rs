@@ -44,7 +44,7 @@ impl DescentScenario {
         })?;
         Ok(Self { file })
     }
-    /// Flies it down. `see` is told of each descent.
+    /// Flies it down. `see` is called after each descent.
     ///
     /// # Errors
     /// A request for what cannot be, an identification of another structure or without covariance, a nominal model that cannot be flown.

@@ -177,7 +177,7 @@ impl Drawing {
         }
         Ok(rule)
     }
-    /// Draws what a folder lacks of its share. `see` is told of each draw and says whether to go on; draws that were begun are kept.
+    /// Draws what a folder lacks of its share. `see` is called with each draw and says whether to go on; draws that were begun are kept.
     ///
     /// # Errors
     /// A full disk and the like; [`Error::Interrupted`] when `see` wants no more.

@@ -117,7 +117,7 @@ impl Hypothesis {
         self.unknowns.all[i].transform.at(value)
     }
     /// Sum of squares of the shapes' distances from their typical values.
-    pub(super) fn astray(&self, x: &[f64]) -> f64 {
+    pub(super) fn shape_distance(&self, x: &[f64]) -> f64 {
         let shape = |i: &usize| matches!(self.parameters[*i].role, Role::Shape(_));
         self.searched().into_iter().filter(shape).map(|i| (x[i] - self.typical(i)).powi(2)).sum()
     }

@@ -36,7 +36,7 @@ const COARSE_REACH: f64 = 0.15;
 const FINE_REACH: f64 = 0.04;
 /// What a shape across its whole plausible range from its typical value costs in the coarse search, as misfit: shapes that hardly
 /// matter stay typical.
-const ASTRAY: f64 = 4.0;
+const SHAPE_COST: f64 = 4.0;
 /// Standard deviation, of the logarithm of a figure, by which its spread is widened in the coarse search: a third of [`WITHIN`].
 /// Few runs tell a covariance poorly, and far from the test a narrow one would blind the search.
 const FLOOR: f64 = WITHIN / 3.0;
@@ -194,7 +194,7 @@ impl Search<'_> {
     /// Downhill from a found place, by the misfit of a few runs.
     fn search(&self, from: &Found) -> Found {
         let misfit = |h: &Hypothesis, x: &[f64]| self.look(h, x, self.options.coarse_runs).map_or(f64::INFINITY, |l| l.misfit);
-        let found = self.downhill(from, COARSE_REACH, |h, x| misfit(h, x) + ASTRAY * h.astray(x));
+        let found = self.downhill(from, COARSE_REACH, |h, x| misfit(h, x) + SHAPE_COST * h.shape_distance(x));
         Found { misfit: misfit(&found.h, &found.x), ..found }
     }
 

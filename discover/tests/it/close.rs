@@ -67,7 +67,7 @@ fn score(name: &str) {
     }
 }
 
-/// Error on held-out runs against that of a fit that was told the effect and its numbers and had to find the declared ones only.
+/// Error on held-out runs against that of a fit that was given the effect and its numbers and had to find the declared ones only.
 fn held_out(campaign: &Campaign, closing: &Closing, answer: &Value) {
     let named = &closing.effects[0];
     let effect = CATALOGUE.iter().find(|e| e.family == named.family && e.acts.on(Acts::Lander)).expect("of the catalogue");
@@ -76,17 +76,17 @@ fn held_out(campaign: &Campaign, closing: &Closing, answer: &Value) {
         .parameters
         .iter()
         .map(|p| {
-            let told = NUMBERS.iter().find(|(there, here, _)| *here == p.name && answer["truth"].get(there).is_some());
-            told.map_or(p.estimate, |(there, _, per)| answer["truth"][there].as_f64().expect("a number") * per)
+            let given = NUMBERS.iter().find(|(there, here, _)| *here == p.name && answer["truth"].get(there).is_some());
+            given.map_or(p.estimate, |(there, _, per)| answer["truth"][there].as_f64().expect("a number") * per)
         })
         .collect();
-    let mut told = campaign.clone();
-    (effect.apply)(&mut told.plant, &values);
+    let mut given = campaign.clone();
+    (effect.apply)(&mut given.plant, &values);
     let used = |u: Use| (0..campaign.runs.len()).filter(|&i| campaign.runs[i].used == u).collect::<Vec<usize>>();
-    let engine = Engine::new(&told, &used(Use::Identify)).expect("runs to identify on");
-    let plant = identify(&engine, None).expect("the truth can be fitted").model.plant(&told);
+    let engine = Engine::new(&given, &used(Use::Identify)).expect("runs to identify on");
+    let plant = identify(&engine, None).expect("the truth can be fitted").model.plant(&given);
     let runs = used(Use::HoldOut);
-    let told = hold_out(campaign, &plant, &runs, 1).expect("the truth can be flown");
+    let given = hold_out(campaign, &plant, &runs, 1).expect("the truth can be flown");
     let side = |a: &After| a.hold_out.clone().expect("held-out runs");
     let (before, after) = (side(&closing.before), side(&closing.after));
     let norm = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -100,14 +100,14 @@ fn held_out(campaign: &Campaign, closing: &Closing, answer: &Value) {
         ]
     };
     let (before, after) = (of(&before), of(&after));
-    let t = &told.trajectory;
-    let told = [1e3 * t.position_rms_m, t.attitude_rms_deg, norm(told.specific_force_rms), norm(told.specific_moment_rms)];
-    println!("{}: held out, before / after / told the truth:", closing.campaign);
+    let t = &given.trajectory;
+    let given = [1e3 * t.position_rms_m, t.attitude_rms_deg, norm(given.specific_force_rms), norm(given.specific_moment_rms)];
+    println!("{}: held out, before / after / given the truth:", closing.campaign);
     // In random air two flights of one model drift apart, so that a trajectory says little; forces and moments do not.
     let random = !plant.disturbances(1.0).is_empty();
     for (k, what) in ["position, mm", "attitude, deg", "force, m/s2", "moment, rad/s2"].iter().enumerate() {
-        println!("  {what}: {:.3} / {:.3} / {:.3}", before[k], after[k], told[k]);
-        assert!(after[k] <= 1.1 * told[k] || (random && k < 2), "{what}");
+        println!("  {what}: {:.3} / {:.3} / {:.3}", before[k], after[k], given[k]);
+        assert!(after[k] <= 1.1 * given[k] || (random && k < 2), "{what}");
     }
 }
 

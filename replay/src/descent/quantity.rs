@@ -1,4 +1,4 @@
-//! replay: what is told of a descent. In: states in SI and rad. Out: numbers in the units of their names.
+//! replay: what is reported of a descent. In: states in SI and rad. Out: numbers in the units of their names.
 
 use windfall_sim::{DescentState, TouchDown};
 

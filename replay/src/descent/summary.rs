@@ -96,7 +96,7 @@ pub(super) fn touch_down(
         let (share, share_ci95) = match (names.is_empty(), chance) {
             (true, _) => (0.0, [0.0; 2]),
             (false, false) => (1.0, [1.0; 2]),
-            // Without pairs the linear part is all that can be told.
+            // Without pairs the linear part is all that can be determined.
             (false, true) if !paired => (share_linear, [share_linear, 1.0]),
             (false, true) => of_pairs(&pairs.collect::<Vec<_>>()),
         };
