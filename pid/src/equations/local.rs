@@ -165,3 +165,6 @@ impl Craft<'_> {
         Some(std::array::from_fn(|i| [(up[i] - down[i]) / (2.0 * STEP), (more[i] - less[i]) / (2.0 * STEP)]))
     }
 }
+
+#[cfg(test)]
+mod tests;

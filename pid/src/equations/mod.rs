@@ -495,4 +495,4 @@ fn turned<S: Scalar>([rx, ry, rz]: [S; 3], v: [f64; 3]) -> [S; 3] {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -9,7 +9,7 @@ use windfall_model::{
 const TABLE_5_5: [f64; 11] = [6.662, 3.5129, -2.0035, 0.0125, -5.6816, -2.0655, 2.5278, -3.3025, -205.4289, -3.1, -190.0];
 
 /// A lander with everything that these equations know, none of it null.
-fn plant() -> Plant {
+pub(crate) fn plant() -> Plant {
     let mut tether = Tether::declared(Vec3::new(-0.25, 0.01, 0.02), Vec3::new(-3.0, 0.1, 0.0), 0.0013, 0.0165);
     tether.line_rate_n_s_m = 0.05;
     tether.length_per_m = 0.1;

@@ -23,6 +23,8 @@ pub use problem::Solution;
 pub(crate) use problem::{Glance, Outcome, Solved, one_step, sensitivities, solve, solve_from};
 pub use residual::ChannelFit;
 pub(crate) use residual::{channel_fits, coloured, low_frequency_p, spread};
+#[cfg(test)]
+pub(crate) use run::tests as flown;
 pub(crate) use run::{FreeColumns, NODE, PreparedRun, SPEED};
 pub use speed::{Liveliness, liveliness};
 pub use unknowns::{EstimateOptions, Handling, Prior};

@@ -376,3 +376,6 @@ fn parabola(t: f64) -> Vec<f64> {
     m[..6].copy_from_slice(&[1.0, t, 0.5 * t * t, 0.0, 1.0, t]);
     m
 }
+
+#[cfg(test)]
+pub(crate) mod tests;
