@@ -20,10 +20,10 @@ pub(crate) fn pressure(p: &Pressure, limit: f64) -> String {
         let word = if p.p_value < limit { ": more than moisture makes; check units, p_s, T_s and the gas constant" } else { "" };
         return format!("q_W was computed from V_W and says nothing of it; it is {scale} of ½ρV_W² of dry air{word}");
     }
-    let delay = p
-        .delay_s
-        .zip(p.delay_ci95_s)
-        .map_or_else(|| "V_W hardly changes, so no delay is told".to_owned(), |(d, ci)| format!("{} s after V_W", of(d, ci)));
+    let delay = p.delay_s.zip(p.delay_ci95_s).map_or_else(
+        || "V_W hardly changes, so no delay is determined".to_owned(),
+        |(d, ci)| format!("{} s after V_W", of(d, ci)),
+    );
     let (verdict, moist) = if p.p_value < limit { ("disagree", "; moist air makes it up to 0.9 % less") } else { ("agree", "") };
     format!("q_W and V_W {verdict} (p = {}): q_W is {scale} of ½ρV_W² of dry air{moist}, {delay}", p_value(p.p_value))
 }
@@ -67,14 +67,14 @@ fn instruments(i: &Instruments, limit: f64, all: &mut Vec<String>) {
             p_value(i.account_p_value)
         ));
     }
-    let told: Vec<String> = i
+    let vague: Vec<String> = i
         .correlations
         .iter()
         .map(|c| format!("{} with {} ({:+.2})", c.second, c.first, c.correlation))
         .chain(i.not_told.iter().map(|n| format!("{n} (not at all)")))
         .collect();
-    if !told.is_empty() {
-        all.push(format!("  hardly told apart by these runs: {}", told.join(", ")));
+    if !vague.is_empty() {
+        all.push(format!("  hardly distinguished by these runs: {}", vague.join(", ")));
     }
 }
 

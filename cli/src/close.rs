@@ -82,6 +82,9 @@ fn story(c: &Closing) -> String {
         held_out(&mut text, b, a);
     }
     text += &crate::agreement::wind_tunnel(&c.wind_tunnel);
+    for runs in &c.joined {
+        let _ = writeln!(text, "\n{runs}: taken as one flight, each goes on where the one before it ended");
+    }
     for u in &c.unexplained {
         let _ = writeln!(text, "\nunexplained {}: {}", u.channel, folded(&u.description, u.channel.len() + 14));
     }

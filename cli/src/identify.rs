@@ -72,24 +72,24 @@ fn table(campaign: &str, found: &Identification) -> String {
             let _ = writeln!(text, "{l}");
         });
     }
-    if let Some(told) = &found.identifiability {
-        excitation(&mut text, told);
+    if let Some(seen) = &found.identifiability {
+        excitation(&mut text, seen);
     }
     found.data_sets.iter().for_each(|d| data_set(&mut text, d));
     text
 }
 
 /// What the runs can tell.
-fn excitation(text: &mut String, told: &Identifiability) {
+fn excitation(text: &mut String, seen: &Identifiability) {
     let _ = writeln!(
         text,
         "these runs tell {} of {} parameters apart (condition number {:.3e})",
-        told.rank, told.free, told.condition
+        seen.rank, seen.free, seen.condition
     );
-    for c in &told.correlations {
+    for c in &seen.correlations {
         let _ = writeln!(text, "  {} and {}: errors correlated by {:+.4}", c.first, c.second, c.correlation);
     }
-    for set in &told.inseparable {
+    for set in &seen.inseparable {
         let _ =
             writeln!(text, "  not separable by these runs: {}: hold one, or add a run that excites them apart", set.join(", "));
     }

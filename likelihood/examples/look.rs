@@ -14,8 +14,8 @@ fn main() {
                 if std::env::var_os("QUIET").is_none() {
                     d.log.iter().for_each(|l| println!("{l}"));
                 }
-                for (f, gain) in d.sets.iter().take(5) {
-                    println!("  {gain:.1} {}", f.join("+"));
+                for set in d.sets.iter().take(5) {
+                    println!("  {:.1} {}", set.gain, set.families.join("+"));
                 }
                 for (n, i) in d.after.numbers.iter().zip(0..) {
                     let sd = d.after.covariance[(i, i)].sqrt();

@@ -2,10 +2,10 @@
 //! the catalogue in one contest, and lines in the innovations' spectra.
 //!
 //! Generic alternatives are smooth functions of time, run, speed, height, angle, roll angle, the rate across and the sign of rates in every force and moment
-//! coefficient, and drifts of every channel of the instruments. They have priors and cost like effects; one that is in the best set says that no
+//! coefficient, drifts of every channel of the pose, and what the tunnel speed may be beyond its record. They have priors and cost like effects; one that is in the best set says that no
 //! effect of the catalogue accounts for what it does.
 
-use crate::columns::{Along, Basis, LOADS};
+use crate::columns::{Along, Basis, LOADS, Site};
 use crate::engine::{Engine, Summed};
 use crate::hum::{FORCE, HumStream, MOMENT, ROLL, of_instrument};
 use crate::model::Model;
@@ -15,13 +15,11 @@ use windfall_model::{CHANNEL_NAMES, POSE};
 /// A group of generic columns: functions of one variable in one load or channel.
 #[derive(Clone, Debug)]
 pub(crate) struct Alternative {
-    /// Error of an instrument's channel, or a load.
-    pub(crate) error: bool,
-    /// Its place among loads or channels.
-    pub(crate) place: usize,
+    /// What they change.
+    pub(crate) site: Site,
     /// The functions.
     pub(crate) bases: Vec<Basis>,
-    /// Prior standard deviation of each, in the coefficient's or the channel's unit.
+    /// Prior standard deviation of each, in the site's unit.
     pub(crate) prior: f64,
 }
 
@@ -44,6 +42,8 @@ pub struct Lead {
 
 /// Prior sizes of drifts, in standard deviations of a sample's noise.
 const DRIFT: f64 = 5.0;
+/// Prior size of what the tunnel speed is beyond its record, over the speed.
+const WIND: f64 = 0.01;
 
 /// All alternatives of an engine's runs.
 pub(crate) fn alternatives(engine: &Engine) -> Vec<Alternative> {
@@ -57,7 +57,7 @@ pub(crate) fn alternatives(engine: &Engine) -> Vec<Alternative> {
         } else {
             MOMENT
         };
-        let mut add = |bases: Vec<Basis>| all.push(Alternative { error: false, place, bases, prior });
+        let mut add = |bases: Vec<Basis>| all.push(Alternative { site: Site::Load(place), bases, prior });
         add((1..=6).map(Basis::Time).collect());
         if runs.len() > 1 {
             add(runs[1..].iter().map(|r| Basis::Run(*r)).collect());
@@ -95,23 +95,28 @@ pub(crate) fn alternatives(engine: &Engine) -> Vec<Alternative> {
     }
     for place in 0..POSE {
         let prior = DRIFT * engine.noise[place].std();
-        let mut add = |bases: Vec<Basis>| all.push(Alternative { error: true, place, bases, prior });
-        add(vec![Basis::Drift, Basis::Time(1), Basis::Time(2)]);
+        let mut add = |bases: Vec<Basis>| all.push(Alternative { site: Site::Channel(place), bases, prior });
+        add(vec![Basis::Elapsed(1), Basis::Time(1), Basis::Time(2)]);
         add([1, 2, 3].into_iter().flat_map(|n| [Basis::Roll(n, false), Basis::Roll(n, true)]).collect());
         add(vec![Basis::Height(1), Basis::Height(2)]);
         if runs.len() > 1 {
-            let bases = runs.iter().map(|r| Basis::Run(*r)).collect();
-            all.push(Alternative { error: true, place, bases, prior });
+            add(runs.iter().map(|r| Basis::Run(*r)).collect());
         }
+    }
+    let mean_m_s = engine.runs.iter().map(|r| r.speed_m_s).sum::<f64>() / runs.len().max(1) as f64;
+    let mut add = |bases: Vec<Basis>| all.push(Alternative { site: Site::Speed, bases, prior: WIND * mean_m_s });
+    add(vec![Basis::Elapsed(1), Basis::Elapsed(2)]);
+    add(vec![Basis::Height(1), Basis::Height(2)]);
+    if runs.len() > 1 {
+        add(runs[1..].iter().map(|r| Basis::Run(*r)).collect());
     }
     all
 }
 
 impl Alternative {
     pub(crate) fn lead(&self, gain: f64, amplitudes: Vec<f64>) -> Lead {
-        let channel = if self.error { CHANNEL_NAMES[self.place] } else { LOADS[self.place] };
         let variable = self.bases.first().map_or_else(String::new, |b| b.words());
-        Lead { channel: channel.to_owned(), variable, gain, line_hz: None, of_instrument: false, amplitudes }
+        Lead { channel: self.site.name().to_owned(), variable, gain, line_hz: None, of_instrument: false, amplitudes }
     }
 }
 

@@ -1,7 +1,7 @@
 //! likelihood: columns, directions in which the model may be changed. In: numbers of a plant, or forces and errors over a variable. Out:
 //! what each does to the rates of motion and to what is measured, at one instant.
 
-use windfall_model::{POSE, Plant, Sensors};
+use windfall_model::{CHANNEL_NAMES, POSE, Plant, Sensors};
 use windfall_pid::equations::{STATES, Scalar};
 
 /// What a column is a change of.
@@ -11,10 +11,30 @@ pub(crate) enum SensitivityColumn {
     Declared(usize),
     /// The plant with one number a small step away, and that step.
     Plant(Box<Plant>, f64),
-    /// A coefficient of body force or moment (X, Y, Z, roll, pitch, yaw) over a variable.
-    Load(usize, Basis),
-    /// An error of a channel over a variable, in that channel's unit.
-    Error(usize, Basis),
+    /// A load or an error over a variable.
+    Generic(Site, Basis),
+}
+
+/// What a generic column changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Site {
+    /// A coefficient of body force or moment, by its place among [`LOADS`].
+    Load(usize),
+    /// What a channel of the pose shows, in its unit.
+    Channel(usize),
+    /// What the tunnel speed is beyond its record, m/s; its rate, which only a fast one would have, is left out.
+    Speed,
+}
+
+impl Site {
+    /// In words of a report.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Load(place) => LOADS[place],
+            Self::Channel(place) => CHANNEL_NAMES[place],
+            Self::Speed => CHANNEL_NAMES[POSE],
+        }
+    }
 }
 
 /// A function of what is known along a run; each is of order one.
@@ -40,8 +60,8 @@ pub(crate) enum Basis {
     Hysteresis(usize, bool),
     /// A body rate: 0 roll, 1 pitch, 2 yaw; rad/s.
     Rate(usize),
-    /// Straight line over time in every run, from -1 to 1.
-    Drift,
+    /// Power of the time since a run began, of 10 s.
+    Elapsed(i32),
     /// The slope over an angle (1 angle of attack, 2 sideslip, of 0.3 rad; 0 none) in proportion to a variable.
     Slope(usize, Along),
     /// The slope over a body rate (0 roll, 1 pitch, 2 yaw; rad/s) in proportion to a variable.
@@ -51,7 +71,7 @@ pub(crate) enum Basis {
 /// A variable along a run, of order one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Along {
-    /// Time, from -1 to 1.
+    /// Time since the run began, of 10 s.
     Time,
     /// The airspeed's excess over its mean, of a tenth of it.
     Speed,
@@ -64,7 +84,7 @@ impl Along {
     pub(crate) const ALL: [Self; 3] = [Self::Time, Self::Speed, Self::Height];
     fn basis(self) -> Basis {
         match self {
-            Self::Time => Basis::Drift,
+            Self::Time => Basis::Elapsed(1),
             Self::Speed => Basis::Speed(1),
             Self::Height => Basis::Height(1),
         }
@@ -114,7 +134,7 @@ impl Basis {
                 if by_angle { sign * angle.abs() / 0.3 } else { sign }
             }
             Self::Rate(axis) => v.rates_rad_s[axis],
-            Self::Drift => 2.0 * v.t_s / v.duration_s.max(1e-9) - 1.0,
+            Self::Elapsed(n) => (v.t_s / 10.0).powi(n),
             Self::Slope(plane, along) => along.basis().value(v) * [1.0, v.alpha_rad / 0.3, v.beta_rad / 0.3][plane],
             Self::Damping(axis, along) => along.basis().value(v) * v.rates_rad_s[axis],
         }
@@ -132,7 +152,7 @@ impl Basis {
             Self::Roll(..) => "roll angle".to_owned(),
             Self::Rate(_) => "body rates across".to_owned(),
             Self::Hysteresis(..) => "sign of the body rates (hysteresis)".to_owned(),
-            Self::Drift => "time (a drift)".to_owned(),
+            Self::Elapsed(_) => "time (a drift)".to_owned(),
             Self::Slope(_, along) | Self::Damping(_, along) => along.basis().words(),
         }
     }

@@ -22,6 +22,7 @@ use contest::{against_alternatives, against_gusts};
 use polish::{Scored, climb_down, declared_alone, in_other_forms, polish, polished};
 pub use rivals::{RivalPair, Rivals, Unseen, log_odds};
 use starts::{LEVELS, Start, ladder, lead_in, sized, struck, with_random};
+pub use weigh::FamilySet;
 use weigh::{SURE, Weighed, named};
 
 /// Starts that are followed to the end.
@@ -42,8 +43,8 @@ pub struct Discovery {
     pub before_fault: Result<(), String>,
     /// Fit of the best set.
     pub after: Fit,
-    /// Sets weighed at the end: families, log marginal likelihood over the empty set's.
-    pub sets: Vec<(Vec<&'static str>, f64)>,
+    /// Sets weighed at the end, best first.
+    pub sets: Vec<FamilySet>,
     /// Everything weighed at the end.
     pub gram: Gram,
     /// Units of it.

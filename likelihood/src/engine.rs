@@ -1,9 +1,10 @@
 //! likelihood: passes over all runs, and climbing to the most likely numbers. In: campaign, model. Out: normal equations, fitted models.
 
-use crate::columns::{Basis, SensitivityColumn};
+use crate::columns::{Basis, SensitivityColumn, Site};
 use crate::filter::{Departed, Keep, PassSetting, Seen, pass};
 use crate::gram::Gram;
 use crate::hum::{Hum, take_off};
+use crate::joined::joined;
 use crate::model::{Id, Member, Model, Number, VAGUE_PRIOR};
 use crate::noise::{ChannelNoise, declared, learn};
 use crate::run::Prepared;
@@ -12,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use windfall_model::{Campaign, Constant, Data, Entry, POSE, PerChannel, Plant, Record};
+use windfall_model::{Campaign, Constant, Data, Effect, Entry, POSE, PerChannel, Plant, Record, Role};
 use windfall_pid::StopReason;
 
 /// Runs of a campaign made ready, with their noise.
@@ -101,13 +102,17 @@ pub(crate) fn penalty(numbers: &[Number]) -> f64 {
 }
 
 impl Engine {
-    /// Makes these runs of a campaign ready, and learns their noise; `None` without a tunnel run.
+    /// Makes these runs of a campaign ready, those that go on where another ended as one, and learns their noise; `None` without a tunnel run.
     #[must_use]
     pub fn new(campaign: &Campaign, indices: &[usize]) -> Option<Self> {
         let mut owned = campaign.clone();
+        // A declared pulse has its run and its instant in it.
+        let pulse = |(effect, _): &(&Effect, Vec<f64>)| (effect.parameters)(&[]).iter().any(|p| p.role == Role::Run);
+        let has_pulse = owned.knowledge.effects.iter().any(pulse);
+        let indices = if has_pulse { indices.to_vec() } else { joined(&mut owned.runs, indices) };
         let mut hum = Vec::new();
         if !campaign.knowledge.exact_noise {
-            for &i in indices {
+            for &i in &indices {
                 if let Data::Tunnel(r) = &mut owned.runs[i].data {
                     hum.extend(take_off(r, &campaign.plant));
                 }
@@ -137,7 +142,7 @@ impl Engine {
             });
         }
         let (gas, wind) = (campaign.plant.environment.gas_constant_j_kg_k, noise[POSE]);
-        let runs = records.par_iter().map(|(i, r)| Prepared::new(*i, &campaign.runs[*i].name, r, gas, NODE_S, &wind)).collect();
+        let runs = records.par_iter().map(|(i, r)| Prepared::new(*i, &owned.runs[*i].name, r, gas, NODE_S, &wind)).collect();
         Some(Self {
             campaign: owned,
             runs,
@@ -162,6 +167,13 @@ impl Engine {
     #[must_use]
     pub fn campaign(&self) -> &Campaign {
         &self.campaign
+    }
+
+    /// Names of the runs of a campaign that were taken as one flight, a text for each flight.
+    #[must_use]
+    pub fn joined(&self, campaign: &Campaign) -> Vec<String> {
+        let pairs = self.campaign.runs.iter().zip(&campaign.runs);
+        pairs.filter(|(own, given)| own.name != given.name).map(|(own, _)| own.name.clone()).collect()
     }
 
     /// The same runs in longer nodes, at half the cost.
@@ -235,7 +247,7 @@ impl Engine {
     }
 
     /// One pass over all runs.
-    pub(crate) fn sum(&self, model: &Model, numbers: &[Number], generic: &[(bool, usize, Basis)]) -> Result<Summed, Departed> {
+    pub(crate) fn sum(&self, model: &Model, numbers: &[Number], generic: &[(Site, Basis)]) -> Result<Summed, Departed> {
         let runs = self.passed(model, numbers, generic, Keep::Nothing)?;
         let (g, b, log_likelihood) = totals(&runs, numbers.len());
         let channels = std::array::from_fn(|c| {
@@ -264,13 +276,7 @@ impl Engine {
         self.passed(model, numbers, &[], Keep::Rows)
     }
 
-    fn passed(
-        &self,
-        model: &Model,
-        numbers: &[Number],
-        generic: &[(bool, usize, Basis)],
-        keep: Keep,
-    ) -> Result<Vec<Seen>, Departed> {
+    fn passed(&self, model: &Model, numbers: &[Number], generic: &[(Site, Basis)], keep: Keep) -> Result<Vec<Seen>, Departed> {
         self.work.fetch_add(self.instants() as u64 * (NODE_COST + numbers.len() as u64), Ordering::Relaxed);
         let columns = model.columns(&self.campaign, numbers, generic);
         let plant = model.plant(&self.campaign);

@@ -11,7 +11,7 @@ mod predict;
 mod rows;
 mod update;
 
-use crate::columns::{Basis, SensitivityColumn, Shown, View, body_to_tunnel, lag_s, shown};
+use crate::columns::{Basis, SensitivityColumn, Shown, Site, View, body_to_tunnel, lag_s, shown};
 use crate::noise::{ChannelNoise, MeanNoise};
 use crate::random::{Input, ORDER, inputs};
 use crate::run::Prepared;
@@ -109,8 +109,7 @@ enum Ready<'a> {
         clock: f64,
         loose: Option<[f64; LOOSE]>,
     },
-    Load(usize, Basis),
-    Error(usize, Basis),
+    Generic(Site, Basis),
 }
 
 /// Instant of a step at which inputs are taken.
@@ -179,8 +178,7 @@ fn ready<'a>(column: &'a SensitivityColumn, base: &Plant) -> Option<Ready<'a>> {
             let craft = if acts { Some(Box::new(Craft::complete(plant).ok()?)) } else { None };
             Ready::Plant { craft, plant, step: *step, acts, shows, winds, clock, loose }
         }
-        SensitivityColumn::Load(k, basis) => Ready::Load(*k, *basis),
-        SensitivityColumn::Error(k, basis) => Ready::Error(*k, *basis),
+        SensitivityColumn::Generic(site, basis) => Ready::Generic(*site, *basis),
     })
 }
 

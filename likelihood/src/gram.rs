@@ -26,7 +26,9 @@ pub struct Gram {
 pub struct Posterior {
     /// Log marginal likelihood over that of nulls.
     pub gain: f64,
-    /// Means, and covariance.
+    /// Log-likelihood at the means over that at nulls: what the runs say alone, however plausible a size was beforehand.
+    pub fit: f64,
+    /// Means.
     pub mean: DVector<f64>,
     /// Covariance.
     pub covariance: DMatrix<f64>,
@@ -52,6 +54,7 @@ impl Gram {
         let mean = cholesky.l().transpose().solve_upper_triangular(&y)?;
         Some(Posterior {
             gain: 0.5 * y.norm_squared() - logs,
+            fit: 0.5 * (y.norm_squared() + mean.norm_squared()),
             mean: DVector::from_fn(n, |i, _| s(i) * mean[i]),
             covariance: DMatrix::from_fn(n, n, |i, k| s(i) * inverse[(i, k)] * s(k)),
         })

@@ -18,6 +18,7 @@ mod gram;
 mod hum;
 mod innovations;
 mod intensity;
+mod joined;
 mod model;
 mod noise;
 mod random;
@@ -31,7 +32,7 @@ mod spectrum;
 mod wind;
 
 pub use check::Lead;
-pub use discover::{Contest, Discovery, RivalPair, Rivals, Unseen, discover, identify, log_odds};
+pub use discover::{Contest, Discovery, FamilySet, RivalPair, Rivals, Unseen, discover, identify, log_odds};
 pub use engine::{Engine, Fit};
 pub use gram::{Gram, Posterior};
 pub use hum::Hum;

@@ -1,7 +1,7 @@
 //! likelihood: a model at a point. In: a campaign, values of declared parameters, constants and effects. Out: its plant, and every number
 //! that may be changed as a column with a prior.
 
-use crate::columns::{Basis, SensitivityColumn};
+use crate::columns::{Basis, SensitivityColumn, Site};
 use std::collections::BTreeMap;
 use windfall_model::{Acts, CATALOGUE, Campaign, Effect, Parameter, Plant, Role};
 
@@ -227,12 +227,7 @@ impl Model {
 
     /// Columns of numbers, in their order.
     #[must_use]
-    pub(crate) fn columns(
-        &self,
-        campaign: &Campaign,
-        numbers: &[Number],
-        generic: &[(bool, usize, Basis)],
-    ) -> Vec<SensitivityColumn> {
+    pub(crate) fn columns(&self, campaign: &Campaign, numbers: &[Number], generic: &[(Site, Basis)]) -> Vec<SensitivityColumn> {
         let base = self.plant(campaign);
         let mut forms: BTreeMap<usize, (Member, Vec<Vec<f64>>)> = BTreeMap::new();
         numbers
@@ -241,12 +236,8 @@ impl Model {
                 let plant = match n.id {
                     Id::Declared(i) => return SensitivityColumn::Declared(i),
                     Id::Generic(i) => {
-                        let (error, place, basis) = generic[i];
-                        return if error {
-                            SensitivityColumn::Error(place, basis)
-                        } else {
-                            SensitivityColumn::Load(place, basis)
-                        };
+                        let (site, basis) = generic[i];
+                        return SensitivityColumn::Generic(site, basis);
                     }
                     Id::Strength(family, form, parameter) => {
                         let (member, forms) = forms.entry(family).or_insert_with(|| {

@@ -25,6 +25,8 @@ pub struct Set {
     pub units: Vec<usize>,
     /// Log marginal likelihood over that of the empty set, less costs.
     pub gain: f64,
+    /// Log-likelihood at its estimates over that of the empty set.
+    pub fit: f64,
     /// Columns that are in it: strengths that would leave their range are out.
     pub columns: Vec<usize>,
     /// Their estimates.
@@ -38,7 +40,7 @@ const KEPT: usize = 24;
 #[must_use]
 pub(crate) fn search(gram: &Gram, units: &[Unit], most: usize) -> Vec<Set> {
     let mut all: BTreeMap<Vec<usize>, Set> = BTreeMap::new();
-    let empty = Set { units: Vec::new(), gain: 0.0, columns: Vec::new(), estimates: Vec::new() };
+    let empty = Set { units: Vec::new(), gain: 0.0, fit: 0.0, columns: Vec::new(), estimates: Vec::new() };
     all.insert(Vec::new(), empty.clone());
     let mut level = vec![empty];
     for size in 1..=most {
@@ -92,6 +94,7 @@ pub(crate) fn weigh(gram: &Gram, units: &[Unit], members: &[usize]) -> Option<Se
             return Some(Set {
                 units: members.to_vec(),
                 gain: posterior.gain - cost,
+                fit: posterior.fit,
                 estimates: posterior.mean.iter().copied().collect(),
                 columns,
             });
@@ -146,6 +149,10 @@ mod tests {
         let gain =
             0.5 * (100.0_f64.powi(2) / 101.0 + 100.0_f64.powi(2) / 51.0) - 0.5 * (101.0_f64 * 51.0).ln() - 2.0 * 30.0_f64.ln();
         assert!((sets[0].gain - gain).abs() < 1e-9, "{} {gain}", sets[0].gain);
+        // b v − ½ g v² at those means.
+        let [v, w] = [100.0 / 101.0, -100.0 / 51.0];
+        let fit = 100.0 * v - 50.0 * v * v - 100.0 * w - 25.0 * w * w;
+        assert!((sets[0].fit - fit).abs() < 1e-9, "{} {fit}", sets[0].fit);
     }
 
     #[test]

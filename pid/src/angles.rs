@@ -18,7 +18,7 @@ pub struct Angles {
     pub pqr_rad_s: Vec<[f64; 3]>,
 }
 
-/// Θ and ω_q,r of a record, smoothed as told.
+/// Θ and ω_q,r of a record, smoothed as asked.
 ///
 /// # Errors
 /// As [`smooth`].

@@ -16,7 +16,7 @@ use crate::{SearchKind, StopReason};
 use nalgebra::DMatrix;
 use windfall_model::{Campaign, Unknowns};
 
-/// Share of the largest singular value below which a combination of parameters counts as not told at all.
+/// Share of the largest singular value below which a combination of parameters counts as not determined at all.
 const RANK_TOLERANCE: f64 = 1e-10;
 /// Part of a unit vector from which a parameter counts as belonging to a combination.
 const BELONGS: f64 = 0.1;
@@ -72,10 +72,10 @@ pub(crate) fn examine(mut a: DMatrix<f64>, names: &[String], values: &[f64]) -> 
         };
     };
     let largest = singular.max();
-    let told = |s: f64| s > RANK_TOLERANCE * largest;
-    let rank = singular.iter().filter(|s| told(**s)).count();
+    let determined = |s: f64| s > RANK_TOLERANCE * largest;
+    let rank = singular.iter().filter(|s| determined(**s)).count();
     let mut inseparable: Vec<Vec<String>> = Vec::new();
-    for (k, _) in singular.iter().enumerate().filter(|(_, s)| !told(**s)) {
+    for (k, _) in singular.iter().enumerate().filter(|(_, s)| !determined(**s)) {
         inseparable.push((0..free).filter(|j| v_t[(k, *j)].abs() > BELONGS).map(|j| names[j].clone()).collect());
     }
     let (mut correlations, mut expected) = (Vec::new(), Vec::new());

@@ -62,7 +62,7 @@ impl From<Raised> for PyErr {
             Of::Write(_) => WriteError::new_err(text),
             Of::Flight { .. } | Of::Simulate(_) => SimulateError::new_err(text),
             Of::Identify(_) => IdentifyError::new_err(text),
-            Of::Verify(_) => LoopError::new_err(text),
+            Of::Replay(_) | Of::Discover(_) | Of::Study(_) | Of::Verify(_) => LoopError::new_err(text),
             Of::Request(_) | Of::Find(_) => pyo3::exceptions::PyValueError::new_err(text),
             Of::Store(_) | Of::NoColumn { .. } | Of::NoPart { .. } | Of::Interrupted => StudyError::new_err(text),
             _ => WindfallError::new_err(text),

@@ -2,7 +2,7 @@
 
 use crate::draw::{Anchor, Item, LETTERS, LineDrawing, Look, width};
 use crate::scale::{Scale, plain};
-use windfall_verify::close::{Figure, Role, Series};
+use windfall_discover::close::{Figure, Role, Series};
 
 /// Size of a chart on a page, drawing units.
 pub(crate) const SIZE: [f64; 2] = [420.0, 250.0];

@@ -16,7 +16,7 @@ use crate::svg::dots;
 use crate::wind_tunnel::differences;
 use crate::words::{channel, number, p_value, plain_key, sentence, with_interval, with_unit};
 use std::fmt::Write as _;
-use windfall_verify::close::{
+use windfall_discover::close::{
     ChannelResidual, Closing, EffectLine, Figure, ParameterLine, SignalTracks, SmoothingTracks, Topic, Verdict,
 };
 
@@ -59,7 +59,7 @@ pub(crate) fn closing_body(c: &Closing, figures: &[Figure], tracks: Option<&Sign
     out += &innovations(c, plots);
     let lead = "Look for histograms under the dashed bell, the stated noise of a sample, and correlations inside the dashed lines. A residual \
                 that is wider and follows itself for many samples is a tracker's drift or a force that the model lacks. Cut at three times the reach of \
-                the narrower one; what lies beyond is told above each.";
+                the narrower one; what lies beyond is counted above each.";
     out += &topic(figures, Topic::Shape, "Residuals of the tracks: distribution and correlation", lead, plots);
     let lead = "Look for curves at one and for histograms under the dashed bell. Slow parts above one are a tracker's drift or a force that the \
                 model lacks, fast ones noise that is larger than stated. Residuals of the runs held out with the initial state taken out, in \
@@ -92,7 +92,8 @@ pub(crate) fn closing_body(c: &Closing, figures: &[Figure], tracks: Option<&Sign
     let lead =
         "How large an effect that was not found could still be and escape: its size stays under the bound with 95 % confidence.";
     out += &section("Bounds on what was not found", lead, &bounds(c));
-    out + &warnings(&tracks.map_or_else(Vec::new, notes))
+    let joined = c.joined.iter().map(|runs| format!("{runs}: taken as one flight, each goes on where the one before it ended"));
+    out + &warnings(&joined.chain(tracks.map_or_else(Vec::new, notes)).collect::<Vec<_>>())
 }
 
 /// Below everything.
@@ -261,7 +262,7 @@ fn leads(c: &Closing) -> String {
     if c.unexplained.is_empty() {
         return String::new();
     }
-    let one = |u: &windfall_verify::close::Unexplained| {
+    let one = |u: &windfall_discover::close::Unexplained| {
         format!("<li><strong>{}</strong>: {}</li>", escape(&channel(&u.channel)), escape(&u.description))
     };
     format!("<ul>{}</ul>\n", c.unexplained.iter().map(one).collect::<String>())

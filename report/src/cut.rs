@@ -1,7 +1,7 @@
 //! report: what a histogram leaves out. In: a figure of densities. Out: its title with the share of each side beyond the ends.
 
 use crate::legend::share;
-use windfall_verify::close::{Figure, Role, Series};
+use windfall_discover::close::{Figure, Role, Series};
 
 /// Share beyond the ends from which it is said.
 const SAID: f64 = 0.005;

@@ -3,7 +3,7 @@
 use crate::plot::{Plot, Plots};
 use serde_json::{Value, json};
 use std::collections::HashMap;
-use windfall_verify::close::{RunTracks, SignalTracks, TrackSignal};
+use windfall_discover::close::{RunTracks, SignalTracks, TrackSignal};
 
 /// The data of a page.
 pub(crate) fn data(tracks: &[(&str, &SignalTracks)], plots: &Plots) -> String {

@@ -6,8 +6,8 @@ use crate::number;
 use crate::plot::{Plot, Plots};
 use crate::shape::warnings;
 use crate::words::plain_key;
-use windfall_verify::close::{Figure, Role, Series, Topic};
-use windfall_verify::descent::{DescentSummary, HeightLine, LandingScatter, ParameterShare, SteadyFall, TouchDownLine};
+use windfall_discover::close::{Figure, Role, Series, Topic};
+use windfall_replay::descent::{DescentSummary, HeightLine, LandingScatter, ParameterShare, SteadyFall, TouchDownLine};
 
 /// Parameters named beside a quantity, and the smallest share that is named.
 const NAMED: usize = 4;
@@ -34,7 +34,7 @@ pub(crate) fn descent_body(s: &DescentSummary, plots: &mut Plots) -> String {
     let of = "The nominal model at its terminal speed: frequency and decay of small pitching.";
     out += &section("Linear theory", of, &theory(&s.linear_theory, plots));
     let drawn =
-        |p: &windfall_verify::descent::DrawnParameter| vec![Cell::text(&p.name), Cell::number(p.nominal), Cell::number(p.std)];
+        |p: &windfall_replay::descent::DrawnParameter| vec![Cell::text(&p.name), Cell::number(p.nominal), Cell::number(p.std)];
     let rows: Vec<Vec<Cell>> = s.parameters.iter().map(drawn).collect();
     out += &section("Drawn parameters", "", &some(&["parameter", "nominal", "standard uncertainty"], &rows));
     let rows: Vec<Vec<Cell>> =
@@ -217,7 +217,7 @@ fn narrower(lines: &[TouchDownLine]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use windfall_verify::descent::{DescentEnds, DescentReason};
+    use windfall_replay::descent::{DescentEnds, DescentReason};
 
     fn summary() -> DescentSummary {
         let share =

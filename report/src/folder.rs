@@ -16,10 +16,10 @@ use crate::smoothing::smoothing;
 use crate::statistics::statistics;
 use crate::study::study_body;
 use serde_json::Value;
-use windfall_verify::close::{Closing, Figure, SignalTracks, SmoothingTracks};
-use windfall_verify::descent::DescentSummary;
-use windfall_verify::many::ManySummary;
-use windfall_verify::study::Summary;
+use windfall_discover::close::{Closing, Figure, SignalTracks, SmoothingTracks};
+use windfall_replay::descent::DescentSummary;
+use windfall_study::Summary;
+use windfall_study::many::ManySummary;
 
 /// What a folder holds.
 #[derive(Default)]

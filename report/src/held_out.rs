@@ -3,7 +3,7 @@
 use crate::html::{Cell, table};
 use crate::words::number;
 use std::fmt::Write as _;
-use windfall_verify::close::{Closing, HeldOut};
+use windfall_discover::close::{Closing, HeldOut};
 
 /// A line of the table before and after.
 struct Line {

@@ -36,7 +36,7 @@ impl Cell {
     }
 }
 
-/// A table; heads of number columns are told by the cells below them.
+/// A table; heads of number columns are known by the cells below them.
 pub(crate) fn table(heads: &[&str], rows: &[Vec<Cell>]) -> String {
     let mut out = String::from("<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"table\"><table><thead><tr>");
     for (k, h) in heads.iter().enumerate() {

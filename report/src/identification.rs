@@ -11,8 +11,9 @@ use crate::shape::warnings;
 use crate::wind_tunnel::{differences, points};
 use crate::words::{number, p_value, with_interval};
 use serde_json::Value;
-use windfall_verify::close::{Figure, Role, Series, Topic};
-use windfall_verify::{DataSet, Identification, Identified, Resimulation, RunComparison, WindTunnelLine};
+use windfall_discover::close::{Figure, Role, Series, Topic};
+use windfall_discover::{DataSet, Identification, Identified, WindTunnelLine};
+use windfall_replay::{Resimulation, RunComparison};
 
 /// The body of an identification; none for what is none.
 pub(crate) fn identification(value: &Value, plots: &mut Plots) -> Option<String> {
@@ -130,7 +131,7 @@ fn rounded(x: f64) -> String {
 }
 
 fn parameters(set: &DataSet) -> String {
-    let row = |p: &windfall_verify::Estimate| {
+    let row = |p: &windfall_discover::Estimate| {
         let (estimate, half) = with_interval(p.estimate, Some(1.96 * p.std_error));
         let end = |x: f64| with_interval(x, Some(1.96 * p.std_error)).0;
         vec![
@@ -212,7 +213,7 @@ fn run(r: &RunComparison) -> Vec<Cell> {
     ]
 }
 
-fn statistic(s: &windfall_verify::Statistic) -> Vec<Cell> {
+fn statistic(s: &windfall_replay::Statistic) -> Vec<Cell> {
     let quantity = if s.quantity == "theta_deg" { "Θ (deg)" } else { "ω_q,r (deg/s)" };
     let interval = s.draws_ci95.map_or_else(|| "–".to_owned(), |[a, b]| format!("[{}, {}]", number(a), number(b)));
     vec![

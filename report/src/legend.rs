@@ -2,7 +2,7 @@
 
 use crate::chart::look;
 use crate::html::escape;
-use windfall_verify::close::{Figure, Role};
+use windfall_discover::close::{Figure, Role};
 
 /// Marks by colour what they are, by class.
 pub(crate) fn key(marks: &[(&str, &str)]) -> String {

@@ -6,7 +6,7 @@ use crate::draw::Look;
 use crate::html::{Cell, escape, page, section, table};
 use crate::plot::{Plot, Plots};
 use crate::words::{interval, number, p_value, with_interval};
-use windfall_verify::many::{CampaignOutcome, ManySummary, PooledParameter, Status};
+use windfall_study::many::{CampaignOutcome, ManySummary, PooledParameter, Status};
 
 /// Title of the page.
 pub(crate) const TITLE: &str = "Many campaigns";
@@ -50,7 +50,7 @@ const POOLED: &str = "Random effects: mean with 95 % interval (Hartung and Knapp
     the figures each campaign has its 95 % interval; the mean's is thick, and thin where one more campaign would lie.";
 
 fn lead(s: &ManySummary) -> String {
-    let list = |all: &[windfall_verify::many::Tally]| {
+    let list = |all: &[windfall_study::many::Tally]| {
         all.iter().map(|t| format!("{} {}", t.count, t.name)).collect::<Vec<_>>().join(", ")
     };
     let verdicts = if s.verdicts.is_empty() { String::new() } else { format!(": {}", list(&s.verdicts)) };

@@ -3,7 +3,7 @@
 use crate::html::section;
 use crate::legend::key;
 use crate::plot::Plots;
-use windfall_verify::close::{Figure, Role, RunTracks, Series, SignalTracks, Topic};
+use windfall_discover::close::{Figure, Role, RunTracks, Series, SignalTracks, Topic};
 
 /// Ends of a run that are left out, s: derivatives hang on one side there.
 const EDGE_S: f64 = 0.5;
@@ -13,7 +13,7 @@ const POINTS: usize = 400;
 /// A figure for each channel that is both measured and modelled; nothing without such.
 pub(crate) fn one_to_one(t: &SignalTracks, plots: &mut Plots) -> String {
     let Some(first) = t.runs.first() else { return String::new() };
-    let both = |c: &&windfall_verify::close::TrackSignal| !c.measured.is_empty() && !c.after.is_empty();
+    let both = |c: &&windfall_discover::close::TrackSignal| !c.measured.is_empty() && !c.after.is_empty();
     let figures = first.channels.iter().filter(both).map(|c| figure(t, &c.name, &c.unit));
     let drawn = plots.charts(figures.collect::<Vec<_>>());
     if drawn.is_empty() {
@@ -72,7 +72,7 @@ fn cloud(role: Role, points: Vec<[f64; 2]>) -> Series {
 mod tests {
     use super::*;
     use crate::plot::Plot;
-    use windfall_verify::close::TrackSignal;
+    use windfall_discover::close::TrackSignal;
 
     /// Two runs: each its own colour, points in order, and a line from the least to the largest of both sides.
     #[test]

@@ -5,7 +5,7 @@ use crate::draw::LineDrawing;
 use crate::pairs::{Pair, pairs};
 use crate::svg;
 use std::fmt::Write as _;
-use windfall_verify::close::Figure;
+use windfall_discover::close::Figure;
 
 /// Width of rows of bars and ranges on a page, drawing units.
 const ROWS: f64 = 760.0;
@@ -113,7 +113,7 @@ impl Plots {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use windfall_verify::close::{Role, Series, Topic};
+    use windfall_discover::close::{Role, Series, Topic};
 
     #[test]
     fn exact_data_as_csv() {

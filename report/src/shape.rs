@@ -7,7 +7,7 @@ use crate::html::{Cell, escape, section, table};
 use crate::legend::{legend, share};
 use crate::plot::{Plot, Plots};
 use crate::words::{number, plain_key, with_interval};
-use windfall_verify::close::{Closing, Figure, InnovationShape, NoiseLine, Role, Series, Topic};
+use windfall_discover::close::{Closing, Figure, InnovationShape, NoiseLine, Role, Series, Topic};
 
 /// Histograms and autocorrelations of the innovations.
 pub(crate) fn innovations(c: &Closing, plots: &mut Plots) -> String {
@@ -27,7 +27,7 @@ pub(crate) fn innovations(c: &Closing, plots: &mut Plots) -> String {
         all.push(correlation(&channel, line.step_s, &sides));
     }
     let lead = "Look for histograms under the dashed bell, and correlations inside the dashed lines: then each sample brings only noise. \
-                Innovation: what a sample adds to its prediction from all before it, over its standard deviation; what lies beyond five is not drawn, its share is told above each.";
+                Innovation: what a sample adds to its prediction from all before it, over its standard deviation; what lies beyond five is not drawn, its share stands above each.";
     all.iter_mut().for_each(say_beyond);
     let key = legend(&all);
     section("Innovations", lead, &format!("{key}<div class=\"grid\">{}</div>", plots.charts(all)))
@@ -119,7 +119,7 @@ pub(crate) fn constants(c: &Closing, plots: &mut Plots) -> String {
     if c.constants.is_empty() {
         return String::new();
     }
-    let one = |k: &windfall_verify::close::ConstantLine| {
+    let one = |k: &windfall_discover::close::ConstantLine| {
         let (moved, error) = ((k.estimate - k.declared) / k.uncertainty, k.std_error? / k.uncertainty);
         Some(Range {
             name: k.key.clone(),
@@ -157,7 +157,7 @@ pub(crate) fn constants(c: &Closing, plots: &mut Plots) -> String {
 
 /// How far the effects moved declared parameters.
 pub(crate) fn moves(c: &Closing, plots: &mut Plots) -> String {
-    let one = |s: &windfall_verify::close::Shift| {
+    let one = |s: &windfall_discover::close::Shift| {
         let before = c.before.parameters.iter().find(|p| p.name == s.name).and_then(|p| p.std_error)?;
         let (moved, half) = ((s.after - s.before) / before, 1.96 * s.std_error_after / before);
         let ends = [moved - half, moved + half];

@@ -5,7 +5,7 @@ use crate::chart::{SIZE, chart};
 use crate::html::{escape, section};
 use crate::story::thinned;
 use crate::svg;
-use windfall_verify::close::{Figure, Role, RunTracks, SignalTracks, Topic};
+use windfall_discover::close::{Figure, Role, RunTracks, SignalTracks, Topic};
 
 /// Longest curve of a still figure, points: it is a column wide.
 const STILL_POINTS: usize = 350;
@@ -44,7 +44,7 @@ pub(crate) fn signals(id: &str, t: &SignalTracks) -> String {
 
 /// Each channel of a run.
 fn still(run: &RunTracks) -> String {
-    let one = |c: &windfall_verify::close::TrackSignal| {
+    let one = |c: &windfall_discover::close::TrackSignal| {
         let sides = [(Role::Measured, &c.measured), (Role::Before, &c.before), (Role::After, &c.after)];
         let unit = if c.unit.is_empty() { c.name.clone() } else { format!("{} ({})", c.name, c.unit) };
         let figure = Figure {

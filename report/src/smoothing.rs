@@ -4,7 +4,7 @@ use crate::html::section;
 use crate::legend::key;
 use crate::plot::Plots;
 use crate::signals::over_time;
-use windfall_verify::close::SmoothingTracks;
+use windfall_discover::close::SmoothingTracks;
 
 /// Name of these tracks in the page's data.
 pub(crate) const ID: &str = "smoothing";
@@ -30,7 +30,7 @@ pub(crate) fn smoothing(s: Option<&SmoothingTracks>, plots: &mut Plots) -> Strin
 mod tests {
     use super::*;
     use crate::plot::Plot;
-    use windfall_verify::close::{BodyShape, Figure, Role, RunTracks, Series, SignalTracks, Topic, TrackSignal};
+    use windfall_discover::close::{BodyShape, Figure, Role, RunTracks, Series, SignalTracks, Topic, TrackSignal};
 
     #[test]
     fn law_spectra_are_drawn_with_their_cut_off() {

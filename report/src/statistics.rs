@@ -9,7 +9,7 @@ use crate::legend::key;
 use crate::plot::{Plot, Plots};
 use crate::words::{number, p_value, plain_key};
 use serde_json::Value;
-use windfall_verify::close::{Figure, Role, Series, Topic};
+use windfall_discover::close::{Figure, Role, Series, Topic};
 
 /// Most explanations with a figure each.
 const SHOWN: usize = 4;

@@ -5,7 +5,7 @@ use crate::legend::{legend, share};
 use crate::plot::{Plot, Plots};
 use crate::words::{listed, number, plain_key};
 use std::fmt::Write as _;
-use windfall_verify::close::{
+use windfall_discover::close::{
     ChannelResidual, Closing, Figure, HeldOut, Role, RunTracks, Series, SignalTracks, Topic, TrackSignal, Verdict,
 };
 
@@ -66,7 +66,7 @@ fn effect(c: &Closing) -> String {
         Verdict::Consistent => "No effect of the catalogue is needed.".to_owned(),
         Verdict::Unexplained => "No effect of the catalogue accounts for it.".to_owned(),
         Verdict::Effect => {
-            let one = |e: &windfall_verify::close::EffectLine| {
+            let one = |e: &windfall_discover::close::EffectLine| {
                 let odds = e.probability.map_or_else(String::new, |p| format!(" (probability {})", share(p)));
                 format!("{}{odds}", e.family)
             };

@@ -10,10 +10,8 @@ use crate::plot::{Plot, Plots};
 use crate::study_closings::closings;
 use crate::study_varied::over_varied;
 use crate::words::with_interval;
-use windfall_verify::close::{Figure, Role, Series};
-use windfall_verify::study::{
-    NumberLine, ParameterSummary, Rate, RecoveredDraw, RecoveryLine, ReliabilityPoint, Summary, WordLine,
-};
+use windfall_discover::close::{Figure, Role, Series};
+use windfall_study::{NumberLine, ParameterSummary, Rate, RecoveredDraw, RecoveryLine, ReliabilityPoint, Summary, WordLine};
 
 /// Share of the draws that a stated interval should cover, and the number of standard errors that it reaches.
 const STATED: f64 = 0.95;
@@ -52,15 +50,15 @@ pub(crate) fn study_body(s: &Summary, plots: &mut Plots) -> String {
     let lead = "Dot: share of draws. Bar: its 95 % interval (Clopper and Pearson).";
     out += &section("How often", lead, &ranges(plots, "Share of draws", rates, &[], "share"));
     // The confusion matrix has what those two say.
-    let told = |w: &&WordLine| s.closings.is_none() || !["close.families", "close.truth"].contains(&w.name.as_str());
-    let told = s.words.iter().filter(told).flat_map(|w| w.counts.iter().map(move |c| (w.name.as_str(), c)));
-    let rows: Vec<Vec<Cell>> = told
+    let shown = |w: &&WordLine| s.closings.is_none() || !["close.families", "close.truth"].contains(&w.name.as_str());
+    let shown = s.words.iter().filter(shown).flat_map(|w| w.counts.iter().map(move |c| (w.name.as_str(), c)));
+    let rows: Vec<Vec<Cell>> = shown
         .map(|(w, c)| {
             vec![Cell::text(words(w)), Cell::text(if c.name.is_empty() { "none" } else { &c.name }), Cell::Number(of(c))]
         })
         .collect();
     out += &section("What was said how often", "", &some(&["column", "word", "draws"], &rows));
-    let failed = |m: &windfall_verify::study::Count| vec![Cell::text(&m.message), Cell::Number(m.count.to_string())];
+    let failed = |m: &windfall_study::Count| vec![Cell::text(&m.message), Cell::Number(m.count.to_string())];
     let rows: Vec<Vec<Cell>> = s.failures.messages.iter().map(failed).collect();
     out + &section("Failures", "", &some(&["message", "draws"], &rows))
 }

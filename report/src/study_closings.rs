@@ -9,8 +9,8 @@ use crate::plot::{Plot, Plots};
 use crate::study_varied::{decades, quantity};
 use crate::words::with_unit;
 use std::fmt::Write as _;
-use windfall_verify::close::{Figure, Role, Series, Topic};
-use windfall_verify::study::{ClosingSummary, DependenceLine, ReliabilityPoint};
+use windfall_discover::close::{Figure, Role, Series, Topic};
+use windfall_study::{ClosingSummary, DependenceLine, ReliabilityPoint};
 
 /// Standard deviations that chance exceeds in one of twenty.
 const REACH: f64 = 1.96;
@@ -130,7 +130,7 @@ fn matrix(c: &ClosingSummary) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use windfall_verify::study::ConfusionLine;
+    use windfall_study::ConfusionLine;
 
     #[test]
     fn law_the_matrix_has_every_count_once_and_its_diagonal() {

@@ -4,8 +4,8 @@ use crate::html::section;
 use crate::legend::key;
 use crate::plot::Plots;
 use crate::words::{plain_key, with_unit};
-use windfall_verify::close::{Figure, Role, Series, Topic};
-use windfall_verify::study::{RecoveryLine, VariedLine};
+use windfall_discover::close::{Figure, Role, Series, Topic};
+use windfall_study::{RecoveryLine, VariedLine};
 
 /// Varied quantities that are shown at most.
 const SHOWN: usize = 4;

@@ -1,8 +1,8 @@
 //! report: identified static coefficients beside wind-tunnel points. In: differences at the points. Out: points for a curve's figure, a table.
 
 use crate::html::{Cell, table};
-use windfall_verify::close::{Role, Series};
-use windfall_verify::{WindTunnelLine, WindTunnelModel};
+use windfall_discover::close::{Role, Series};
+use windfall_discover::{WindTunnelLine, WindTunnelModel};
 
 /// Reach of an error bar, standard uncertainties.
 const REACH: f64 = 1.96;

@@ -1,6 +1,6 @@
 //! report: numbers and conclusions in words. In: results. Out: short text for people.
 
-use windfall_verify::close::{Closing, EffectLine, HeldOut, Verdict};
+use windfall_discover::close::{Closing, EffectLine, HeldOut, Verdict};
 
 /// A number in four digits, as short as its size allows.
 ///

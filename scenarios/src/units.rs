@@ -106,7 +106,7 @@ pub(crate) fn warnings(record: &Record) -> Vec<String> {
 
 /// A factor this near, in its logarithm, is taken for a slip of units.
 const NEAR: f64 = 0.08;
-/// Airspeed below which no coefficient can be told, m/s.
+/// Airspeed below which no coefficient can be determined, m/s.
 const STILL_M_S: f64 = 0.5;
 
 /// Faults of a record against physics: air that moves past the model, q_W against ½ρV², and drag against weight for a run that stays in
@@ -156,7 +156,7 @@ fn still(path: &Path, record: &Record) -> Option<Fault> {
         return None;
     }
     let what = format!(
-        "air passes the model at {middle:.4} m/s (median of V_W and the sinking rate of X_m); no force or moment can be told below \
+        "air passes the model at {middle:.4} m/s (median of V_W and the sinking rate of X_m); no force or moment can be determined below \
          {STILL_M_S} m/s"
     );
     Some(fault(

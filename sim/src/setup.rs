@@ -6,7 +6,8 @@ use crate::operator::Hand;
 use crate::seed::{Channel, Seed};
 use crate::smooth::Smooth;
 use crate::state::BASE;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Matrix6};
+use std::sync::OnceLock;
 use windfall_model::frames::Vec3;
 use windfall_model::{AeroProgram, Entry, Flight, FlowState, Operator, Plant, TunnelSpeed};
 
@@ -25,6 +26,8 @@ pub(crate) struct Setup<'a> {
     pub(crate) inertia_inverse: Matrix3<f64>,
     /// Forces depend on accelerations.
     pub(crate) coupled: bool,
+    /// Inverse of how that balance depends on the accelerations at the flight's first instant.
+    pub(crate) coupling: OnceLock<Matrix6<f64>>,
     pub(crate) apparent: bool,
     pub(crate) history: Smooth,
     pub(crate) hand: Option<Hand>,
@@ -65,6 +68,7 @@ impl<'a> Setup<'a> {
             inertia,
             inertia_inverse,
             coupled: plant.has_algebraic_loop() || loose,
+            coupling: OnceLock::new(),
             apparent: !plant.vehicle.apparent.is_null(),
             history: Smooth::new(1.0, &[]),
             hand: None,

@@ -5,15 +5,31 @@ use std::collections::BTreeMap;
 use std::process::Command;
 
 /// Room and what it may see. `tests` may see all.
-const ARROWS: [(&str, &[&str]); 10] = [
+const ARROWS: [(&str, &[&str]); 13] = [
     ("windfall-model", &[]),
     ("windfall-sim", &["windfall-model"]),
     ("windfall-pid", &["windfall-model"]),
     ("windfall-likelihood", &["windfall-model", "windfall-pid"]),
-    ("windfall-verify", &["windfall-model", "windfall-sim", "windfall-pid", "windfall-likelihood"]),
+    ("windfall-replay", &["windfall-model", "windfall-sim", "windfall-pid"]),
+    ("windfall-discover", &["windfall-model", "windfall-sim", "windfall-pid", "windfall-likelihood", "windfall-replay"]),
+    ("windfall-study", &["windfall-model", "windfall-sim", "windfall-pid", "windfall-replay", "windfall-discover"]),
+    ("windfall-verify", &["windfall-model", "windfall-sim", "windfall-pid", "windfall-replay"]),
     ("windfall-scenarios", &["windfall-model"]),
-    ("windfall-report", &["windfall-model", "windfall-verify"]),
-    ("windfall", &["windfall-model", "windfall-sim", "windfall-pid", "windfall-verify", "windfall-scenarios", "windfall-report"]),
+    ("windfall-report", &["windfall-model", "windfall-replay", "windfall-discover", "windfall-study"]),
+    (
+        "windfall",
+        &[
+            "windfall-model",
+            "windfall-sim",
+            "windfall-pid",
+            "windfall-replay",
+            "windfall-discover",
+            "windfall-study",
+            "windfall-verify",
+            "windfall-scenarios",
+            "windfall-report",
+        ],
+    ),
     ("windfall-cli", &["windfall"]),
     // The package brings the program too.
     ("windfall-python", &["windfall", "windfall-cli"]),

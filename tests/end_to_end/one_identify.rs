@@ -2,9 +2,9 @@
 
 use crate::program::{done, folder, text};
 use std::fs;
+use windfall_discover::{IdentifyOrder, identify};
 use windfall_pid::{Held, Method};
 use windfall_scenarios::{json_text, read_campaign_with_warnings};
-use windfall_verify::{IdentifyOrder, identify};
 
 /// Issue 13: held values, compatibility, pressure, curves and the reader's notes are in the one result that both print.
 #[test]

@@ -1,145 +1,138 @@
-//! verify: an identified model in the atmosphere it is meant for. In: planet scenario, identification. Out: statistics of many descents.
-//!
-//! Coefficients are dimensionless and are flown at full scale as they were identified on the model (Froude scaling); damping terms are
-//! made dimensionless by the full-scale body's length and speed. What Reynolds and Mach numbers change is not in it.
+//! verify: descents against linear theory. In: the full-scale lander in Venus' air. Out: distances from terminal speed, frequency, damping.
 
-mod draw;
-mod landing;
-mod linear;
-mod quantity;
-mod result;
-mod shares;
-mod summary;
-
-pub use landing::LandingScatter;
-pub use linear::{SteadyFall, steady_fall};
-pub use result::{
-    DescentEnds, DescentModel, DescentReason, DescentSummary, DrawnParameter, HeightLine, ParameterShare, TouchDownLine,
-};
-
+use super::flown::largest;
+use super::{Bound, Check, CheckKind};
 use crate::VerifyError;
-use draw::Bodies;
-use rayon::prelude::*;
-use summary::FlownDraw;
-use windfall_model::planet::{PlanetFlight, PlanetScenario};
-use windfall_model::study::{Column, Row};
-use windfall_pid::Identification;
-use windfall_sim::{Descent, Seed, SimError};
+use nalgebra::{Complex, DMatrix, DVector, Matrix3};
+use std::f64::consts::{FRAC_PI_2, TAU};
+use windfall_model::frames::Vec3;
+use windfall_model::planet::{
+    Air, Atmosphere, AtmosphereTable, Dispersions, FlightStart, Geodetic, Gravity, Planet, PlanetBody, PlanetFlight,
+    PlanetScenario, Reference, Spheroid, Winds,
+};
+use windfall_model::{Aero, ApparentMass, Inertia, Structure, Vehicle};
+use windfall_replay::descent::{SteadyFall, steady_fall};
+use windfall_sim::{Descent, fly_planet};
 
-/// Longest step, s.
-const STEP_S: f64 = 0.1;
-/// Largest phase of the pitch mode in a step, rad: its error is `phase⁵/120`, 2e-5 rad.
-const PHASE_RAD: f64 = 0.3;
-/// Steps in the time that air takes to pass the shortest gust's length.
-const STEPS_PER_GUST: f64 = 8.0;
-/// Intervals of height.
-const INTERVALS: usize = 40;
+/// Where a descent begins, m.
+const START_M: f64 = 20e3;
+/// Heights of whose air small pitching is flown, m.
+const HEIGHTS_M: [f64; 5] = [20e3, 15e3, 10e3, 5e3, 0.0];
+/// Angle at which pitching begins, rad: what is of third order in it, 205·α² in the damping of 3.3, stays below 1e-5.
+const SMALL_RAD: f64 = 3e-4;
+/// Sample rate (Hz) and time (s) of pitching.
+const RATE_HZ: f64 = 5.0;
+const TIME_S: f64 = 8.0;
 
-/// How to descend.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DescentOrder {
-    /// Number of descents.
-    pub draws: u64,
-    /// Seed of all chance.
-    pub seed: u64,
+pub(super) fn checks() -> Result<Vec<Check>, VerifyError> {
+    let source = "full-scale lander (thesis Tables 2.2, 5.5), Venus' air (Seiff and others 1985); Etkin and Reid 1996, ch. 4";
+    let exact =
+        |id, what: &str, figure: f64, bound| Check::new(CheckKind::Exact, id, what, (figure, "-"), Bound::at_most(bound), source);
+    let (frequency, damping) = pitching()?;
+    Ok(vec![
+        exact(
+            "descent-terminal-speed",
+            "descent from 20 km on Venus: speed over height against the terminal speed",
+            falling()?,
+            1e-3,
+        ),
+        exact(
+            "descent-pitch-frequency",
+            "small pitching in the air of five heights: frequency against linear theory",
+            frequency,
+            1e-4,
+        ),
+        exact("descent-pitch-damping", "its decay", damping, 1e-3),
+    ])
 }
 
-/// Many descents: what they say, and each of them.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Descended {
-    /// The content of `descent.json`.
-    pub summary: DescentSummary,
-    /// Columns of [`Descended::rows`] after the draw's number.
-    pub columns: Vec<Column>,
-    /// A row a draw.
-    pub rows: Vec<Row>,
-}
-
-/// Flies a scenario's flight down many times, side by side on the threads of the current pool, each draw with a model drawn from the
-/// identification's posterior (without one: the scenario's own coefficients). The result does not depend on the number of threads.
-/// `see` is told of each descent.
-///
-/// # Errors
-/// An identification without covariance or of another structure, a flight or a body that cannot begin.
-pub fn descend(
-    scenario: &PlanetScenario,
-    flight: &PlanetFlight,
-    found: Option<&Identification>,
-    order: DescentOrder,
-    see: impl Fn() + Sync,
-) -> Result<Descended, VerifyError> {
-    let set = found.map(|f| f.combined().ok_or(VerifyError::NoDataSet)).transpose()?;
-    let bodies = Bodies::new(scenario, set)?;
-    let heights_m = heights(flight);
-    let at = |h: &f64| steady_fall(scenario, &bodies.nominal, &flight.start, *h);
-    let linear_theory: Vec<SteadyFall> = heights_m.iter().filter_map(at).collect();
-    let step_s = step(scenario, &linear_theory);
-    let descent = Descent::new(scenario, flight, heights_m.clone(), step_s)?;
-    let nominal = match descent.fly(&bodies.nominal, None) {
-        Err(wrong @ SimError::Setup { .. }) => return Err(wrong.into()),
-        other => other,
+fn scenario(atmosphere: Atmosphere, start: FlightStart, duration_s: f64) -> PlanetScenario {
+    // Without the steady roll moment, which would couple pitch and yaw.
+    let values = vec![6.662, 3.5129, -2.0035, 0.0, -5.6816, -2.0655, 2.5278, -3.3025, -205.4289, -3.3025, -205.4289];
+    let vehicle = Vehicle {
+        mass_kg: 840.4,
+        inertia: Inertia { xx: 360.9, yy: 235.7, zz: 235.6, ..Inertia::default() },
+        p_origin_cm: Vec3::zero(),
+        diameter_m: 0.85,
+        apparent: ApparentMass::default(),
+        loose: None,
     };
-    let chance = scenario.dispersions.gusts.is_some() || !scenario.dispersions.start.is_exact();
-    let paired = chance && bodies.is_uncertain();
-    let one = |draw: u64| {
-        let model = if paired { draw / 2 } else { draw };
-        let (body, values) = bodies.draw(Seed { campaign: order.seed, run: model });
-        let flown = descent.fly(&body, chance.then_some(Seed { campaign: order.seed, run: draw }));
-        see();
-        FlownDraw { model, values, flown }
+    let aero = Aero::new(Structure::axisymmetric(), values);
+    let planet = Planet {
+        figure: Spheroid { equatorial_radius_m: 6_051_800.0, flattening: 0.0 },
+        rotation_rad_s: 0.0,
+        gravity: Gravity::Central { mu_m3_s2: 3.248_585_92e14 },
+        atmosphere: Some(atmosphere),
+        wind: Winds::STILL,
     };
-    let all: Vec<FlownDraw> = (0..order.draws).into_par_iter().map(one).collect();
-    let names: Vec<String> = bodies.drawn.iter().map(|d| d.name.clone()).collect();
-    let of = |d: &draw::Drawn| DrawnParameter { name: d.name.clone(), nominal: d.nominal, std: d.std };
-    let summary = DescentSummary {
-        scenario: scenario.name.clone(),
-        flight: flight.name.clone(),
-        model: found.zip(set).map(|(f, s)| DescentModel { method: f.method.clone(), data_set: s.name.clone() }),
-        draws: order.draws,
-        seed: order.seed,
-        step_s,
-        in_pairs: paired,
-        parameters: bodies.drawn.iter().map(of).collect(),
-        ends: summary::ends(&all),
-        touch_down: summary::touch_down(&all, nominal.as_ref().ok(), &names, [paired, chance]),
-        landing: landing::scatter(&summary::places_m(&all)),
-        over_height: summary::over_height(&all, nominal.as_ref().ok(), &heights_m),
-        linear_theory,
-        warnings: warnings(&bodies, nominal.as_ref().err(), chance),
-    };
-    Ok(Descended { summary, columns: summary::columns(&names), rows: summary::rows(&all) })
+    let name = "check".to_owned();
+    let numerics = PlanetFlight::default_numerics();
+    let flight = PlanetFlight { name: name.clone(), duration_s, rate_hz: RATE_HZ, start, numerics };
+    let body = PlanetBody { vehicle, reference: Reference::of_diameter(0.85), aero, point: false };
+    PlanetScenario { name, planet, body, flights: vec![flight], dispersions: Dispersions::default() }
 }
 
-fn warnings(bodies: &Bodies, nominal: Option<&SimError>, chance: bool) -> Vec<String> {
-    let mut all = bodies.warnings.clone();
-    if let Some(error) = nominal {
-        all.push(format!("the nominal model cannot be flown down: {error}"));
+fn start(height_m: f64, speed_m_s: f64, off_rad: f64) -> FlightStart {
+    FlightStart {
+        place: Geodetic { height_m, ..Geodetic::default() },
+        v_ground: Vec3::new(0.0, 0.0, speed_m_s),
+        attitude_rad: [0.0, off_rad - FRAC_PI_2, 0.0],
+        w_inertial_body: Vec3::zero(),
     }
-    if !bodies.is_uncertain() {
-        all.push(
-            "no parameter is uncertain: give an identification (--model), or [uncertainty.vehicle] in the scenario".to_owned(),
-        );
-    }
-    if !chance {
-        all.push(
-            "every flight of a model is the same: the scenario has neither turbulence in [environment] nor [uncertainty.initial]"
-                .to_owned(),
-        );
-    }
-    all
 }
 
-/// Heights at which descents are looked at, from the start to the ground, m.
-fn heights(flight: &PlanetFlight) -> Vec<f64> {
-    let from_m = flight.start.place.height_m;
-    (0..=INTERVALS).map(|k| from_m * (INTERVALS - k) as f64 / INTERVALS as f64).collect()
+/// Linear theory of a scenario at a height; its start lends the place.
+fn theory(s: &PlanetScenario, height_m: f64) -> Result<SteadyFall, VerifyError> {
+    let none = VerifyError::NoTerminalSpeed { scenario: s.name.clone() };
+    steady_fall(s, &s.body, &s.flights[0].start, height_m).ok_or(none)
 }
 
-/// Step that resolves the pitch mode and the gusts, s.
-fn step(scenario: &PlanetScenario, theory: &[SteadyFall]) -> f64 {
-    let fastest = theory.iter().filter_map(|t| t.pitch_frequency_hz).fold(0.0, f64::max) * std::f64::consts::TAU;
-    let speed = theory.iter().map(|t| t.terminal_speed_m_s).fold(0.0, f64::max);
-    let of_gusts = scenario.dispersions.gusts.as_ref().map(|g| g.shortest_scale_m() / (STEPS_PER_GUST * speed));
-    let limits = [Some(PHASE_RAD / fastest), of_gusts].into_iter().flatten().filter(|x| x.is_finite());
-    limits.fold(STEP_S, f64::min)
+/// Largest relative distance from the terminal speed at every kilometre below the first. The body lags behind it by `V²'/4g` of itself,
+/// 4e-4 at 19 km, since it has to slow down.
+fn falling() -> Result<f64, VerifyError> {
+    let at_start = theory(&scenario(Atmosphere::Venus, start(START_M, 0.0, 0.0), 1.0), START_M)?.terminal_speed_m_s;
+    let s = scenario(Atmosphere::Venus, start(START_M, at_start, 0.0), 4000.0);
+    let heights: Vec<f64> = (0..20).map(|k| START_M - 1e3 * f64::from(k + 1)).collect();
+    let flown = Descent::new(&s, &s.flights[0], heights.clone(), 0.1)?.fly(&s.body, None)?;
+    let mut far = Vec::new();
+    for (h, state) in heights.into_iter().zip(flown.at_heights) {
+        let speed = state.map_or(f64::NAN, |x| x.descent_m_s);
+        far.push(speed / theory(&s, h)?.terminal_speed_m_s - 1.0);
+    }
+    Ok(largest(far.into_iter()))
+}
+
+/// Largest relative distances of frequency and decay, in air that has one height's density at all heights.
+fn pitching() -> Result<(f64, f64), VerifyError> {
+    let (mut frequency, mut damping) = (Vec::new(), Vec::new());
+    for height_m in HEIGHTS_M {
+        let air = Atmosphere::Venus.at(height_m);
+        let row = |h: f64| (h, Air { ..air });
+        let same = AtmosphereTable::new(vec![row(0.0), row(2.0 * START_M)]).expect("two rows that ascend");
+        let frozen = |start| scenario(Atmosphere::Table(same.clone()), start, TIME_S);
+        let known = theory(&frozen(start(START_M, 0.0, 0.0)), START_M)?;
+        let s = frozen(start(START_M, known.terminal_speed_m_s, SMALL_RAD));
+        let truth = fly_planet(&s, &s.flights[0])?.truth;
+        let q: Vec<f64> = truth.w_inertial_body.iter().map(|w| w[1]).collect();
+        let found = oscillation(&q, 1.0 / RATE_HZ);
+        frequency.push(found.im / (TAU * known.pitch_frequency_hz.unwrap_or(f64::NAN)) - 1.0);
+        damping.push(-found.re / known.pitch_damping_per_s - 1.0);
+    }
+    Ok((largest(frequency.into_iter()), largest(damping.into_iter())))
+}
+
+/// Exponent (1/s) of the oscillation in a free motion of third order: least squares of its linear recurrence (Prony 1795).
+fn oscillation(x: &[f64], interval_s: f64) -> Complex<f64> {
+    let n = x.len() - 3;
+    let a = DMatrix::from_fn(n, 3, |i, k| x[i + 2 - k]);
+    let b = DVector::from_fn(n, |i, _| x[i + 3]);
+    let c = a.svd(true, true).solve(&b, 0.0).unwrap_or_else(|_| DVector::zeros(3));
+    #[rustfmt::skip]
+    let companion = Matrix3::new(
+        c[0], c[1], c[2],
+        1.0, 0.0, 0.0,
+        0.0, 1.0, 0.0,
+    );
+    let roots = companion.complex_eigenvalues();
+    roots.iter().find(|r| r.im > 0.0).map_or(Complex::new(f64::NAN, f64::NAN), |r| r.ln() / interval_s)
 }

@@ -1,7 +1,8 @@
 //! verify: what can go wrong. Out: one enum with the place, the value and what to try.
 
 use thiserror::Error;
-use windfall_pid::{PidError, SearchKind, StopReason};
+use windfall_pid::PidError;
+use windfall_replay::ReplayError;
 use windfall_sim::SimError;
 
 /// Errors of this room.
@@ -14,90 +15,13 @@ pub enum VerifyError {
     /// The simulator failed.
     #[error(transparent)]
     Simulate(#[from] SimError),
-    /// A point-mass run where a tunnel run is needed.
-    #[error("run `{run}` has no attitude; this needs tunnel runs with R_x, R_y, R_z")]
-    NotTunnel {
-        /// Name of the run.
-        run: String,
-    },
-    /// A tunnel run where a flight of a point mass is needed.
-    #[error("run `{run}` has attitude; this needs flights of a point mass, with t_s and positions only")]
-    NotPoint {
-        /// Name of the run.
-        run: String,
-    },
-    /// A track with too few samples.
-    #[error("run {run} has a track of {samples} samples; its initial state takes two per axis: give at least {needed}")]
-    ShortTrack {
-        /// Index of the run.
-        run: usize,
-        /// Samples.
-        samples: usize,
-        /// Needed.
-        needed: usize,
-    },
-    /// A track that the declared model cannot follow.
-    #[error("run {run} cannot be flown by the declared model (mass, diameter, density, CD); check their units")]
-    NotFlown {
-        /// Index of the run.
-        run: usize,
-    },
-    /// No run to work on.
-    #[error("the campaign has no run with use = \"{what}\"; mark at least one")]
-    NoRuns {
-        /// The use that is missing.
-        what: &'static str,
-    },
-    /// The search for what a campaign lacks found no model that can be followed.
-    #[error("{campaign}: {words}; check axes, units and starting values of the declared parameters")]
-    NoEnd {
-        /// Campaign.
-        campaign: String,
-        /// Why, in words.
-        words: String,
-    },
-    /// A fit that has no answer.
-    #[error("the declared model cannot be fitted to `{campaign}`: {}; check units, or declare fewer parameters", .stop.words(SearchKind::Tracks))]
-    Fit {
-        /// Name of the campaign.
-        campaign: String,
-        /// Why.
-        stop: StopReason,
-    },
-    /// A method that does not exist.
-    #[error("there is no method `{name}`; try: {allowed}")]
-    UnknownMethod {
-        /// Its name.
-        name: String,
-        /// Methods that there are.
-        allowed: String,
-    },
-    /// Copies of a campaign that all failed.
-    #[error("no two copies of the campaign could be identified: {reason}; try another method, or windfall close")]
-    NoCopies {
-        /// What the first said.
-        reason: String,
-    },
-    /// An identification that cannot be drawn from.
-    #[error("the identification has no covariance to draw parameters from; identify the campaign again with this version")]
-    NoCovariance,
-    /// An identification without result.
-    #[error("the identification has no data set; identify the campaign again")]
-    NoDataSet,
-    /// Knowledge of a parameter that the structure does not have.
-    #[error("{what} {name}: no parameter of this structure; parameters: {allowed}")]
-    UnknownParameter {
-        /// What was asked for: `hold`, `tie` or `prior`.
-        what: &'static str,
-        /// The parameter.
-        name: String,
-        /// Parameters of the structure.
-        allowed: String,
-    },
-    /// A parameter held at two values.
-    #[error("hold {name}: given twice; give one value")]
-    HeldTwice {
-        /// The parameter.
-        name: String,
+    /// A run cannot be flown again, or there is none.
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
+    /// A fall whose linear theory has no answer.
+    #[error("{scenario}: no terminal speed; check mass, reference area and CA")]
+    NoTerminalSpeed {
+        /// The scenario.
+        scenario: String,
     },
 }

@@ -4,18 +4,19 @@ use crate::scenario::is_bundled;
 use crate::{Close, Error, Fly, Identify, Plan, Resimulate, Result, Scenario, Structure};
 use serde::Serialize;
 use std::path::Path;
+use windfall_discover::close::{
+    Closing, Figure, Options, SignalTracks, SmoothingTracks, close, coefficient_tracks, figures, flight_tracks, smoothing, tracks,
+};
+use windfall_discover::separate::{Separation, separate};
+use windfall_discover::{Identified, identify};
 use windfall_model::Plant;
 use windfall_pid::compatibility::{Pressure, pressure};
 use windfall_pid::plan::{TestPlan as Targets, plan};
 use windfall_pid::smooth::Smoother;
 use windfall_pid::structure::{Choice, choose};
 use windfall_pid::{Identification, Method};
+use windfall_replay::{ReplayError, Resimulation, drawn, resimulate_with_draws};
 use windfall_scenarios::{FileKind, RunColumns, kind_of, read_campaign_with_warnings, runs_of_columns};
-use windfall_verify::close::{
-    Closing, Figure, Options, SignalTracks, SmoothingTracks, close, coefficient_tracks, figures, flight_tracks, smoothing, tracks,
-};
-use windfall_verify::separate::{Separation, separate};
-use windfall_verify::{Identified, Resimulation, VerifyError, drawn, identify, resimulate_with_draws};
 
 /// One vehicle, its declared model, its runs.
 ///
@@ -142,7 +143,7 @@ impl Campaign {
     /// # Errors
     /// An identification of another structure, or without covariance.
     pub fn draw(&self, found: &impl AsRef<Identification>, n: usize, seed: u64) -> Result<Vec<Plant>> {
-        let set = found.as_ref().combined().ok_or(VerifyError::NoDataSet)?;
+        let set = found.as_ref().combined().ok_or(ReplayError::NoDataSet)?;
         Ok(drawn(&self.data.plant, set, n, seed)?)
     }
     /// What the declared model lacks, and the errors before and after: the content of `close.json`.

@@ -6,10 +6,10 @@ use crate::{Descend, Error, Result};
 use std::path::Path;
 use windfall_model::planet::PlanetFlight;
 use windfall_pid::Identification;
+use windfall_replay::descent::{Descended, descend};
 use windfall_scenarios::{
     BUNDLED_PLANETS, FileSet, PlanetFile, bytes_atomically, part_bytes, text_atomically, write_json_atomically,
 };
-use windfall_verify::descent::{Descended, descend};
 
 /// Seed where neither the request nor the scenario has one.
 const SEED: u64 = 1;
@@ -44,7 +44,7 @@ impl DescentScenario {
         })?;
         Ok(Self { file })
     }
-    /// Flies it down. `see` is told of each descent.
+    /// Flies it down. `see` is called after each descent.
     ///
     /// # Errors
     /// A request for what cannot be, an identification of another structure or without covariance, a nominal model that cannot be flown.

@@ -1,10 +1,13 @@
 //! windfall: what can go wrong, whichever room it is from. Out: one enum, and of which kind an error is.
 
+use windfall_discover::DiscoverError;
+use windfall_discover::statistics::StatisticsError;
 use windfall_pid::PidError;
+use windfall_replay::ReplayError;
 use windfall_scenarios::{FindError, ReadError, StoreError, WriteError};
 use windfall_sim::SimError;
+use windfall_study::StudyError;
 use windfall_verify::VerifyError;
-use windfall_verify::statistics::StatisticsError;
 
 /// A result of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -61,7 +64,16 @@ pub enum Error {
     /// A campaign cannot be identified.
     #[error(transparent)]
     Identify(#[from] PidError),
-    /// The loop cannot be closed.
+    /// A run cannot be flown again, or there is none.
+    #[error(transparent)]
+    Replay(ReplayError),
+    /// A campaign cannot be closed, or not be identified as it is ordered.
+    #[error(transparent)]
+    Discover(DiscoverError),
+    /// A study cannot be drawn.
+    #[error(transparent)]
+    Study(StudyError),
+    /// The program cannot be checked.
     #[error(transparent)]
     Verify(VerifyError),
     /// Published statistics cannot be closed against.
@@ -125,11 +137,45 @@ impl Error {
     }
 }
 
+impl From<ReplayError> for Error {
+    fn from(error: ReplayError) -> Self {
+        match error {
+            ReplayError::Identify(e) => Self::Identify(e),
+            ReplayError::Simulate(e) => Self::Simulate(e),
+            other => Self::Replay(other),
+        }
+    }
+}
+
+impl From<DiscoverError> for Error {
+    fn from(error: DiscoverError) -> Self {
+        match error {
+            DiscoverError::Identify(e) => Self::Identify(e),
+            DiscoverError::Simulate(e) => Self::Simulate(e),
+            DiscoverError::Replay(e) => e.into(),
+            other => Self::Discover(other),
+        }
+    }
+}
+
+impl From<StudyError> for Error {
+    fn from(error: StudyError) -> Self {
+        match error {
+            StudyError::Identify(e) => Self::Identify(e),
+            StudyError::Simulate(e) => Self::Simulate(e),
+            StudyError::Replay(e) => e.into(),
+            StudyError::Discover(e) => e.into(),
+            other => Self::Study(other),
+        }
+    }
+}
+
 impl From<VerifyError> for Error {
     fn from(error: VerifyError) -> Self {
         match error {
             VerifyError::Identify(e) => Self::Identify(e),
             VerifyError::Simulate(e) => Self::Simulate(e),
+            VerifyError::Replay(e) => e.into(),
             other => Self::Verify(other),
         }
     }

@@ -3,12 +3,12 @@
 use crate::{Error, Result};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use windfall_discover::close::{Closing, Figure, SignalTracks, SmoothingTracks};
+use windfall_replay::descent::DescentSummary;
 use windfall_report::{FolderResults, PaperFigure, folder_figures, folder_page};
 use windfall_scenarios::{FileSet, WriteError, read_json};
-use windfall_verify::close::{Closing, Figure, SignalTracks, SmoothingTracks};
-use windfall_verify::descent::DescentSummary;
-use windfall_verify::many::ManySummary;
-use windfall_verify::study::Summary;
+use windfall_study::Summary;
+use windfall_study::many::ManySummary;
 
 /// Results beside a closing, with their titles and the keys that each has.
 const OTHERS: [(&str, &str, &[&str]); 3] = [

@@ -59,21 +59,20 @@ pub mod prelude {
 /// Results by name, in the layout of the JSON files.
 pub mod results {
     pub use crate::campaign::Planned;
+    pub use windfall_discover::close::{Closing, EffectLine, Figure, HeldOut, SignalTracks, SmoothingTracks, Verdict};
+    pub use windfall_discover::separate::{Deciding, NextRun, Separated, Separation, Sharpened};
+    pub use windfall_discover::statistics::{StatisticsClosing, statistics_table};
+    pub use windfall_discover::{Identified, WindTunnelLine, WindTunnelModel};
     pub use windfall_pid::compatibility::{Compatibility, FALSE_ALARM_RATE, InstrumentError, Instruments, Pressure};
     pub use windfall_pid::plan::{TargetPlan, TestPlan};
     pub use windfall_pid::structure::{Choice, CoefficientChoice, Symmetry};
     pub use windfall_pid::{DataSet, Estimate, Identifiability, Identification, NORMAL_95, relative_percent};
+    pub use windfall_replay::descent::{Descended, DescentSummary, HeightLine, ParameterShare, SteadyFall, TouchDownLine};
+    pub use windfall_replay::{Bootstrap, Resimulation, RunComparison, Statistic};
     pub use windfall_sim::{Flown, Truth};
-    pub use windfall_verify::close::{Closing, EffectLine, Figure, HeldOut, SignalTracks, SmoothingTracks, Verdict};
-    pub use windfall_verify::descent::{Descended, DescentSummary, HeightLine, ParameterShare, SteadyFall, TouchDownLine};
-    pub use windfall_verify::many::{CampaignOutcome, ManySummary, OutcomeParameter, Pooled, PooledParameter, Status, Tally};
-    pub use windfall_verify::separate::{Deciding, NextRun, Separated, Separation, Sharpened};
-    pub use windfall_verify::statistics::{StatisticsClosing, statistics_table};
-    pub use windfall_verify::study::{Moments, Summary};
-    pub use windfall_verify::{
-        Bootstrap, Check, CheckKind, CheckVerdict, Identified, Resimulation, RunComparison, Statistic, WindTunnelLine,
-        WindTunnelModel,
-    };
+    pub use windfall_study::many::{CampaignOutcome, ManySummary, OutcomeParameter, Pooled, PooledParameter, Status, Tally};
+    pub use windfall_study::{Moments, Summary};
+    pub use windfall_verify::{Check, CheckKind, CheckVerdict};
 }
 
 /// Files of the program: results as JSON, structures, studies' folders.
@@ -84,11 +83,14 @@ pub mod files {
     };
 }
 
+pub use windfall_discover::statistics::StatisticsError;
+pub use windfall_discover::{DiscoverError, Tie};
 pub use windfall_pid::output_error::Prior;
 pub use windfall_pid::plan::{Target, Wanted};
 pub use windfall_pid::structure::Criterion;
 pub use windfall_pid::{Held, Method, PidError};
+pub use windfall_replay::ReplayError;
 pub use windfall_scenarios::{FindError, ReadError, RunColumns, Shard, StoreError, WriteError};
 pub use windfall_sim::SimError;
-pub use windfall_verify::statistics::StatisticsError;
-pub use windfall_verify::{Tie, VerifyError};
+pub use windfall_study::StudyError;
+pub use windfall_verify::VerifyError;

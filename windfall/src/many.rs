@@ -11,8 +11,8 @@ use windfall_scenarios::{
     CampaignStore, FoundCampaign, FoundCampaigns, ManyIdentity, Opening, ResultFile, Shard, StoreError, campaign_hash,
     find_campaigns, json_text, table_bytes,
 };
-use windfall_verify::many::{CampaignOutcome, ManySummary, campaign_table};
-use windfall_verify::study::each;
+use windfall_study::each;
+use windfall_study::many::{CampaignOutcome, ManySummary, campaign_table};
 
 /// Name of the table of all campaigns.
 const TABLE: &str = "campaigns.parquet";
@@ -185,7 +185,7 @@ impl Campaigns {
     fn plain(&self, words: &str) -> String {
         words.replace(&format!("{}{}", self.found.root.display(), std::path::MAIN_SEPARATOR), "")
     }
-    /// Does the campaign of this number, on the threads of the current pool. What fails is told in its row.
+    /// Does the campaign of this number, on the threads of the current pool. What fails says so in its row.
     ///
     /// # Errors
     /// A number that no campaign has.
@@ -230,7 +230,7 @@ impl Campaigns {
         let c = c.filter(|_| own).ok_or_else(wrong)?;
         Ok(store.put(&c.result, &done.input, &done.outcome, done.result.as_ref())?)
     }
-    /// Does these campaigns on the threads of the current pool. `see` is told of each and says whether to go on; those that were begun are
+    /// Does these campaigns on the threads of the current pool. `see` is called with each and says whether to go on; those that were begun are
     /// kept.
     ///
     /// # Errors

@@ -2,11 +2,11 @@
 
 use crate::{Close, Error, Result};
 use std::path::Path;
-use windfall_report::{FolderResults, folder_page};
-use windfall_scenarios::{StatisticsFile, bundled_statistics, read_statistics};
-use windfall_verify::statistics::{
+use windfall_discover::statistics::{
     FigureQuantity, Moment, StatisticFigure, StatisticsClosing, StatisticsOptions, StatisticsSetup, close_statistics,
 };
+use windfall_report::{FolderResults, folder_page};
+use windfall_scenarios::{StatisticsFile, bundled_statistics, read_statistics};
 
 /// Name of the bundled file.
 const TABLE_5_6: &str = "table-5.6";

@@ -4,12 +4,12 @@
 
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
+use windfall_discover::Tie;
 use windfall_pid::output_error::Prior;
 use windfall_pid::plan::Target;
 use windfall_pid::structure::Criterion;
 use windfall_pid::{Held, Method};
 use windfall_scenarios::{Opening, Shard};
-use windfall_verify::Tie;
 
 /// Threads at most: more than any one machine has processors for, and few enough to start.
 pub const MOST_THREADS: u16 = 512;
@@ -73,7 +73,7 @@ pub struct Identify {
 
 impl Identify {
     /// The order to the loop, of sound numbers.
-    pub(crate) fn order(&self) -> Result<windfall_verify::IdentifyOrder> {
+    pub(crate) fn order(&self) -> Result<windfall_discover::IdentifyOrder> {
         let wrong = |what: String| Err(Error::Request(what));
         if let Some(h) = self.hold.iter().find(|h| !h.value.is_finite()) {
             return wrong(format!("hold {}: needs a finite number", h.name));
@@ -84,7 +84,7 @@ impl Identify {
         if let Some(n) = self.bootstrap.filter(|n| !(2..=MOST_COPIES).contains(n)) {
             return wrong(format!("bootstrap = {n}: needs two copies or more, and at most {MOST_COPIES}"));
         }
-        Ok(windfall_verify::IdentifyOrder {
+        Ok(windfall_discover::IdentifyOrder {
             method: self.method,
             combined_only: self.combined,
             hold: self.hold.clone(),
@@ -228,11 +228,11 @@ impl Default for Descend {
 
 impl Descend {
     /// Draws and seed, of sound size; `seed` where the request has none.
-    pub(crate) fn order(&self, seed: u64) -> Result<windfall_verify::descent::DescentOrder> {
+    pub(crate) fn order(&self, seed: u64) -> Result<windfall_replay::descent::DescentOrder> {
         if !(1..=MOST_DESCENTS).contains(&self.draws) {
             return Err(Error::Request(format!("draws = {}: allowed: 1 to {MOST_DESCENTS}", self.draws)));
         }
-        Ok(windfall_verify::descent::DescentOrder { draws: self.draws.into(), seed: self.seed.unwrap_or(seed) })
+        Ok(windfall_replay::descent::DescentOrder { draws: self.draws.into(), seed: self.seed.unwrap_or(seed) })
     }
 }
 

@@ -11,11 +11,11 @@ use std::sync::mpsc::sync_channel;
 use std::thread;
 use windfall_model::study::{Cell, CellKind, Column, Row};
 use windfall_pid::Identification;
+use windfall_replay::ReplayError;
 use windfall_scenarios::{
     FullPart, Identity, Part, Shard, Store, StoreError, part_bytes, read_json, read_study, write_json_atomically,
 };
-use windfall_verify::VerifyError;
-use windfall_verify::study::{Moments, PreparedStudy, Progress, Summary, run as draw_all, summarise};
+use windfall_study::{Moments, PreparedStudy, Progress, Summary, run as draw_all, summarise};
 
 /// Name of the summary.
 pub const SUMMARY: &str = "summary.json";
@@ -58,8 +58,8 @@ impl Drawing {
         let mut study = file.study;
         if let (Some(model), Some(campaign)) = (&file.model, &file.campaign) {
             let found: Identification = read_json(model)?;
-            let set = found.combined().ok_or(VerifyError::NoDataSet)?;
-            study.plant = set.plant(&campaign.plant).map_err(VerifyError::from)?;
+            let set = found.combined().ok_or(ReplayError::NoDataSet)?;
+            study.plant = set.plant(&campaign.plant).map_err(ReplayError::from)?;
         }
         let prepared = PreparedStudy::new(study, file.campaign.as_ref())?;
         let identity = Identity {
@@ -185,7 +185,7 @@ impl Drawing {
         }
         Ok(rule)
     }
-    /// Draws what a folder lacks of its share. `see` is told of each draw and says whether to go on; draws that were begun are kept.
+    /// Draws what a folder lacks of its share. `see` is called with each draw and says whether to go on; draws that were begun are kept.
     ///
     /// # Errors
     /// A full disk and the like; [`Error::Interrupted`] when `see` wants no more.

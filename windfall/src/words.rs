@@ -1,11 +1,11 @@
 //! windfall: what is known beforehand or wanted, as people write it. In: words. Out: what they say.
 
 use crate::{Error, Result};
+use windfall_discover::Tie;
 use windfall_pid::Held;
 use windfall_pid::output_error::Prior;
 use windfall_pid::plan::{Target, Wanted};
 use windfall_pid::structure::Criterion;
-use windfall_verify::Tie;
 
 fn split(word: &str) -> Option<(String, &str)> {
     word.split_once('=').map(|(name, rest)| (name.trim().to_owned(), rest.trim())).filter(|(n, r)| !n.is_empty() && !r.is_empty())

@@ -91,8 +91,8 @@ pub(super) fn against_alternatives(
 /// few some 0.005.
 pub(super) const FAINT: f64 = 0.001;
 
-/// Bandwidth below which a band is a line, as a share of its centre.
-const NARROW: f64 = 0.1;
+/// Bandwidth below which a band is a line, as a share of its centre: it keeps its phase over several periods, which no turbulence does.
+const NARROW: f64 = 0.2;
 
 /// Frequency of gusts whose band is a line.
 fn tone_hz(engine: &Engine, member: &Member, speed_m_s: f64) -> Option<f64> {
@@ -154,7 +154,7 @@ pub(super) fn against_gusts(
     if let Some(hz) = tone_hz {
         let tone = Lead {
             channel: CHANNEL_NAMES[worst].to_owned(),
-            variable: format!("a line at {hz:.2} Hz, which gusts of a narrow band stand for: no tunnel's turbulence is a tone"),
+            variable: "a line for which gusts of a narrow band stand, and no tunnel's turbulence is a tone,".to_owned(),
             gain: fit.log_likelihood - still.log_likelihood,
             line_hz: Some(hz),
             of_instrument: false,

@@ -67,8 +67,8 @@ impl<'a> Rivals<'a> {
         &self.families[set]
     }
 
-    /// The named set beside every other that is less than `odds` from it either way, each by its best form; likeliest first. What is far
-    /// better by its likelihood alone was given up for a generic alternative.
+    /// The named set beside every other that is less than `odds` from it either way, with what was plausible beforehand or by the likelihood at
+    /// their estimates alone, each by its best form; likeliest first. What is far better was given up for a generic alternative.
     #[must_use]
     pub fn pairs(&self, odds: f64) -> Vec<RivalPair> {
         let sets = &self.weighed.sets;
@@ -81,7 +81,9 @@ impl<'a> Rivals<'a> {
         for rival in 0..sets.len() {
             let log_odds = sets[best].gain - sets[rival].gain;
             let families = &self.families[rival];
-            if log_odds.abs() < odds.ln() && !seen.contains(families) {
+            let fit = sets[best].fit - sets[rival].fit;
+            let as_large = sets[best].units.len() == sets[rival].units.len();
+            if (log_odds.abs() < odds.ln() || as_large && fit.abs() < odds.ln()) && !seen.contains(families) {
                 seen.push(families.clone());
                 all.push(RivalPair { best, rival, log_odds });
             }

@@ -57,7 +57,7 @@ pub(super) fn weigh_beside(engine: &Engine, model: &Model, alternatives: &[Alter
         for basis in &a.bases {
             let id = Id::Generic(generic.len());
             numbers.push(Number { id, value: 0.0, prior: a.prior, range: [f64::NEG_INFINITY, f64::INFINITY], step: 1.0 });
-            generic.push((a.error, a.place, *basis));
+            generic.push((a.site, *basis));
             group.push(k);
         }
     }
@@ -162,22 +162,34 @@ pub(super) fn with_set(model: &Model, w: &Weighed, set: &Set, engine: &Engine) -
     next
 }
 
+/// Families of a set, whatever their forms.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FamilySet {
+    /// Ascending.
+    pub families: Vec<&'static str>,
+    /// Log marginal likelihood over the empty set's, costs taken off.
+    pub gain: f64,
+    /// Log-likelihood of its best form at its estimates over the empty set's.
+    pub fit: f64,
+}
+
 /// Families of each set, merged over forms, best first.
-pub(super) fn named(w: &Weighed, model: &Model) -> Vec<(Vec<&'static str>, f64)> {
+pub(super) fn named(w: &Weighed, model: &Model) -> Vec<FamilySet> {
     let random: Vec<&'static str> = model.members.iter().filter(|m| m.random && !m.declared).map(|m| m.effect.family).collect();
-    let mut all: Vec<(Vec<&'static str>, f64)> = Vec::new();
+    let mut all: Vec<FamilySet> = Vec::new();
     for set in &w.sets {
-        let mut f: Vec<&'static str> =
+        let mut families: Vec<&'static str> =
             set.units.iter().map(|&u| CATALOGUE[w.families[u].0].family).chain(random.iter().copied()).collect();
-        f.sort_unstable();
-        match all.iter_mut().find(|(k, _)| *k == f) {
-            Some((_, gain)) => {
-                let (a, b) = (gain.max(set.gain), gain.min(set.gain));
-                *gain = a + (b - a).exp().ln_1p();
+        families.sort_unstable();
+        match all.iter_mut().find(|other| other.families == families) {
+            Some(same) => {
+                let (a, b) = (same.gain.max(set.gain), same.gain.min(set.gain));
+                same.gain = a + (b - a).exp().ln_1p();
+                same.fit = same.fit.max(set.fit);
             }
-            None => all.push((f, set.gain)),
+            None => all.push(FamilySet { families, gain: set.gain, fit: set.fit }),
         }
     }
-    all.sort_by(|a, b| b.1.total_cmp(&a.1));
+    all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     all
 }

@@ -2,7 +2,7 @@
 
 use super::rows::{VECTOR, add_rows};
 use super::{Filter, Keep, Ready, SLACK, Stage, Work, states, times};
-use crate::columns::View;
+use crate::columns::{Site, View};
 use crate::random::{Input, REACH};
 use crate::shock::GustNoise;
 use windfall_model::{Entry, Plant};
@@ -107,9 +107,13 @@ impl Filter<'_> {
                     let by = [(moved[0] - air.vw_m_s) / *step, (moved[1] - air.vw_rate_m_s2) / *step];
                     (0..nm).for_each(|i| push[i * nc + j] = local.by_speed[i][0] * by[0] + local.by_speed[i][1] * by[1]);
                 }
-                Ready::Load(load, basis) => {
+                Ready::Generic(Site::Load(load), basis) => {
                     let size = qs * basis.value(view) * if *load < 3 { 1.0 } else { vehicle.diameter_m };
                     (0..6).for_each(|i| push[(6 + i) * nc + j] = wrench[i][*load] * size);
+                }
+                Ready::Generic(Site::Speed, basis) => {
+                    let size = basis.value(view);
+                    (0..nm).for_each(|i| push[i * nc + j] = local.by_speed[i][0] * size);
                 }
                 _ => {}
             }

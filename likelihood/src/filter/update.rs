@@ -2,7 +2,7 @@
 
 use super::rows::axpy;
 use super::{Filter, Ready, SETTLED_S, Seen, Work};
-use crate::columns::{Shown, View, shown};
+use crate::columns::{Shown, Site, View, shown};
 use crate::run::Node;
 use crate::shock::Innovation;
 use windfall_model::POSE;
@@ -102,7 +102,7 @@ impl Filter<'_> {
                     let moved = self.shown(plant, z, rate, k);
                     (0..POSE).for_each(|c| direct[c * nc + j] = (moved[c] - predicted[c]) / step);
                 }
-                Ready::Error(channel, basis) => direct[channel * nc + j] = basis.value(view),
+                Ready::Generic(Site::Channel(channel), basis) => direct[channel * nc + j] = basis.value(view),
                 _ => {}
             }
         }

@@ -3,7 +3,7 @@
 //! them the runs cannot tell.
 //!
 //! An aircraft's record has rates and accelerations beside its pose and can be tested by kinematics alone. This one has not. What needs
-//! no aerodynamics is the tunnel's own pair, q_W against ½ρV_W² ([`pressure`]). The rest is told by forces: which way they act against
+//! no aerodynamics is the tunnel's own pair, q_W against ½ρV_W² ([`pressure`]). The rest is determined by forces: which way they act against
 //! the reported angles, when, and how they change with the vertical speed. So the instruments' errors are put into output error as
 //! unknowns beside the declared parameters, initial states and tunnel speed. Their intervals then hold whatever the parameters are,
 //! and a structure that lacks something shows here too: what is found is inconsistent with the declared *structure*.
@@ -165,8 +165,8 @@ pub(crate) fn instruments(runs: &[PreparedRun<'_>], solved: &Solved) -> Option<I
             }
             Ok(Glance { step, covariance }) => {
                 let beyond = |(_, column): &(usize, usize)| NORMAL_95 * covariance[(*column, *column)].sqrt();
-                let told = kinds(&unknowns);
-                let worst = told.into_iter().map(|k| (beyond(&k) / KINDS[k.0].2, k)).max_by(|a, b| a.0.total_cmp(&b.0));
+                let determined = kinds(&unknowns);
+                let worst = determined.into_iter().map(|k| (beyond(&k) / KINDS[k.0].2, k)).max_by(|a, b| a.0.total_cmp(&b.0));
                 match worst {
                     Some((ratio, (_, column))) if ratio > 1.0 => {
                         not_told.push(unknowns.name(column).to_owned());
@@ -178,15 +178,15 @@ pub(crate) fn instruments(runs: &[PreparedRun<'_>], solved: &Solved) -> Option<I
             }
         }
     };
-    let told = kinds(&unknowns);
+    let determined = kinds(&unknowns);
     let far = step.iter().zip(covariance.diagonal().iter()).any(|(d, v)| d.abs() > NEAR * v.sqrt());
     let coloured_before = !not_noise(&channel_fits(runs, solved)).is_empty();
     let mut residual = Vec::new();
-    let mut values: Vec<f64> = told.iter().map(|k| step[k.1]).collect();
+    let mut values: Vec<f64> = determined.iter().map(|k| step[k.1]).collect();
     if far || coloured_before {
         let found = solve_from(runs, unknowns.clone(), solved.nominals.clone(), solved.solution.noise_std, ITERATIONS);
         let Outcome::Solved(found) = found else { return None };
-        values = told.iter().map(|k| found.solution.estimates[k.1]).collect();
+        values = determined.iter().map(|k| found.solution.estimates[k.1]).collect();
         residual = not_noise(&channel_fits(runs, &found));
         covariance = if residual.is_empty() {
             found.solution.covariance.clone()
@@ -194,7 +194,7 @@ pub(crate) fn instruments(runs: &[PreparedRun<'_>], solved: &Solved) -> Option<I
             coloured(runs, &found).unwrap_or_else(|| found.solution.covariance.clone())
         };
     }
-    Some(judged(&told, &values, &covariance, &unknowns.names(), not_told, residual))
+    Some(judged(&determined, &values, &covariance, &unknowns.names(), not_told, residual))
 }
 
 /// Kind and column of each error that is free.
@@ -205,18 +205,19 @@ fn kinds(unknowns: &Unknowns) -> Vec<(usize, usize)> {
 }
 
 fn judged(
-    told: &[(usize, usize)],
+    determined: &[(usize, usize)],
     values: &[f64],
     covariance: &DMatrix<f64>,
     names: &[String],
     not_told: Vec<String>,
     residual: Vec<String>,
 ) -> Instruments {
-    let m = told.len();
-    let own = DMatrix::from_fn(m, m, |i, j| covariance[(told[i].1, told[j].1)]);
+    let m = determined.len();
+    let own = DMatrix::from_fn(m, m, |i, j| covariance[(determined[i].1, determined[j].1)]);
     let estimate = DVector::from_column_slice(values);
     let joint = Joint::new(estimate, own);
-    let errors = told.iter().enumerate().map(|(i, k)| InstrumentError::new(k.0, values[i], joint.covariance[(i, i)])).collect();
+    let errors =
+        determined.iter().enumerate().map(|(i, k)| InstrumentError::new(k.0, values[i], joint.covariance[(i, i)])).collect();
     let (p_value, mut chosen, limit) = (joint.left(&[]), Vec::new(), 0.5 * FALSE_ALARM_RATE);
     while joint.left(&chosen) < limit && chosen.len() < m {
         let with = |k: usize| joint.square_left(&chosen.iter().copied().chain([k]).collect::<Vec<_>>());
@@ -225,15 +226,15 @@ fn judged(
     }
     let of = |set: &[usize]| -> Vec<InstrumentError> {
         let (values, variance) = joint.alone(set);
-        set.iter().enumerate().map(|(i, &k)| InstrumentError::new(told[k].0, values[i], variance[(i, i)])).collect()
+        set.iter().enumerate().map(|(i, &k)| InstrumentError::new(determined[k].0, values[i], variance[(i, i)])).collect()
     };
     let rivals = match chosen[..] {
         [one] => (0..m).filter(|k| *k != one && joint.left(&[*k]) >= limit).flat_map(|k| of(&[k])).collect(),
         _ => Vec::new(),
     };
     let mut correlations = Vec::new();
-    for (i, (_, a)) in told.iter().enumerate() {
-        for b in (0..told[0].1).chain(told[..i].iter().map(|k| k.1)) {
+    for (i, (_, a)) in determined.iter().enumerate() {
+        for b in (0..determined[0].1).chain(determined[..i].iter().map(|k| k.1)) {
             let correlation = covariance[(*a, b)] / (covariance[(*a, *a)] * covariance[(b, b)]).sqrt();
             if correlation.abs() >= CORRELATED {
                 correlations.push(Correlation { first: names[b].clone(), second: names[*a].clone(), correlation });

@@ -247,11 +247,14 @@ fn measured(pairs: &[Witnesses]) -> Option<Pressure> {
         }
     }
     let off = at - Vector2::new(1.0, 0.0);
-    let told = NORMAL_95 * covariance[(1, 1)].sqrt() < LONGEST_S;
-    let (square, degrees) =
-        if told { (off.dot(&(scaled_inverse(&covariance)? * off)), 2.0) } else { (off[0] * off[0] / covariance[(0, 0)], 1.0) };
+    let determined = NORMAL_95 * covariance[(1, 1)].sqrt() < LONGEST_S;
+    let (square, degrees) = if determined {
+        (off.dot(&(scaled_inverse(&covariance)? * off)), 2.0)
+    } else {
+        (off[0] * off[0] / covariance[(0, 0)], 1.0)
+    };
     let p_value = ChiSquared::new(degrees).ok()?.sf(square);
-    Some(result(at[0], covariance[(0, 0)].sqrt(), told.then(|| [at[1], covariance[(1, 1)].sqrt()]), p_value, whiteness_p))
+    Some(result(at[0], covariance[(0, 0)].sqrt(), determined.then(|| [at[1], covariance[(1, 1)].sqrt()]), p_value, whiteness_p))
 }
 
 /// Inverse with rows and columns scaled to a diagonal of ones.
@@ -294,11 +297,11 @@ mod tests {
     fn recover_scale_and_delay_with_true_intervals() {
         let mut z = [Vec::new(), Vec::new()];
         for seed in 0..40 {
-            let p = measured(&pairs(seed, 1.02, 4, 2500)).expect("told");
+            let p = measured(&pairs(seed, 1.02, 4, 2500)).expect("determined");
             let half = 0.5 * (p.speed_scale_ci95[1] - p.speed_scale_ci95[0]) / NORMAL_95;
             z[0].push((p.speed_scale - 1.02) / half);
-            let ci = p.delay_ci95_s.expect("told");
-            z[1].push((p.delay_s.expect("told") - 4.0 / 150.0) / (0.5 * (ci[1] - ci[0]) / NORMAL_95));
+            let ci = p.delay_ci95_s.expect("determined");
+            z[1].push((p.delay_s.expect("determined") - 4.0 / 150.0) / (0.5 * (ci[1] - ci[0]) / NORMAL_95));
             assert!(p.p_value < 1e-6 && p.whiteness_p > 1e-4, "{p:?}");
         }
         for z in z {
@@ -307,7 +310,7 @@ mod tests {
             let scatter = (z.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
             assert!(mean.abs() < 3.5 / n.sqrt() && (scatter - 1.0).abs() < 3.5 / (2.0 * n).sqrt(), "{mean} {scatter}");
         }
-        let alarms = (100..200).filter(|s| measured(&pairs(*s, 1.0, 0, 1500)).expect("told").p_value < 0.01).count();
+        let alarms = (100..200).filter(|s| measured(&pairs(*s, 1.0, 0, 1500)).expect("determined").p_value < 0.01).count();
         assert!(alarms <= 4, "{alarms} of 100");
     }
 

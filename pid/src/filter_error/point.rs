@@ -29,10 +29,10 @@ pub(super) struct SearchPoint {
     pub(super) unknowns: Unknowns,
     /// Logarithms: rms (m/s), scale (m), turning (rad/s per root second).
     pub(super) random: [f64; RANDOM],
-    /// Sizes that cannot be told from none, by [`SIZES`]: the size at which that was found.
-    pub(super) untold: [Option<f64>; SIZES.len()],
-    /// Sizes that looked untold, but without which the likelihood is smaller.
-    pub(super) told: [bool; SIZES.len()],
+    /// Sizes that cannot be distinguished from none, by [`SIZES`]: the size at which that was found.
+    pub(super) negligible: [Option<f64>; SIZES.len()],
+    /// Sizes that looked negligible, but without which the likelihood is smaller.
+    pub(super) kept: [bool; SIZES.len()],
     pub(super) sought: Sought,
 }
 
@@ -41,7 +41,7 @@ impl SearchPoint {
     pub(super) fn new(unknowns: Unknowns, size_m_s: f64) -> Self {
         let (size, scale) = (size_m_s.ln(), START_SCALE_M.ln());
         let random = [size, size, scale, scale, f64::NEG_INFINITY, f64::NEG_INFINITY];
-        Self { unknowns, random, untold: [None; 4], told: [false; 4], sought: Sought::default() }
+        Self { unknowns, random, negligible: [None; 4], kept: [false; 4], sought: Sought::default() }
     }
     pub(super) fn random(&self) -> Random {
         let [axial_rms_m_s, lateral_rms_m_s, axial_scale_m, lateral_scale_m, roll, across] = self.random.map(f64::exp);
@@ -61,7 +61,7 @@ impl SearchPoint {
     pub(super) fn without(&self, size: usize) -> Self {
         let mut without = self.clone();
         let k = SIZES[size];
-        without.untold[size] = Some(self.random[k].exp());
+        without.negligible[size] = Some(self.random[k].exp());
         without.random[k] = NONE_M_S.ln();
         if k < 2 {
             without.random[2 + k] = START_SCALE_M.ln();
@@ -72,15 +72,17 @@ impl SearchPoint {
     pub(super) fn held(&self, index: usize) -> bool {
         match index.checked_sub(self.unknowns.free()) {
             None => false,
-            Some(k @ (2 | 3)) => !self.sought.scales || self.untold[k - 2].is_some(),
+            Some(k @ (2 | 3)) => !self.sought.scales || self.negligible[k - 2].is_some(),
             Some(k) => {
-                (k > 3 && !self.sought.turning) || SIZES.iter().zip(&self.untold).any(|(s, untold)| *s == k && untold.is_some())
+                (k > 3 && !self.sought.turning)
+                    || SIZES.iter().zip(&self.negligible).any(|(s, negligible)| *s == k && negligible.is_some())
             }
         }
     }
     /// True when nothing drives the runs at random.
     pub(super) fn is_still(&self) -> bool {
-        self.untold[..2].iter().all(Option::is_some) && (!self.sought.turning || self.untold[2..].iter().all(Option::is_some))
+        self.negligible[..2].iter().all(Option::is_some)
+            && (!self.sought.turning || self.negligible[2..].iter().all(Option::is_some))
     }
     pub(super) fn varied(&self, k: usize, by: f64) -> Random {
         let mut other = self.clone();

@@ -22,7 +22,7 @@ const NAMES: [(&str, &str); RANDOM] = [
     (PROCESS_NOISE, "across_rad_s1_5"),
 ];
 
-/// Warnings of what the data did not tell of the random drive.
+/// Warnings of what the data did not determine of the random drive.
 fn report_random(name: &str, point: &SearchPoint, covariance: &DMatrix<f64>, warnings: &mut Vec<String>) {
     let free = point.unknowns.free();
     if point.is_still() {
@@ -40,7 +40,7 @@ fn report_random(name: &str, point: &SearchPoint, covariance: &DMatrix<f64>, war
     }
     for (k, (_, name_k)) in NAMES.iter().enumerate().take(4).skip(2) {
         if !point.held(free + k) && covariance[(free + k, free + k)].sqrt() > 0.5 * SCALE_PRIOR {
-            warnings.push(format!("data set {name}: {name_k} is told by its prior more than by the data"));
+            warnings.push(format!("data set {name}: {name_k} is determined by its prior more than by the data"));
         }
     }
 }
@@ -105,7 +105,7 @@ pub(super) fn data_set(
 /// Scales at which gusts were taken, where these were not estimated.
 fn held_scales(point: &SearchPoint) -> Vec<Held> {
     let free = point.unknowns.free();
-    let scales = (2..4).filter(|&k| point.held(free + k) && point.untold[k - 2].is_none());
+    let scales = (2..4).filter(|&k| point.held(free + k) && point.negligible[k - 2].is_none());
     scales.map(|k| Held { name: NAMES[k].1.to_owned(), value: point.random[k].exp() }).collect()
 }
 
@@ -122,7 +122,7 @@ fn random_estimates(point: &SearchPoint, covariance: &DMatrix<f64>) -> Vec<Estim
             ci95,
             std_error_white: std_error,
         };
-        if let Some(limit) = SIZES.iter().position(|s| *s == k).and_then(|size| point.untold[size]) {
+        if let Some(limit) = SIZES.iter().position(|s| *s == k).and_then(|size| point.negligible[size]) {
             return Some(make(0.0, limit, [0.0, NORMAL_95 * limit]));
         }
         if point.held(free + k) {

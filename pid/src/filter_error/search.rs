@@ -38,10 +38,10 @@ const FIRST_DAMPING: f64 = 0.1;
 const LAST_DAMPING: f64 = 1e4;
 /// By how much the damping also shortens the whole step.
 const SHORTENING: f64 = 0.1;
-/// A gust whose logarithm has a larger standard error cannot be told from none, unless twice the log-likelihood falls by more than
+/// A gust whose logarithm has a larger standard error cannot be distinguished from none, unless twice the log-likelihood falls by more than
 /// this without it (99 % of chi-squared with two degrees).
-const UNTOLD: f64 = 0.5;
-const TOLD: f64 = 9.2;
+const VAGUE_STD: f64 = 0.5;
+const SIGNIFICANT: f64 = 9.2;
 /// Most iterations for sizes, and for scales once sizes are found.
 const MOST_ITERATIONS: usize = 20;
 const SCALE_ITERATIONS: usize = 6;
@@ -193,7 +193,7 @@ impl<'r, 'a> Search<'r, 'a> {
         for _ in 0..self.iterations.min(most) {
             let covariance = inverse(&now.information)
                 .map_err(|column| if column < free { StopReason::NotExcited } else { StopReason::NoDescent })?;
-            if self.give_up_untold(&mut point, &covariance, now.log_likelihood2) {
+            if self.give_up_negligible(&mut point, &covariance, now.log_likelihood2) {
                 now = flown(local(&self.filters, &point, &mut self.work))?;
                 continue;
             }
@@ -238,19 +238,19 @@ impl<'r, 'a> Search<'r, 'a> {
         (there.log_likelihood2 > log_likelihood2 - SLACK).then_some((next, there))
     }
 
-    /// Takes gusts that the data cannot tell from none for none; true where there was one.
-    fn give_up_untold(&mut self, point: &mut SearchPoint, covariance: &DMatrix<f64>, now: f64) -> bool {
+    /// Takes gusts that the data cannot distinguish from none for none; true where there was one.
+    fn give_up_negligible(&mut self, point: &mut SearchPoint, covariance: &DMatrix<f64>, now: f64) -> bool {
         let (free, mut any) = (point.unknowns.free(), false);
         for (size, k) in SIZES.into_iter().enumerate() {
-            if point.held(free + k) || point.told[size] || covariance[(free + k, free + k)].sqrt() < UNTOLD {
+            if point.held(free + k) || point.kept[size] || covariance[(free + k, free + k)].sqrt() < VAGUE_STD {
                 continue;
             }
             let without = point.without(size);
             let there = log_likelihood2(&self.filters, &without, &mut self.work);
-            if there.is_some_and(|there| there > now - TOLD) {
+            if there.is_some_and(|there| there > now - SIGNIFICANT) {
                 (*point, any) = (without, true);
             } else {
-                point.told[size] = true;
+                point.kept[size] = true;
             }
         }
         any

@@ -103,8 +103,8 @@ pub(super) fn balance(points: &[Point], plant: &Plant, declared: &[bool], second
         let std = (inverse[(k, k)] * (left[group] / rough[group].max(1e-9)).powi(2) * rows.len() as f64 / independent).sqrt();
         Ratio { parameter: *i, value: found[k] / value, std: std / value.abs() }
     };
-    let told = free.iter().enumerate().filter(|(_, i)| plant.aero.values[**i].abs() > 0.0).map(ratio).collect();
-    Some(Balance { left, signal, ratio: told })
+    let ratio = free.iter().enumerate().filter(|(_, i)| plant.aero.values[**i].abs() > 0.0).map(ratio).collect();
+    Some(Balance { left, signal, ratio })
 }
 
 /// Root mean square of the accelerations themselves at some instants, per group (m/s², rad/s²).

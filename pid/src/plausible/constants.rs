@@ -19,7 +19,7 @@ const CLOSE: [f64; 2] = [0.13, 0.35];
 /// than a factor of e².
 const LOOSE: [f64; 2] = [0.8, 1.2];
 /// Least precise parameter that counts, relative standard error.
-const TOLD: f64 = 0.12;
+const DETERMINED: f64 = 0.12;
 /// A factor is that of a unit within this, in logarithms.
 const NAMED: f64 = 0.14;
 /// Standard gravity, m/s², and how far another may be from it.
@@ -35,7 +35,7 @@ enum Makes {
 }
 
 /// One parameter's outcome.
-struct Told {
+struct Determined {
     makes: Makes,
     /// Multiplies a leading power of the angle or rate, not a higher one.
     leading: bool,
@@ -201,45 +201,45 @@ fn makes(plant: &Plant, parameter: usize) -> Option<(Makes, bool)> {
     Some((kind, !c.term.factors.iter().any(higher)))
 }
 
-fn told(found: &Balance, plant: &Plant) -> Vec<Told> {
+fn determined(found: &Balance, plant: &Plant) -> Vec<Determined> {
     let one = |r: &Ratio| {
         let (makes, leading) = makes(plant, r.parameter)?;
         let std = r.std / r.value;
-        (r.value > 0.0 && std < TOLD).then(|| Told { makes, leading, log: r.value.ln(), std })
+        (r.value > 0.0 && std < DETERMINED).then(|| Determined { makes, leading, log: r.value.ln(), std })
     };
     found.ratio.iter().filter_map(one).collect()
 }
 
 /// Logarithm of the common factor by which a suspect is off, and the mean misfit of the parameters over what is allowed, where none
 /// is beyond it.
-fn common(s: &Suspect, told: &[Told], offset: bool) -> Option<(f64, f64)> {
-    let power = |t: &Told| s.power[t.makes as usize];
-    let shifts: Vec<f64> = told.iter().filter(|t| t.leading && power(t).abs() > 0.0).map(|t| t.log / power(t)).collect();
+fn common(s: &Suspect, determined: &[Determined], offset: bool) -> Option<(f64, f64)> {
+    let power = |t: &Determined| s.power[t.makes as usize];
+    let shifts: Vec<f64> = determined.iter().filter(|t| t.leading && power(t).abs() > 0.0).map(|t| t.log / power(t)).collect();
     if shifts.len() < 2 {
         return None;
     }
     let factor = median(&shifts);
-    let beyond = told.iter().filter(|t| (power(t) * factor).abs() > BEYOND && t.log.abs() > BEYOND).count() >= 2;
+    let beyond = determined.iter().filter(|t| (power(t) * factor).abs() > BEYOND && t.log.abs() > BEYOND).count() >= 2;
     let moved = factor.abs() * s.power.iter().fold(0.0, |most: f64, p| most.max(p.abs()));
     let [leading, other] = CLOSE;
     let close = [leading * (2.0 * factor.abs()).min(1.0), other];
     let band = if beyond { LOOSE.map(|b| b * (0.6 * moved).min(1.0)) } else { close };
-    let off = |t: &Told| (t.log - power(t) * factor).abs() / (band[usize::from(!t.leading)] + t.std);
+    let off = |t: &Determined| (t.log - power(t) * factor).abs() / (band[usize::from(!t.leading)] + t.std);
     // With the c.m. off the origin, a force that is far off reaches the moments.
-    let reached = |t: &&Told| beyond && offset && s.power[1].abs() < 0.5 && t.makes != Makes::Force;
-    let counted: Vec<&Told> = told.iter().filter(|t| !reached(t)).collect();
+    let reached = |t: &&Determined| beyond && offset && s.power[1].abs() < 0.5 && t.makes != Makes::Force;
+    let counted: Vec<&Determined> = determined.iter().filter(|t| !reached(t)).collect();
     let worst = counted.iter().map(|t| off(t)).fold(0.0, f64::max);
     // What must stay as declared must be there to be seen, and so must enough of what moves.
-    let seen = told.iter().filter(|t| t.leading).count() >= 4 && told.iter().any(|t| t.makes == Makes::Force);
+    let seen = determined.iter().filter(|t| t.leading).count() >= 4 && determined.iter().any(|t| t.makes == Makes::Force);
     let large = beyond || factor.abs() > s.least;
-    let misfit = told.iter().map(|t| (t.log - power(t) * factor).abs()).sum::<f64>();
+    let misfit = determined.iter().map(|t| (t.log - power(t) * factor).abs()).sum::<f64>();
     (seen && large && worst < 1.0).then_some((factor, misfit))
 }
 
 fn suspect(campaign: &Campaign, found: &Balance) -> Option<GrossFault> {
-    let told = told(found, &campaign.plant);
+    let determined = determined(found, &campaign.plant);
     let offset = campaign.plant.vehicle.p_origin_cm.norm() > 0.0;
-    let all = SUSPECTS.iter().filter_map(|s| common(s, &told, offset).map(|c| (s, c)));
+    let all = SUSPECTS.iter().filter_map(|s| common(s, &determined, offset).map(|c| (s, c)));
     let (s, (factor, _)) = all.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
     // Where a factor is beyond doubt the nearest unit is meant, whatever the aerodynamics add.
     let near = if factor.abs() > 2.0 { LOOSE[0] } else { NAMED };
@@ -254,7 +254,7 @@ fn suspect(campaign: &Campaign, found: &Balance) -> Option<GrossFault> {
         None => format!("with {} about {} times what it is the record makes sense", s.key, short(1.0 / by)),
     };
     let moved = |k: Makes| {
-        let logs: Vec<f64> = told.iter().filter(|t| t.makes == k && t.leading).map(|t| t.log).collect();
+        let logs: Vec<f64> = determined.iter().filter(|t| t.makes == k && t.leading).map(|t| t.log).collect();
         if logs.is_empty() { "-".to_owned() } else { short(median(&logs).exp()) }
     };
     Some(GrossFault {

@@ -43,11 +43,11 @@ impl Outcome {
     }
 }
 
-/// Cost of aerodynamics far from the declared, where the runs tell them.
+/// Cost of aerodynamics far from the declared, where the runs determine them.
 fn aerodynamics(ratio: &[Ratio]) -> f64 {
-    let told = |r: &&Ratio| r.std < 0.3 * r.value.abs().max(0.3);
+    let determined = |r: &&Ratio| r.std < 0.3 * r.value.abs().max(0.3);
     let one = |r: &Ratio| if r.value > 0.0 { (0.5 * (r.value.ln() / SPREAD).powi(2)).min(DEAREST) } else { DEAREST };
-    ratio.iter().filter(told).map(one).sum()
+    ratio.iter().filter(determined).map(one).sum()
 }
 
 /// One reading; what it leaves is measured against the accelerations of `as_recorded` where it keeps their size.

@@ -25,7 +25,7 @@ pub(super) fn fault(campaign: &Campaign, runs: &[(&str, &Record)]) -> Option<Gro
         .collect();
     let pull = quantile(q, 0.5) * tether.drag_area_m2 - tether.weight_n;
     let place = "[tether]".to_owned();
-    // Positions in other units are told by the motion; only a ring that is beyond them whatever their unit is wrong here.
+    // Positions in other units show in the motion; only a ring that is beyond them whatever their unit is wrong here.
     if ring > 0.0 && pull > 0.0 && ring > lowest && lowest - highest < 20.0 {
         return Some(GrossFault {
             place,

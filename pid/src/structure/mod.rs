@@ -150,7 +150,7 @@ pub struct CriterionChoice {
 /// Chooses the terms of every coefficient on the runs to identify on, whatever the campaign declares.
 ///
 /// # Errors
-/// No usable run or a faulty record; nothing that can be told. Where no trajectory follows the runs, [`Criterion::Likelihood`] becomes
+/// No usable run or a faulty record; nothing that can be determined. Where no trajectory follows the runs, [`Criterion::Likelihood`] becomes
 /// [`Criterion::Subset`] with a warning.
 pub fn choose(campaign: &Campaign, criterion: Criterion) -> Result<Choice, PidError> {
     let runs = processed(campaign, &Smoother::Auto)?;
@@ -294,9 +294,9 @@ impl<'a> Work<'a> {
                 chosen = columns;
             }
         }
-        let told = match likelihood {
-            Some((i, l)) => l.told(i),
-            None => Told::of(&self.reduced, &chosen),
+        let regressed = match likelihood {
+            Some((i, l)) => l.regressed(i),
+            None => Regressed::of(&self.reduced, &chosen),
         };
         let candidate = |k: usize| {
             let c = &self.data.pool.candidates[self.data.linear[k]];
@@ -304,15 +304,15 @@ impl<'a> Work<'a> {
                 name: c.name.to_owned(),
                 symmetry: c.symmetry,
                 why: c.why.to_owned(),
-                partial_f: told.partial_f[k],
-                fold_share: told.fold_share.as_ref().map(|s| s[k]),
+                partial_f: regressed.partial_f[k],
+                fold_share: regressed.fold_share.as_ref().map(|s| s[k]),
                 chosen: chosen.contains(&k),
             }
         };
         CoefficientChoice {
             coefficient: label(self.data.pool).to_owned(),
             rows: self.reduced.count,
-            chosen: told.estimates.iter().map(|&(c, estimate, std_error)| self.estimate(c, estimate, std_error)).collect(),
+            chosen: regressed.estimates.iter().map(|&(c, estimate, std_error)| self.estimate(c, estimate, std_error)).collect(),
             candidates: (0..self.data.linear.len()).map(candidate).collect(),
             shape: self.shape.clone(),
             criteria,
@@ -326,14 +326,14 @@ impl<'a> Work<'a> {
 }
 
 /// What a regression says of a pool's candidates.
-pub(crate) struct Told {
+pub(crate) struct Regressed {
     partial_f: Vec<f64>,
     fold_share: Option<Vec<f64>>,
     /// Column, estimate, standard error of each chosen term.
     estimates: Vec<(usize, f64, f64)>,
 }
 
-impl Told {
+impl Regressed {
     fn of(reduced: &Reduced, chosen: &[usize]) -> Self {
         Self {
             partial_f: (0..reduced.columns()).map(|k| reduced.partial_f(chosen, k).unwrap_or(0.0)).collect(),
@@ -349,12 +349,12 @@ impl Likely {
         let first = self.columns[pool].first().copied().unwrap_or(0);
         self.chosen[pool].iter().map(|c| c - first).collect()
     }
-    fn told(&self, pool: usize) -> Told {
+    fn regressed(&self, pool: usize) -> Regressed {
         let all = self.chosen.concat();
         let (from, columns) = (self.columns[pool].first().copied().unwrap_or(0), &self.columns[pool]);
         let shares = self.reduced.fold_shares(|runs| swept(&self.reduced, runs, &self.columns, self.chosen.clone()).concat());
         let mine = |e: &(usize, f64, f64)| columns.contains(&e.0);
-        Told {
+        Regressed {
             partial_f: columns.iter().map(|&k| self.reduced.partial_f(&all, k).unwrap_or(0.0)).collect(),
             fold_share: shares.map(|s| columns.iter().map(|&c| s[c]).collect()),
             estimates: self.reduced.estimates(&all).into_iter().filter(mine).map(|(c, e, s)| (c - from, e, s)).collect(),

@@ -442,6 +442,7 @@ class Closing(Result):
 
     campaign: str
     verdict: Literal["consistent", "effect", "unexplained"]
+    joined: list[str]
     residual: Residuals
     residual_after: Residuals
     noise: list[NoiseLine]

@@ -178,8 +178,8 @@ fn motive(lines: &[&str], separator: u8, first: usize) -> Result<Sheet, Wrong> {
         };
         channels.push(Channel { place, body, component, unit, marker: kin.to_ascii_lowercase().ends_with("marker") });
     }
-    let told = ["Rotation Type", "Length Units", "Coordinate Space"].map(|n| (n, setting(n)));
-    let notes = told.iter().filter(|(_, v)| !v.is_empty()).map(|(n, v)| format!("{n}: {v}")).collect::<Vec<_>>().join(", ");
+    let set = ["Rotation Type", "Length Units", "Coordinate Space"].map(|n| (n, setting(n)));
+    let notes = set.iter().filter(|(_, v)| !v.is_empty()).map(|(n, v)| format!("{n}: {v}")).collect::<Vec<_>>().join(", ");
     Ok(Sheet {
         program: "OptiTrack Motive",
         channels,

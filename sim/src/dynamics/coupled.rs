@@ -1,8 +1,10 @@
 //! sim: accelerations when forces depend on them. In: an instant. Out: accelerations that satisfy Newton and Euler exactly.
 //!
 //! The residual `(m (a − g) − f, I ω̇ + ω × I ω − m)` is affine in the six accelerations for apparent mass, a loose part and
-//! terms linear in α̇: its value at zero and at six unit vectors gives the exact linear system. A term not linear in α̇ takes
-//! further rounds (a secant iteration), always in the same order.
+//! terms linear in α̇: its value at zero and at six unit vectors gives the exact linear system. How it depends on them hardly changes along
+//! a flight, so steps with the matrix of the flight's first instant come first (chord iteration: Kelley, Iterative Methods for Linear and
+//! Nonlinear Equations, 1995, §5.4); where those do not converge quickly, or a term is not linear in α̇, further rounds have matrices of
+//! their own. Always in the same order.
 
 use super::{Instant, momentum_rate, specific_force};
 use crate::setup::Setup;
@@ -10,8 +12,11 @@ use nalgebra::{Matrix6, Vector6};
 use windfall_model::frames::{Body, Vec3};
 use windfall_model::{AirState, Motion, Wrench};
 
-/// Rounds at most: one suffices for affine forces, one more checks.
+/// Rounds at most with matrices of their own: one suffices for affine forces, one more checks.
 const ROUNDS: usize = 8;
+/// Steps at most with the first instant's matrix, and what each must leave of the residual to be worth the next.
+const CHORDS: usize = 6;
+const FALLS: f64 = 0.05;
 /// Residual over its scale at which accelerations are as good as round-off lets them be.
 const ROUND_OFF: f64 = 1e-14;
 
@@ -20,17 +25,25 @@ pub(crate) fn solve(setup: &Setup<'_>, i: &Instant, loose: [f64; 4]) -> (Vec3<Bo
     let mut x = Vector6::zeros();
     let mut residual = residual(setup, i, loose, &x);
     let scale = residual.amax().max(setup.plant.vehicle.mass_kg * setup.plant.environment.gravity_m_s2.abs());
+    let first =
+        setup.coupling.get_or_init(|| jacobian(setup, i, loose, &x, &residual).try_inverse().unwrap_or_else(Matrix6::zeros));
+    for _ in 0..CHORDS {
+        if residual.amax() <= ROUND_OFF * scale {
+            break;
+        }
+        let next = x - first * residual;
+        let left = self::residual(setup, i, loose, &next);
+        // Also where there is no such matrix, or a number is none.
+        if left.amax() > FALLS * residual.amax() || left.iter().any(|v| v.is_nan()) {
+            break;
+        }
+        (x, residual) = (next, left);
+    }
     for _ in 0..ROUNDS {
         if residual.amax() <= ROUND_OFF * scale {
             break;
         }
-        let mut jacobian = Matrix6::zeros();
-        for k in 0..6 {
-            let mut shifted = x;
-            shifted[k] += 1.0;
-            jacobian.set_column(k, &(self::residual(setup, i, loose, &shifted) - residual));
-        }
-        let Some(step) = jacobian.lu().solve(&residual) else { break };
+        let Some(step) = jacobian(setup, i, loose, &x, &residual).lu().solve(&residual) else { break };
         x -= step;
         residual = self::residual(setup, i, loose, &x);
     }
@@ -43,6 +56,17 @@ pub(crate) fn solve(setup: &Setup<'_>, i: &Instant, loose: [f64; 4]) -> (Vec3<Bo
         None => [0.0; 2],
     };
     (a, w_rate, part)
+}
+
+/// How the residual depends on the accelerations, by unit steps from `x`, where it is `at`.
+fn jacobian(setup: &Setup<'_>, i: &Instant, loose: [f64; 4], x: &Vector6<f64>, at: &Vector6<f64>) -> Matrix6<f64> {
+    let mut jacobian = Matrix6::zeros();
+    for k in 0..6 {
+        let mut shifted = *x;
+        shifted[k] += 1.0;
+        jacobian.set_column(k, &(residual(setup, i, loose, &shifted) - at));
+    }
+    jacobian
 }
 
 fn split(x: &Vector6<f64>) -> (Vec3<Body>, Vec3<Body>) {

@@ -7,8 +7,8 @@ use crate::write::{answer, campaign};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::time::Instant;
+use windfall_discover::close::{Options, close};
 use windfall_scenarios::read_campaign;
-use windfall_verify::close::{Options, close};
 
 /// Draws, writes, reads as any user's campaign, closes, scores.
 fn one(group: &str, i: usize, seed: u64) -> Score {

@@ -1,6 +1,6 @@
 //! verify tests: the checks of `windfall verify`. In: bundled scenarios. Out: whether all pass, and whether they can fail.
 
-use crate::common::bundled;
+use crate::bundled;
 use windfall_verify::{Check, CheckKind, CheckVerdict, Setups, all_pass, checks};
 
 fn run(change: impl Fn(&mut [windfall_model::Scenario; 3])) -> Vec<Check> {

@@ -23,7 +23,7 @@ const FLOOR: f64 = 1e-8;
 
 /// A lander with every part that both rooms fly, no number of which is null.
 fn crowded() -> Plant {
-    let mut plant = super::common::bundled("appendix-c").plant;
+    let mut plant = super::bundled("appendix-c").plant;
     let v = &mut plant.vehicle;
     v.inertia = Inertia { xy: 0.0011, xz: -0.0007, yz: 0.0009, ..v.inertia };
     v.p_origin_cm = Vec3::new(0.011, -0.007, 0.013);
@@ -52,7 +52,7 @@ fn crowded() -> Plant {
 }
 
 fn order() -> Flight {
-    let mut flight = super::common::bundled("appendix-c").flights[0].clone();
+    let mut flight = super::bundled("appendix-c").flights[0].clone();
     (flight.duration_s, flight.rate_hz, flight.sensor_noise, flight.section) = (DURATION_S, RATE_HZ, false, None);
     (flight.speed, flight.ps_pa, flight.ts_k) = (TunnelSpeed::Constant(SPEED_M_S), PS_PA, TS_K);
     flight.release = Release {

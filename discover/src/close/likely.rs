@@ -1,0 +1,379 @@
+//! discover: closing on the one likelihood of tunnel runs. In: a campaign. Out: the closing, from what the search over sets of effects found.
+
+use super::chance::p_value;
+use super::result::{ConstantLine, Form, FormCheck, NoiseLine, Residuals, SetLine};
+use super::{
+    After, CandidateLine, ChannelResidual, Closing, EffectBound, EffectLine, HeldOut, Options, ParameterLine, Shift, Unexplained,
+    Verdict, runs_of,
+};
+use crate::DiscoverError;
+use statrs::distribution::{ContinuousCDF, Normal};
+use windfall_likelihood::{Discovery, Engine, FamilySet, Fit, Id, Lead, Member, discover};
+use windfall_model::{CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, Role, Use};
+use windfall_replay::{ReplayError, hold_out};
+
+/// Gain, in nats beyond its cost, from which a generic alternative says that something is unexplained, and from which a line of the
+/// instrument's is listed.
+const LEAD: f64 = 4.0;
+/// How well noise is known from the record, as a share of its variance.
+const NOISE_KNOWN: f64 = 0.03;
+/// Mean square of the whitened innovations over what it should be from which a residual is left, whatever it varies with.
+pub(crate) const LEFT: f64 = 1.15;
+
+/// Closes the loop of a campaign of tunnel runs.
+///
+/// # Errors
+/// No run to identify on, or a declared model that no search can follow.
+pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, DiscoverError> {
+    let indices = runs_of(campaign, Use::Identify);
+    let mut engine = Engine::new(campaign, &indices).ok_or(ReplayError::NoRuns { what: "identify" })?;
+    let found = discover(&mut engine).map_err(|words| DiscoverError::NoEnd { campaign: campaign.name.clone(), words })?;
+    let held = runs_of(campaign, Use::HoldOut);
+    let after = &found.after;
+    let unexplained = unexplained(&found, &engine, options);
+    let effects: Vec<EffectLine> = after
+        .model
+        .members
+        .iter()
+        .enumerate()
+        .filter(|(_, m)| !m.declared && !found.stand_ins.contains(&m.effect.family))
+        .map(|(k, m)| effect_line(k, m, &found, &engine, &unexplained))
+        .collect();
+    let verdict = match (effects.is_empty(), unexplained.is_empty()) {
+        (false, _) => Verdict::Effect,
+        (true, false) => Verdict::Unexplained,
+        (true, true) => Verdict::Consistent,
+    };
+    let before = found.before.as_ref().unwrap_or(after);
+    Ok(Closing {
+        campaign: campaign.name.clone(),
+        verdict,
+        joined: engine.joined(campaign),
+        residual: Residuals { per_channel: channels(before) },
+        residual_after: Residuals { per_channel: channels(after) },
+        noise: noise(campaign, &engine, &indices, &found),
+        innovations: super::innovations::lines(&engine, &before.model, &after.model),
+        constants: constants(engine.campaign(), after),
+        sets: sets(&found),
+        candidates: candidates(&found),
+        bounds: bounds(&found),
+        unexplained,
+        shifts: Shift::between(parameters(campaign, before), parameters(campaign, after)),
+        before: side(campaign, &engine, before, &held, options),
+        after: side(campaign, &engine, after, &held, options),
+        effects,
+        wind_tunnel: Vec::new(),
+        false_alarm_rate: options.false_alarm,
+    })
+}
+
+/// Unit of a channel of the pose in reports over SI: degrees of angles.
+fn shown(channel: usize, x: f64) -> f64 {
+    if (3..6).contains(&channel) { x.to_degrees() } else { x }
+}
+
+fn channels(fit: &Fit) -> Vec<ChannelResidual> {
+    let normal = Normal::standard();
+    fit.channels
+        .iter()
+        .enumerate()
+        .map(|(c, [found, expected, ratio, count])| ChannelResidual {
+            channel: CHANNEL_NAMES[c].to_owned(),
+            rms: shown(c, found.sqrt()),
+            expected_rms: shown(c, expected.sqrt()),
+            p_value: normal.sf((ratio - 1.0) / (2.0 / count.max(1.0) + NOISE_KNOWN * NOISE_KNOWN).sqrt()),
+        })
+        .collect()
+}
+
+fn noise(campaign: &Campaign, engine: &Engine, indices: &[usize], found: &Discovery) -> Vec<NoiseLine> {
+    let declared = windfall_likelihood::declared_noise(&campaign.plant.sensors);
+    let bridged = |i: &usize| match &campaign.runs[*i].data {
+        Data::Tunnel(r) => r.bridged.iter().filter(|b| **b).count(),
+        Data::Point(_) => 0,
+    };
+    let missing = indices.iter().map(bridged).sum();
+    (0..CHANNEL_NAMES.len())
+        .map(|c| {
+            let n = engine.noise[c];
+            NoiseLine {
+                channel: CHANNEL_NAMES[c].to_owned(),
+                declared_std: shown(c, declared[c].std()),
+                learnt_std: shown(c, n.std()),
+                colour: if n.coloured > 0.0 { n.correlation } else { 0.0 },
+                coloured_share: n.coloured / (n.coloured + n.white),
+                lines_hz: lines_of(c, found, engine),
+                missing,
+                outliers: found.outliers.get(c).copied().unwrap_or(0),
+            }
+        })
+        .collect()
+}
+
+/// Frequencies of an instrument's lines in a channel, of all runs, ascending, one for each twentieth of a Hz.
+fn lines_of(channel: usize, found: &Discovery, engine: &Engine) -> Vec<f64> {
+    let mine = found.lines.iter().filter(|l| l.of_instrument && l.gain > LEAD && l.channel == CHANNEL_NAMES[channel]);
+    let left = mine.filter_map(|l| l.line_hz);
+    let off = engine.hum.iter().filter(|h| h.channel == channel).map(|h| h.hz);
+    let mut all: Vec<f64> = left.chain(off).map(|hz| (20.0 * hz).round() / 20.0).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
+}
+
+fn constants(campaign: &Campaign, fit: &Fit) -> Vec<ConstantLine> {
+    campaign
+        .knowledge
+        .constants
+        .iter()
+        .enumerate()
+        .map(|(i, c)| {
+            let declared = c.value(&campaign.plant).unwrap_or(0.0);
+            ConstantLine {
+                key: c.name(),
+                declared,
+                uncertainty: c.std,
+                estimate: declared + fit.model.constants[i],
+                std_error: error_of(fit, Id::Constant(i)),
+                unit: c.unit.to_owned(),
+            }
+        })
+        .collect()
+}
+
+fn error_of(fit: &Fit, id: Id) -> Option<f64> {
+    let place = fit.numbers.iter().position(|n| n.id == id)?;
+    Some(fit.covariance[(place, place)].sqrt()).filter(|s| s.is_finite())
+}
+
+/// Sets with their probabilities, down to a thousandth; what only stands for something else is in none.
+fn sets(found: &Discovery) -> Vec<SetLine> {
+    let mut all: Vec<SetLine> = Vec::new();
+    for (set, probability) in found.sets.iter().zip(weights(found)) {
+        let named = set.families.iter().filter(|f| !found.stand_ins.contains(f));
+        let families: Vec<String> = named.map(|f| (*f).to_owned()).collect();
+        match all.iter_mut().find(|line| line.families == families) {
+            Some(line) => line.probability += probability,
+            None => all.push(SetLine { families, probability }),
+        }
+    }
+    all.retain(|line| line.probability > 1e-3);
+    all
+}
+
+fn weights(found: &Discovery) -> Vec<f64> {
+    let top = found.sets.first().map_or(0.0, |s| s.gain);
+    let all: Vec<f64> = found.sets.iter().map(|s| (s.gain - top).exp()).collect();
+    let sum: f64 = all.iter().sum();
+    all.iter().map(|w| w / sum).collect()
+}
+
+fn effect_line(k: usize, m: &Member, found: &Discovery, engine: &Engine, unexplained: &[Unexplained]) -> EffectLine {
+    let fit = &found.after;
+    let family = m.effect.family;
+    let parameters = m
+        .parameters
+        .iter()
+        .enumerate()
+        .map(|(i, p)| {
+            let random = found.random_ranges.iter().find(|range| range.place == (k, i));
+            let std = random.map(|range| range.std).or_else(|| error_of(fit, Id::Member(k, i)));
+            let line = ParameterLine::new("", &p.name, m.values[i], std.unwrap_or(f64::NAN), p.unit);
+            ParameterLine { ci95: random.map(|range| range.ci95).or(line.ci95), ..line }
+        })
+        .collect();
+    let probability = found.sets.iter().zip(weights(found)).filter(|(s, _)| s.families.contains(&family)).map(|(_, w)| w).sum();
+    let strongest = found.contest.as_ref().map_or(f64::NEG_INFINITY, |c| c.strongest);
+    EffectLine {
+        family: family.to_owned(),
+        parameters,
+        p_value: p_of(k, m, found),
+        probability: Some(probability),
+        rivals: rivals(found, family),
+        form: Some(Form {
+            ok: unexplained.is_empty(),
+            checks: vec![FormCheck {
+                what: "the best of all generic alternatives".to_owned(),
+                p_value: (-strongest).exp().min(1.0),
+            }],
+        }),
+        held_out_gain: None,
+        bursts: if m.random && engine.moves_air(m) { engine.bursts() } else { None },
+        physics: m.effect.physics.to_owned(),
+        source: m.effect.source.to_owned(),
+        separate_by: m.effect.separate_by.to_owned(),
+    }
+}
+
+/// Chance of strengths this many standard errors from null anywhere in the catalogue (Wald's statistic, Šidák's correction); of random
+/// inputs by the gain of likelihood.
+fn p_of(k: usize, m: &Member, found: &Discovery) -> f64 {
+    let fit = &found.after;
+    let families = CATALOGUE.len();
+    if m.random {
+        let gain = found.random_gains.iter().find(|g| g.0 == k).map_or(0.0, |g| g.1);
+        return p_value(2.0 * gain, m.values.len(), families);
+    }
+    let places: Vec<usize> = (0..fit.numbers.len())
+        .filter(|&i| matches!(fit.numbers[i].id, Id::Member(j, p) if j == k && m.parameters[p].role == Role::Strength))
+        .collect();
+    let n = places.len();
+    let covariance = nalgebra::DMatrix::from_fn(n, n, |i, j| fit.covariance[(places[i], places[j])]);
+    let values = nalgebra::DVector::from_fn(n, |i, _| fit.numbers[places[i]].value);
+    let statistic = covariance.cholesky().map_or(0.0, |c| values.dot(&c.solve(&values)));
+    p_value(statistic, n, families)
+}
+
+/// Families that take this one's place at odds of less than twenty, or whose best fit is less than that from the best set's: how plausible a
+/// size was beforehand does not say that the runs tell two families apart.
+fn rivals(found: &Discovery, family: &str) -> Vec<String> {
+    let Some(best) = found.sets.first() else { return Vec::new() };
+    let rest: Vec<&str> = best.families.iter().copied().filter(|f| *f != family).collect();
+    let in_its_place = |s: &&FamilySet| {
+        s.families.len() == best.families.len() && !s.families.contains(&family) && rest.iter().all(|r| s.families.contains(r))
+    };
+    let near = |s: &&FamilySet| best.gain - s.gain < RIVAL.ln() || best.fit - s.fit < RIVAL.ln();
+    let mut all: Vec<String> = Vec::new();
+    for other in found.sets.iter().filter(in_its_place).filter(near).flat_map(|s| &s.families).filter(|f| !rest.contains(f)) {
+        if !all.iter().any(|f| f == other) {
+            all.push((*other).to_owned());
+        }
+    }
+    all
+}
+
+/// Odds below which another family is a rival.
+const RIVAL: f64 = 20.0;
+
+/// What every family alone would bring beside what all sets have.
+fn candidates(found: &Discovery) -> Vec<CandidateLine> {
+    let mut all: Vec<CandidateLine> = Vec::new();
+    for (unit, (family, _)) in found.units.iter().zip(&found.families) {
+        let Some(posterior) = found.gram.posterior(&unit.columns) else { continue };
+        let statistic = (0..unit.columns.len()).map(|i| posterior.mean[i] * found.gram.b[unit.columns[i]]).sum::<f64>();
+        let line = CandidateLine {
+            family: CATALOGUE[*family].family.to_owned(),
+            score: statistic,
+            p_value: p_value(statistic, unit.columns.len(), CATALOGUE.len()),
+        };
+        match all.iter_mut().find(|l| l.family == line.family) {
+            Some(l) if l.score < line.score => *l = line,
+            Some(_) => {}
+            None => all.push(line),
+        }
+    }
+    all.sort_by(|a, b| b.score.total_cmp(&a.score));
+    all
+}
+
+/// How large each strength that was not found could still be, beside the best set: in the form that hides it best.
+fn bounds(found: &Discovery) -> Vec<EffectBound> {
+    let named: Vec<&'static str> = found.after.model.members.iter().map(|m| m.effect.family).collect();
+    let present: Vec<usize> = found
+        .units
+        .iter()
+        .zip(&found.families)
+        .filter(|(_, (f, form))| form.is_none() && named.contains(&CATALOGUE[*f].family))
+        .flat_map(|(u, _)| u.columns.iter().copied())
+        .collect();
+    let mut all: Vec<EffectBound> = Vec::new();
+    for (unit, (family, _)) in found.units.iter().zip(&found.families) {
+        let effect: &Effect = CATALOGUE[*family];
+        if named.contains(&effect.family) {
+            continue;
+        }
+        let places: Vec<usize> = present.iter().chain(&unit.columns).copied().collect();
+        let Some(posterior) = found.gram.posterior(&places) else { continue };
+        for (i, &place) in places.iter().enumerate().skip(present.len()) {
+            let number = &found.gram.numbers[place];
+            let Id::Strength(_, _, parameter) = number.id else { continue };
+            let upper95 = (posterior.mean[i].abs() + 1.96 * posterior.covariance[(i, i)].sqrt()).min(number.range[1]);
+            let p = &(effect.parameters)(&[])[parameter];
+            match all.iter_mut().find(|b| b.family == effect.family && b.parameter == p.name) {
+                Some(b) => b.upper95 = b.upper95.max(upper95),
+                None => all.push(EffectBound {
+                    family: effect.family.to_owned(),
+                    parameter: p.name.clone(),
+                    upper95,
+                    unit: p.unit.to_owned(),
+                }),
+            }
+        }
+    }
+    all.extend(found.random_bounds.iter().map(|(family, parameter, upper95, unit)| EffectBound {
+        family: (*family).to_owned(),
+        parameter: parameter.clone(),
+        upper95: *upper95,
+        unit: unit.clone(),
+    }));
+    all
+}
+
+/// Generic alternatives that are in the best set, lines in the innovations, and what is left whatever it varies with.
+fn unexplained(found: &Discovery, engine: &Engine, options: &Options) -> Vec<Unexplained> {
+    let contested: &[Lead] = found.contest.as_ref().map_or(&[], |c| &c.leads);
+    // Without faint gusts the same may stand out again.
+    let said = |l: &Lead| contested.iter().any(|c| (&c.channel, &c.variable) == (&l.channel, &l.variable));
+    let faint = found.faint.iter().filter(|l| !said(l));
+    let leads = contested.iter().chain(faint).chain(found.lines.iter().find(|l| !l.of_instrument));
+    let words = |l: &Lead| {
+        let what = match l.line_hz {
+            Some(hz) => format!("{} at {hz:.2} Hz, log-likelihood {:.0} above noise", l.variable, l.gain),
+            None => {
+                let sizes: Vec<String> = l.amplitudes.iter().map(|a| format!("{a:.2e}")).collect();
+                format!(
+                    "varies with {} (a gain of {:.0} in log-likelihood beyond what any effect of the catalogue explains; amplitudes {})",
+                    l.variable,
+                    l.gain,
+                    sizes.join(", ")
+                )
+            }
+        };
+        Unexplained { channel: l.channel.clone(), description: what }
+    };
+    // Noise alone has a line as strong with probability e^-gain.
+    let enough = |l: &&Lead| l.gain > if l.line_hz.is_some() { -options.false_alarm.ln() } else { LEAD };
+    let mut all: Vec<Unexplained> = leads.filter(enough).map(words).collect();
+    let left = found.after.chi;
+    if left > LEFT && all.is_empty() {
+        let worst = (0..6).max_by(|a, b| found.after.channels[*a][2].total_cmp(&found.after.channels[*b][2])).unwrap_or(0);
+        all.push(Unexplained {
+            channel: CHANNEL_NAMES[worst].to_owned(),
+            description: format!(
+                "the innovations' mean square is {left:.2} of what noise leaves; no variable or line accounts for it"
+            ),
+        });
+    }
+    if let Err(words) = &found.before_fault
+        && all.is_empty()
+        && found.after.model.members.is_empty()
+    {
+        all.push(Unexplained { channel: engine.first_run(), description: words.clone() });
+    }
+    all
+}
+
+fn parameters(campaign: &Campaign, fit: &Fit) -> Vec<ParameterLine> {
+    let structure = &campaign.plant.aero.structure;
+    (0..structure.parameters.len())
+        .filter(|&i| campaign.declared[i])
+        .map(|i| {
+            let coefficient = structure.contributions.iter().find(|c| c.parameter == i).map_or("", |c| c.coefficient.name());
+            let std = error_of(fit, Id::Declared(i)).unwrap_or(f64::NAN);
+            ParameterLine::new(coefficient, &structure.parameters[i], fit.model.declared[i], std, "-")
+        })
+        .collect()
+}
+
+/// Parameters and errors on held-out runs. Runs on which the model cannot be flown again have no trajectory.
+fn side(campaign: &Campaign, engine: &Engine, fit: &Fit, held: &[usize], options: &Options) -> After {
+    let plant = fit.model.plant(engine.campaign());
+    let log_likelihood = engine.predict(&fit.model, held);
+    let flights = if plant.disturbances(1.0).is_empty() { 1 } else { options.flights };
+    let hold_out = if held.is_empty() || options.flights == 0 {
+        None
+    } else {
+        hold_out(campaign, &plant, held, flights).ok().map(|h| HeldOut::of_tunnel(h, log_likelihood))
+    };
+    After { parameters: parameters(campaign, fit), hold_out }
+}

@@ -1,0 +1,88 @@
+//! What strikes one run, and runs that choose.
+
+use super::common::{bundled, families};
+use windfall_discover::close::{Options, Verdict, close};
+use windfall_model::{CATALOGUE, Campaign, Data, Plant, Record, Use};
+use windfall_replay::campaign_of;
+use windfall_sim::{Seed, fly};
+
+/// Three runs of a lander, each of which flies a plant of its own that is not declared.
+pub(crate) fn flown(seed: u64, plant_of: impl Fn(&Plant, usize) -> Plant) -> Campaign {
+    let scenario = bundled("sage-combined");
+    let mut flights = scenario.flights[..3].to_vec();
+    flights.iter_mut().for_each(|f| f.duration_s = f.duration_s.min(14.0));
+    let fly_one = |(k, flight)| {
+        let plant = plant_of(&scenario.plant, k);
+        fly(&plant.for_run(k, &[]), flight, Seed { campaign: seed, run: k as u64 }).expect("flies").record
+    };
+    let records: Vec<Record> = flights.iter().enumerate().map(fly_one).collect();
+    let pairs: Vec<_> = flights.iter().zip(records).collect();
+    let mut campaign = campaign_of(&scenario.plant, &pairs);
+    campaign.runs.iter_mut().for_each(|r| r.used = Use::Identify);
+    campaign
+}
+
+pub(crate) fn with(plant: &Plant, family: &str, values: &[f64]) -> Plant {
+    let mut plant = plant.clone();
+    (CATALOGUE.iter().find(|e| e.family == family).expect("in the catalogue").apply)(&mut plant, values);
+    plant
+}
+
+/// A touch of a fiftieth of a newton second in the second run is found there and then.
+#[test]
+fn recover_a_touch() {
+    let (start_s, duration_s) = (5.0, 0.15);
+    let touch = [1.0, start_s, duration_s, 0.0, 0.02, 0.0, 0.0, 0.0, 0.004];
+    let closing = close(&flown(11, |plant, _| with(plant, "contact", &touch)), &Options::default()).expect("closes");
+    assert_eq!(families(&closing), ["contact"]);
+    let of = |name: &str| closing.effects[0].parameters.iter().find(|p| p.name == name).expect("a parameter");
+    assert!((of("run").estimate - 1.0).abs() < 0.5);
+    // A pulse's middle is told by what it did; start and duration exchange.
+    let middle = of("start_s").estimate + 0.5 * of("duration_s").estimate;
+    assert!((middle - start_s - 0.5 * duration_s).abs() < 0.05, "{middle}");
+    let turn = of("angular_z_n_m_s");
+    assert!((turn.estimate - 0.004).abs() < 4.0 * turn.std_error.expect("an error"), "{turn:?}");
+}
+
+/// An effect that acts in the runs to identify on, and not in the run that chooses, is not taken.
+#[test]
+fn law_runs_that_choose_may_refuse() {
+    let swirling = |plant: &Plant, k: usize, last: bool| {
+        if k < 2 || last { with(plant, "swirl", &[0.02, 0.0]) } else { plant.clone() }
+    };
+    let choose = |last: bool| {
+        let mut campaign = flown(11, |plant, k| swirling(plant, k, last));
+        campaign.runs[2].used = Use::Select;
+        assert!(matches!(campaign.runs[2].data, Data::Tunnel(_)));
+        close(&campaign, &Options::default()).expect("closes")
+    };
+    assert_eq!(families(&choose(true)), ["swirl"]);
+    assert!(!families(&choose(false)).contains(&"swirl"));
+}
+
+/// A probe that warms up: the recorded speed drifts by a thousandth and a half in a run, more in a longer one. No effect of the catalogue is taken
+/// for it, and the lead is the tunnel speed over time, at its size.
+#[test]
+fn recover_a_drift_of_the_recorded_speed() {
+    const PER_S: f64 = 1e-4;
+    let mut campaign = flown(21, |plant, _| plant.clone());
+    for (run, keep_s) in campaign.runs.iter_mut().zip([14.0, 9.0, 12.0]) {
+        let Data::Tunnel(record) = &mut run.data else { panic!("a tunnel run") };
+        let samples = record.t_s.iter().filter(|t| **t < keep_s).count();
+        let poses = record.position_m.iter_mut().chain(&mut record.attitude_rad);
+        let others = [&mut record.t_s, &mut record.vw_m_s, &mut record.ps_pa, &mut record.ts_k];
+        poses.chain(others).chain(&mut record.qw_pa).for_each(|series| series.truncate(samples));
+        record.bridged.truncate(samples);
+        let start_s = record.t_s[0];
+        record.vw_m_s.iter_mut().zip(&record.t_s).for_each(|(v, t)| *v *= 1.0 + PER_S * (t - start_s));
+    }
+    let closing = close(&campaign, &Options::default()).expect("closes");
+    assert_eq!((families(&closing), closing.verdict), (Vec::new(), Verdict::Unexplained));
+    let lead = &closing.unexplained[0];
+    assert!(lead.channel == "VW_m_s" && lead.description.contains("time"), "{lead:?}");
+    // Ten seconds of it, the true speed beneath its record.
+    let (_, amplitudes) = lead.description.split_once("amplitudes ").expect("amplitudes");
+    let first: f64 = amplitudes.split([',', ')']).next().expect("one").parse().expect("a number");
+    let expected = -10.0 * PER_S * 7.4;
+    assert!((first / expected - 1.0).abs() < 0.3, "{first} for {expected}");
+}

@@ -1,0 +1,265 @@
+//! likelihood: runs that go on where another ended, as one. In: runs. Out: the runs joined, and which of them are left.
+//!
+//! The start of a run is twelve numbers that nothing else tells. A flight whose record was cut in two, by a gap or by hand, has one start:
+//! its second part begins in the state in which the first ended. A gap is samples that were not measured.
+
+use crate::run::whole;
+use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeMap;
+use windfall_model::{Data, PerChannel, Record, Run};
+
+/// Longest gap, s: the tunnel speed is interpolated across it, which changes over seconds.
+const LONGEST_GAP_S: f64 = 0.5;
+/// Samples of each side that one cubic must fit, and the most that they may leave, in variances of their noise: with 2 SIDE - 4 degrees of
+/// freedom noise alone leaves more in one of 7000 (χ²).
+const SIDE: usize = 6;
+const MOST_LEFT: f64 = 31.0;
+/// Farthest that a body may be accelerated within a gap, m/s² and rad/s².
+const ACCELERATION: f64 = 20.0;
+const TURNING: f64 = 150.0;
+/// Tolerance of sample times, in intervals: what rounding to a millisecond does at 150 Hz.
+const JITTER: f64 = 0.2;
+
+/// Runs of `indices` whose record another one goes on with take it over, in their place; the others are left as they are.
+pub(crate) fn joined(runs: &mut [Run], indices: &[usize]) -> Vec<usize> {
+    let variances: BTreeMap<usize, PerChannel<f64>> = indices.iter().filter_map(|&i| Some((i, variances(&runs[i])?))).collect();
+    let mut left = indices.to_vec();
+    while let Some((first, second, missing)) = pair(runs, &left, &variances) {
+        let (name, next) = (runs[second].name.clone(), runs[second].data.clone());
+        let run = &mut runs[first];
+        if let (Data::Tunnel(record), Data::Tunnel(next)) = (&mut run.data, &next) {
+            append(record, next, missing);
+        }
+        run.name = format!("{} and {name}", run.name);
+        left.retain(|i| *i != second);
+    }
+    left
+}
+
+/// A run, the one that goes on where it ended, and how many samples are missing between them.
+fn pair(runs: &[Run], left: &[usize], variances: &BTreeMap<usize, PerChannel<f64>>) -> Option<(usize, usize, usize)> {
+    let mut all = left.iter().flat_map(|&a| left.iter().map(move |&b| (a, b))).filter(|(a, b)| a != b);
+    all.find_map(|(a, b)| {
+        let (x, y) = (variances.get(&a)?, variances.get(&b)?);
+        let mean = std::array::from_fn(|c| 0.5 * (x[c] + y[c]));
+        Some((a, b, missing_between(&runs[a], &runs[b], &mean)?))
+    })
+}
+
+fn missing_between(a: &Run, b: &Run, variances: &PerChannel<f64>) -> Option<usize> {
+    let (Data::Tunnel(first), Data::Tunnel(second)) = (&a.data, &b.data) else { return None };
+    let (dt, same) = (first.interval_s(), a.kind == b.kind && a.used == b.used && a.inputs == b.inputs);
+    if !same || (second.interval_s() / dt - 1.0).abs() > 0.01 || first.qw_pa.is_some() != second.qw_pa.is_some() {
+        return None;
+    }
+    let steps = (second.t_s.first()? - first.t_s.last()?) / dt;
+    let on_one_clock = steps > 0.5 && steps * dt < LONGEST_GAP_S && (steps - steps.round()).abs() < JITTER;
+    // On another clock nothing is known to be missing.
+    let steps = if on_one_clock { whole(steps) } else { 1 };
+    goes_on(first, second, steps, variances).then_some(steps - 1)
+}
+
+/// Whether the second record's pose and tunnel speed are where the first's lead to, `steps` intervals later.
+fn goes_on(first: &Record, second: &Record, steps: usize, variances: &PerChannel<f64>) -> bool {
+    let dt = first.interval_s();
+    let measured = |r: &Record, rows: std::ops::Range<usize>| rows.into_iter().all(|i| r.is_measured(i));
+    if steps > 1 {
+        let gap_s = steps as f64 * dt;
+        return (0..6).all(|c| {
+            let [from, to] = ends(first, second, c);
+            let bend = (if c < 3 { ACCELERATION } else { TURNING }) * gap_s;
+            (to[0] - from[0] - 0.5 * gap_s * (from[1] + to[1])).abs() < 0.25 * bend * gap_s && (to[1] - from[1]).abs() < bend
+        });
+    }
+    measured(first, first.len() - SIDE..first.len())
+        && measured(second, 0..SIDE)
+        && (0..7).all(|c| {
+            let (x, y) = (first.channels()[c], second.channels()[c]);
+            let turns = if c == 3 { turns(x[x.len() - 1], y[0]) } else { 0.0 };
+            let at = |k: usize| if k < SIDE { x[x.len() - SIDE + k] } else { y[k - SIDE] + turns };
+            let cubic = DMatrix::from_fn(2 * SIDE, 4, |r, p| (r as f64 / SIDE as f64 - 1.0).powi(i32::try_from(p).unwrap_or(0)));
+            let values = DVector::from_fn(2 * SIDE, |r, _| at(r));
+            let Ok(fit) = cubic.clone().svd(true, true).solve(&values, 1e-12) else { return false };
+            (values - cubic * fit).norm_squared() <= MOST_LEFT * variances[c]
+        })
+}
+
+/// Variance of the noise of every channel by its fourth differences, which the motion hardly enters: their median square over that of a normal
+/// variable. None of a track or of a few samples.
+fn variances(run: &Run) -> Option<PerChannel<f64>> {
+    match &run.data {
+        Data::Tunnel(r) if r.len() >= 10 * SIDE => Some(r.channels().map(variance)),
+        _ => None,
+    }
+}
+
+fn variance(x: &[f64]) -> f64 {
+    let mut fourth: Vec<f64> =
+        x.windows(5).map(|s| (s[0] - 4.0 * s[1] + 6.0 * s[2] - 4.0 * s[3] + s[4]).powi(2) / 70.0).collect();
+    let middle = fourth.len() / 2;
+    *fourth.select_nth_unstable_by(middle, f64::total_cmp).1 / 0.455
+}
+
+/// Whole turns by which a second record's roll is to be shifted.
+fn turns(last: f64, first: f64) -> f64 {
+    std::f64::consts::TAU * ((last - first) / std::f64::consts::TAU).round()
+}
+
+/// Value and slope of a channel at the end of a record and at the start of the next: straight lines through a few samples.
+fn ends(first: &Record, second: &Record, channel: usize) -> [[f64; 2]; 2] {
+    let (x, y, dt) = (first.channels()[channel], second.channels()[channel], first.interval_s());
+    let line = |of: &dyn Fn(usize) -> f64, last: bool| {
+        let middle = 0.5 * (SIDE - 1) as f64;
+        let mean = (0..SIDE).map(of).sum::<f64>() / SIDE as f64;
+        let square: f64 = (0..SIDE).map(|k| (k as f64 - middle).powi(2)).sum();
+        let slope = (0..SIDE).map(|k| (k as f64 - middle) * of(k)).sum::<f64>() / square;
+        [mean + slope * if last { middle } else { -middle }, slope / dt]
+    };
+    let from = line(&|k| x[x.len() - SIDE + k], true);
+    let mut to = line(&|k| y[k], false);
+    to[0] += if channel == 3 { turns(from[0], to[0]) } else { 0.0 };
+    [from, to]
+}
+
+/// Puts a record behind another, `missing` samples later; these are cubics that meet both with their slopes, and count as not measured.
+fn append(record: &mut Record, next: &Record, missing: usize) {
+    let dt = record.interval_s();
+    let gap_s = (missing + 1) as f64 * dt;
+    let ends: PerChannel<[[f64; 2]; 2]> = std::array::from_fn(|c| ends(record, next, c));
+    let between = |c: usize, k: usize| {
+        let s = (k + 1) as f64 / (missing + 1) as f64;
+        let [[a, u], [b, v]] = ends[c];
+        let (s2, s3) = (s * s, s * s * s);
+        a * (2.0 * s3 - 3.0 * s2 + 1.0) + u * gap_s * (s3 - 2.0 * s2 + s) + b * (3.0 * s2 - 2.0 * s3) + v * gap_s * (s3 - s2)
+    };
+    let shift =
+        turns(record.attitude_rad[0].last().copied().unwrap_or(0.0), next.attitude_rad[0].first().copied().unwrap_or(0.0));
+    let measured = |r: &Record| (0..r.len()).map(|i| !r.is_measured(i)).collect::<Vec<bool>>();
+    let bridged = [measured(record), vec![true; missing], measured(next)].concat();
+    let (start_s, rows) = (record.t_s.first().copied().unwrap_or(0.0), bridged.len());
+    let poses = record.position_m.iter_mut().chain(&mut record.attitude_rad).chain([&mut record.vw_m_s]);
+    for (c, (series, more)) in poses.zip(next.channels()).enumerate() {
+        series.extend((0..missing).map(|k| between(c, k)));
+        series.extend(more.iter().map(|v| if c == 3 { v + shift } else { *v }));
+    }
+    let held = |series: &mut Vec<f64>, more: &[f64]| {
+        let last = series.last().copied().unwrap_or(0.0);
+        series.extend(std::iter::repeat_n(last, missing).chain(more.iter().copied()));
+    };
+    held(&mut record.ps_pa, &next.ps_pa);
+    held(&mut record.ts_k, &next.ts_k);
+    if let (Some(q), Some(more)) = (&mut record.qw_pa, &next.qw_pa) {
+        held(q, more);
+    }
+    record.t_s = (0..rows).map(|i| start_s + i as f64 * dt).collect();
+    record.bridged = if bridged.iter().any(|b| *b) { bridged } else { Vec::new() };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use windfall_model::Use;
+
+    /// Ten seconds of a model that swings and rolls, with noise, from a time on.
+    fn swinging(phase: f64) -> Record {
+        let (dt, n) = (1.0 / 150.0, 1500);
+        let series = |size: f64, hz: f64, noise: f64, seed: usize| -> Vec<f64> {
+            let mut state = seed as f64 * 0.618;
+            let mut random = || {
+                state = (state * 997.0 + 0.1234).fract();
+                state - 0.5
+            };
+            (0..n)
+                .map(|i| {
+                    size * (std::f64::consts::TAU * hz * (i as f64 * dt + phase)).sin() + noise * (random() + random() + random())
+                })
+                .collect()
+        };
+        Record {
+            t_s: (0..n).map(|i| i as f64 * dt).collect(),
+            position_m: [1, 2, 3].map(|k| series(0.2, 0.3 * k as f64, 3e-4, k)),
+            attitude_rad: [series(9.0, 0.05, 1e-3, 4), series(0.3, 1.0, 1e-3, 5), series(0.3, 1.1, 1e-3, 6)],
+            vw_m_s: series(0.2, 0.1, 0.01, 7).iter().map(|v| 7.4 + v).collect(),
+            ps_pa: vec![1e5; n],
+            ts_k: vec![290.0; n],
+            qw_pa: None,
+            bridged: Vec::new(),
+        }
+    }
+
+    fn part(r: &Record, rows: std::ops::Range<usize>, start_s: f64, roll: f64) -> Record {
+        let of = |x: &[f64]| x[rows.clone()].to_vec();
+        let [rx, ry, rz] = &r.attitude_rad;
+        Record {
+            t_s: of(&r.t_s).iter().map(|t| t - r.t_s[rows.start] + start_s).collect(),
+            position_m: [0, 1, 2].map(|k| of(&r.position_m[k])),
+            attitude_rad: [of(rx).iter().map(|x| x + roll).collect(), of(ry), of(rz)],
+            vw_m_s: of(&r.vw_m_s),
+            ps_pa: of(&r.ps_pa),
+            ts_k: of(&r.ts_k),
+            qw_pa: None,
+            bridged: Vec::new(),
+        }
+    }
+
+    fn runs(records: Vec<Record>) -> Vec<Run> {
+        let run = |(i, record)| Run {
+            name: format!("run {i}"),
+            kind: "perturbed".to_owned(),
+            used: Use::Identify,
+            inputs: Vec::new(),
+            data: Data::Tunnel(record),
+            notes: Vec::new(),
+        };
+        records.into_iter().enumerate().map(run).collect()
+    }
+
+    fn record(runs: &[Run], i: usize) -> &Record {
+        let Data::Tunnel(r) = &runs[i].data else { panic!("a tunnel run") };
+        r
+    }
+
+    /// Three parts of one flight, the last first, each on a clock of its own and one a turn of roll away, are the flight again; another
+    /// flight beside them stays.
+    #[test]
+    fn exact_parts_of_a_flight_are_that_flight() {
+        let whole = swinging(0.0);
+        let parts = [
+            part(&whole, 1000..1500, 0.0, std::f64::consts::TAU),
+            swinging(3.3),
+            part(&whole, 0..400, 0.0, 0.0),
+            part(&whole, 400..1000, 0.0, 0.0),
+        ];
+        let mut c = runs(parts.to_vec());
+        assert_eq!(joined(&mut c, &[0, 1, 2, 3]), [1, 2]);
+        assert_eq!(record(&c, 1), &swinging(3.3));
+        let one = record(&c, 2);
+        assert_eq!((&one.position_m, &one.vw_m_s, one.len()), (&whole.position_m, &whole.vw_m_s, whole.len()));
+        assert!(one.attitude_rad[0].iter().zip(&whole.attitude_rad[0]).all(|(a, b)| (a - b).abs() < 1e-12));
+    }
+
+    /// A third of a second without samples on one clock is bridged, with samples that count as missing, as far as the model could have gone;
+    /// on clocks of their own, after longer, or where the pose leads elsewhere the parts are flights of their own.
+    #[test]
+    fn law_a_gap_is_bridged_where_the_motion_leads_across() {
+        let whole = swinging(0.0);
+        let second = |start: usize, start_s: f64| part(&whole, start..1500, start_s, 0.0);
+        let joins = |second: Record| {
+            let mut c = runs(vec![part(&whole, 0..700, 0.0, 0.0), second]);
+            (joined(&mut c, &[0, 1]).len() == 1).then_some(c)
+        };
+        let c = joins(second(750, whole.t_s[750])).expect("one flight");
+        let one = record(&c, 0);
+        assert_eq!((one.len(), one.bridged.iter().filter(|b| **b).count()), (1500, 50));
+        for k in 700..750 {
+            assert!(one.bridged[k]);
+            // A cubic over a third of a swing, its slopes known to a fifth of the swing's largest.
+            assert!((one.attitude_rad[1][k] - whole.attitude_rad[1][k]).abs() < 0.08, "{k}");
+        }
+        assert!(joins(second(750, 0.0)).is_none(), "of another clock");
+        assert!(joins(second(850, whole.t_s[850])).is_none(), "a second later");
+        let mut away = second(750, whole.t_s[750]);
+        away.position_m[1].iter_mut().for_each(|y| *y += 1.0);
+        assert!(joins(away).is_none(), "a metre away");
+    }
+}

@@ -1,0 +1,10 @@
+//! replay tests: one binary. In: nothing. Out: verdicts.
+
+mod common;
+mod compatibility;
+mod descent;
+mod gross;
+mod identification;
+mod recovery;
+mod resimulate;
+mod structure;
