@@ -5,10 +5,13 @@ else the machine does falls on all alike. By hand: `pip install numpy scipy numb
 `python study_speed.py [DRAWS] [ROUNDS]`. The study is study_by_hand.py's: 15 s at 150 Hz, noise, identification by regression.
 """
 
+import contextlib
+import importlib
 import resource
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import joblib
@@ -35,15 +38,19 @@ def cpu_s(others=()) -> float:
     return own.ru_utime + own.ru_stime + sum(t.user + t.system for t in times)
 
 
+@contextlib.contextmanager
+def dask() -> Iterator[Client]:
+    """Two workers with the package loaded, there only while they draw: a cluster that waits takes processor time, too."""
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        client.run(lambda: importlib.import_module("windfall.distributed").__name__)
+        yield client
+
+
 def main(draws: int, rounds: int) -> None:
     by_hand(2, 0)
     children = lambda: psutil.Process().children(recursive=True)  # noqa: E731
     rows: dict[str, list[tuple[float, float]]] = {}
-    with (
-        tempfile.TemporaryDirectory() as name,
-        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
-        Client(cluster) as client,
-    ):
+    with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "fifteen.toml").write_text(SCENARIO.replace("duration_s = 18.3", "duration_s = 15.0"))
         order = folder / "study.toml"
@@ -52,19 +59,21 @@ def main(draws: int, rounds: int) -> None:
         pool = joblib.Parallel(n_jobs=2)
         pool([joblib.delayed(by_hand)(2, n) for n in range(2)])
         share = draws // 10
+        alone = contextlib.nullcontext
         ways = {
-            "by hand, numba": lambda out: by_hand(draws, 1),
-            "by hand, numba, joblib on 2 processes": lambda out: pool([joblib.delayed(by_hand)(share, n) for n in range(10)]),
-            "windfall, 1 thread": lambda out: windfall.study(order, out, threads=1),
-            "windfall, 2 threads": lambda out: windfall.study(order, out, threads=2),
-            "windfall on Dask, 2 workers": lambda out: run(order, client, out),
+            "by hand, numba": (alone, lambda out, _: by_hand(draws, 1)),
+            "by hand, numba, joblib on 2 processes": (alone, lambda out, _: pool([joblib.delayed(by_hand)(share, n) for n in range(10)])),
+            "windfall, 1 thread": (alone, lambda out, _: windfall.study(order, out, threads=1)),
+            "windfall, 2 threads": (alone, lambda out, _: windfall.study(order, out, threads=2)),
+            "windfall on Dask, 2 workers": (dask, lambda out, client: run(order, client, out)),
         }
         for r in range(rounds):
-            for i, (way, draw) in enumerate(ways.items()):
-                others = children()
-                begin, before = time.perf_counter(), cpu_s(others)
-                draw(folder / f"out-{r}-{i}")
-                took, used = time.perf_counter() - begin, cpu_s(others) - before
+            for i, (way, (beside, draw)) in enumerate(ways.items()):
+                with beside() as client:
+                    others = children()
+                    begin, before = time.perf_counter(), cpu_s(others)
+                    draw(folder / f"out-{r}-{i}", client)
+                    took, used = time.perf_counter() - begin, cpu_s(others) - before
                 rows.setdefault(way, []).append((draws / took, draws / used))
                 print(f"round {r + 1}: {way}: {took:.1f} s", file=sys.stderr, flush=True)
         assert len({(folder / f"out-0-{i}/runs.parquet").read_bytes() for i in (2, 3, 4)}) == 1

@@ -74,7 +74,7 @@ pub use record::{
 pub use reference::{KeyMeaning, key_reference, meanings};
 pub use scenario::{EffectValues, ScenarioFile, read_bundled, read_scenario_file};
 pub use statistics::{PublishedFigure, StatisticsFile, TABLE_5_6, bundled_statistics, read_statistics};
-pub use store::{Identity, Merged, Opening, Part, Runs, Shard, Store, part_bytes, read_runs};
+pub use store::{FullPart, Identity, Merged, Opening, Part, Runs, Shard, Store, part_bytes, read_runs};
 pub use store_error::StoreError;
 pub use structure::read_structure;
 pub use study::{StudyFile, read_study};

@@ -133,6 +133,13 @@ pub struct Part {
     pub rows: Vec<Row>,
 }
 
+/// A part whose draws are all there, not yet written.
+#[derive(Debug)]
+pub struct FullPart {
+    index: u64,
+    journal: Journal,
+}
+
 /// Merged results, open for reading.
 pub struct Merged {
     path: PathBuf,
@@ -302,7 +309,7 @@ impl Store {
         let ready: Vec<u64> = self.lock().iter().filter_map(full).collect();
         for part in ready {
             let journal = self.lock().remove(&part);
-            journal.map_or(Ok(()), |j| self.finish(part, j).map(|_| ()))?;
+            journal.map_or(Ok(()), |journal| self.make(FullPart { index: part, journal }).map(|_| ()))?;
         }
         Ok(())
     }
@@ -330,11 +337,11 @@ impl Store {
         Ok(all)
     }
 
-    /// Adds a draw; when that completes its part, the part.
+    /// Adds a draw; when that completes its part, the part, for [`Store::make`].
     ///
     /// # Errors
     /// A full disk and the like: what was there stays.
-    pub fn push(&self, row: Row) -> Result<Option<Part>, StoreError> {
+    pub fn push(&self, row: Row) -> Result<Option<FullPart>, StoreError> {
         let part = row.draw / self.identity.part_draws;
         let draws = self.draws_of(part);
         let mut journals = self.lock();
@@ -346,12 +353,14 @@ impl Store {
         if (journal.rows.len() as u64) < draws.end - draws.start {
             return Ok(None);
         }
-        let journal = journals.remove(&part);
-        drop(journals);
-        journal.map(|j| self.finish(part, j)).transpose()
+        Ok(journals.remove(&part).map(|journal| FullPart { index: part, journal }))
     }
 
-    fn finish(&self, index: u64, journal: Journal) -> Result<Part, StoreError> {
+    /// Writes a part whose draws are all there; waits until the disk has it.
+    ///
+    /// # Errors
+    /// A full disk and the like: its journal stays.
+    pub fn make(&self, FullPart { index, journal }: FullPart) -> Result<Part, StoreError> {
         let rows: Vec<Row> = journal.rows.values().cloned().collect();
         let bytes = part_bytes(&self.columns, &rows).map_err(|e| StoreError::corrupt(&journal.path, e))?;
         self.write_part(index, &bytes)?;

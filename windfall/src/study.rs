@@ -3,16 +3,24 @@
 use crate::{Error, Result, Study};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::panic::resume_unwind;
 use std::path::Path;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::sync_channel;
+use std::thread;
 use windfall_model::study::{Cell, CellKind, Column, Row};
 use windfall_pid::Identification;
 use windfall_replay::ReplayError;
-use windfall_scenarios::{Identity, Part, Shard, Store, StoreError, part_bytes, read_json, read_study, write_json_atomically};
+use windfall_scenarios::{
+    FullPart, Identity, Part, Shard, Store, StoreError, part_bytes, read_json, read_study, write_json_atomically,
+};
 use windfall_study::{Moments, PreparedStudy, Progress, Summary, run as draw_all, summarise};
 
 /// Name of the summary.
 pub const SUMMARY: &str = "summary.json";
+/// Full parts that wait for the disk before draws do.
+const PARTS_WAITING: usize = 4;
 
 /// A study ready to be drawn, in whole or in parts.
 ///
@@ -194,10 +202,31 @@ impl Drawing {
         if over(None) {
             return Ok(());
         }
-        draw_all(&self.prepared, store.wanted()?, |row| {
-            let go_on = see(&row);
-            let enough = over(store.push(row)?);
-            if go_on || enough { Ok(!enough) } else { Err(Error::Interrupted) }
+        let wanted = store.wanted()?;
+        let failed = AtomicBool::new(false);
+        // Draws do not wait until the disk has a part: a thread of its own does.
+        let (full, waiting) = sync_channel::<FullPart>(PARTS_WAITING);
+        let make = || {
+            let made = waiting.into_iter().try_for_each(|part| {
+                over(Some(store.make(part)?));
+                Ok::<_, StoreError>(())
+            });
+            failed.store(made.is_err(), Ordering::Relaxed);
+            made
+        };
+        thread::scope(|scope| {
+            let making = scope.spawn(make);
+            let drawn = draw_all(&self.prepared, wanted, |row| {
+                let go_on = see(&row);
+                let lost = store.push(row)?.is_some_and(|part| full.send(part).is_err());
+                let enough = lost || failed.load(Ordering::Relaxed) || over(None);
+                if go_on || enough { Ok(!enough) } else { Err(Error::Interrupted) }
+            });
+            drop(full);
+            match making.join() {
+                Ok(made) => made.map_err(Error::from).and(drawn),
+                Err(panic) => resume_unwind(panic),
+            }
         })
     }
 }
