@@ -429,3 +429,6 @@ fn lyapunov(f: &ShapingFilter<2>) -> [[f64; 2]; 2] {
     let p = m.lu().solve(&nalgebra::Vector3::new(-x * x, -x * y, -y * y)).unwrap_or_default();
     [[p[0], p[1]], [p[1], p[2]]]
 }
+
+#[cfg(test)]
+pub(super) mod tests;

@@ -122,3 +122,6 @@ impl LocalLikelihood {
         self.whitened.push(whitened);
     }
 }
+
+#[cfg(test)]
+mod tests;
