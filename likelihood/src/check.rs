@@ -47,8 +47,15 @@ const WIND: f64 = 0.01;
 
 /// All alternatives of an engine's runs.
 pub(crate) fn alternatives(engine: &Engine) -> Vec<Alternative> {
-    let mut all = Vec::new();
     let runs: Vec<usize> = engine.runs.iter().map(|r| r.index).collect();
+    let mut all = of_loads(&runs);
+    all.extend(of_instruments(engine, &runs));
+    all
+}
+
+/// Functions of every load.
+fn of_loads(runs: &[usize]) -> Vec<Alternative> {
+    let mut all = Vec::new();
     for place in 0..LOADS.len() {
         let prior = if place < 3 {
             FORCE
@@ -93,6 +100,12 @@ pub(crate) fn alternatives(engine: &Engine) -> Vec<Alternative> {
             }
         }
     }
+    all
+}
+
+/// Drifts of every channel of the pose, and what the tunnel speed is beyond its record.
+fn of_instruments(engine: &Engine, runs: &[usize]) -> Vec<Alternative> {
+    let mut all = Vec::new();
     for place in 0..POSE {
         let prior = DRIFT * engine.noise[place].std();
         let mut add = |bases: Vec<Basis>| all.push(Alternative { site: Site::Channel(place), bases, prior });

@@ -121,9 +121,6 @@ pub(super) fn against_gusts(
     let speed = engine.runs.iter().map(|r| r.speed_m_s).sum::<f64>() / engine.runs.len().max(1) as f64;
     let gusts = fit.model.members.iter().position(|m| m.random && !m.declared && engine.moves_air(m));
     let Some(gusts) = gusts else { return (fit, weighed, contest, Vec::new()) };
-    let member = &fit.model.members[gusts];
-    let size = member.strengths().map(|i| member.values[i]).fold(0.0, f64::max);
-    let tone_hz = tone_hz(engine, member, speed);
     let mut still = fit.model.clone();
     still.members.remove(gusts);
     let Ok(still) = engine.climb(&still, true, 6) else { return (fit, weighed, contest, Vec::new()) };
@@ -150,29 +147,30 @@ pub(super) fn against_gusts(
         let again = self::contest(engine, &fit.model, &all);
         return (fit, weighed, again, Vec::new());
     }
+    let Some(lead) = stand_in(engine, &fit, &still, gusts, speed) else { return (fit, weighed, contest, Vec::new()) };
+    let leads = if lead.line_hz.is_some() || other.leads.is_empty() { vec![lead] } else { other.leads };
+    (fit, weighed, contest, leads)
+}
+
+/// What gusts stand for that are no tunnel's: a tone, or fainter than any tunnel's air. `still` is the fit without them.
+fn stand_in(engine: &Engine, fit: &Fit, still: &Fit, gusts: usize, speed_m_s: f64) -> Option<Lead> {
+    let member = &fit.model.members[gusts];
+    let size = member.strengths().map(|i| member.values[i]).fold(0.0, f64::max);
+    let line_hz = tone_hz(engine, member, speed_m_s);
+    let variable = match line_hz {
+        Some(_) => "a line for which gusts of a narrow band stand, and no tunnel's turbulence is a tone,".to_owned(),
+        None if size < FAINT * speed_m_s => {
+            format!("time at random, as gusts of {size:.1e} m/s would make it, fainter than any tunnel's")
+        }
+        None => return None,
+    };
     let worst = (0..POSE).max_by(|a, b| still.channels[*a][2].total_cmp(&still.channels[*b][2])).unwrap_or(0);
-    if let Some(hz) = tone_hz {
-        let tone = Lead {
-            channel: CHANNEL_NAMES[worst].to_owned(),
-            variable: "a line for which gusts of a narrow band stand, and no tunnel's turbulence is a tone,".to_owned(),
-            gain: fit.log_likelihood - still.log_likelihood,
-            line_hz: Some(hz),
-            of_instrument: false,
-            amplitudes: Vec::new(),
-        };
-        return (fit, weighed, contest, vec![tone]);
-    }
-    if size >= FAINT * speed {
-        return (fit, weighed, contest, Vec::new());
-    }
-    let small = Lead {
+    Some(Lead {
         channel: CHANNEL_NAMES[worst].to_owned(),
-        variable: format!("time at random, as gusts of {size:.1e} m/s would make it, fainter than any tunnel's"),
+        variable,
         gain: fit.log_likelihood - still.log_likelihood,
-        line_hz: None,
+        line_hz,
         of_instrument: false,
         amplitudes: Vec::new(),
-    };
-    let leads = if other.leads.is_empty() { vec![small] } else { other.leads };
-    (fit, weighed, contest, leads)
+    })
 }
