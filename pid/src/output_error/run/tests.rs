@@ -372,8 +372,8 @@ fn exact_elimination_is_dense_least_squares() {
             for k in 0..nominal.nodes.len() {
                 let (first, samples) = run.span(k);
                 for i in first..first + samples {
-                    for channel in 0..CHANNELS {
-                        let (expected, found) = (slopes[row] * std[channel], profiled[channel][j][i]);
+                    for (channel, profiled) in profiled.iter().enumerate() {
+                        let (expected, found) = (slopes[row] * std[channel], profiled[j][i]);
                         assert!(
                             (expected - found).abs() < 1e-2 * (1.0 + expected.abs()),
                             "case {n}, {j} {i} {channel}: {found} {expected}"
