@@ -116,8 +116,7 @@ fn of_instruments(engine: &Engine, runs: &[usize]) -> Vec<Alternative> {
             add(runs.iter().map(|r| Basis::Run(*r)).collect());
         }
     }
-    let mean_m_s = engine.runs.iter().map(|r| r.speed_m_s).sum::<f64>() / runs.len().max(1) as f64;
-    let mut add = |bases: Vec<Basis>| all.push(Alternative { site: Site::Speed, bases, prior: WIND * mean_m_s });
+    let mut add = |bases: Vec<Basis>| all.push(Alternative { site: Site::Speed, bases, prior: WIND * engine.mean_speed_m_s() });
     add(vec![Basis::Elapsed(1), Basis::Elapsed(2)]);
     add(vec![Basis::Height(1), Basis::Height(2)]);
     if runs.len() > 1 {

@@ -186,6 +186,11 @@ impl Engine {
         Self { runs: self.runs.iter().map(longer).collect(), ..self.clone() }
     }
 
+    /// Mean tunnel speed of the runs, each as much as any other, m/s.
+    pub(crate) fn mean_speed_m_s(&self) -> f64 {
+        self.runs.iter().map(|r| r.speed_m_s).sum::<f64>() / self.runs.len().max(1) as f64
+    }
+
     /// Name of the first run.
     #[must_use]
     pub fn first_run(&self) -> String {

@@ -118,7 +118,7 @@ pub(super) fn against_gusts(
     log: &mut Vec<String>,
 ) -> (Fit, Weighed, Option<Contest>, Vec<Lead>) {
     const NEAR: f64 = 2.0;
-    let speed = engine.runs.iter().map(|r| r.speed_m_s).sum::<f64>() / engine.runs.len().max(1) as f64;
+    let speed = engine.mean_speed_m_s();
     let gusts = fit.model.members.iter().position(|m| m.random && !m.declared && engine.moves_air(m));
     let Some(gusts) = gusts else { return (fit, weighed, contest, Vec::new()) };
     let mut still = fit.model.clone();
