@@ -43,23 +43,36 @@ impl WithSimd for Linearised<'_, '_> {
             by_added: [[0.0; ADDED]; MOTION],
             by_speed: [[0.0; 2]; MOTION],
         };
-        // By twelve directions at a time: larger numbers are copied by calls.
-        {
+        // By twelve directions at a time: larger numbers are copied by calls. One call for both, for it is long and copied, too.
+        for by_added in [false, true] {
             type D = Dual<STATES>;
-            let x = variables(&x[..STATES]);
-            let part = constants(&self.x[STATES..]);
-            let (motion, acceleration) = craft.motion(&x, &part, air, &given::<D>(added), &craft.plant.aero.values, terms)?;
-            for (i, d) in motion.iter().enumerate() {
-                local.rate[i] = d.value;
-                local.by_state[i][..STATES].copy_from_slice(&d.slopes);
+            const { assert!(STATES == ADDED) }
+            let state = |value: f64, i: usize| if by_added { D::real(value) } else { D::variable(value, i) };
+            let given = |i: usize| if by_added { D::variable(added[i], i) } else { D::real(added[i]) };
+            let (mut motion, mut coefficients) = ([D::default(); STATES], [D::default(); 6]);
+            motion.iter_mut().enumerate().for_each(|(i, one)| *one = state(x[i], i));
+            coefficients.iter_mut().enumerate().for_each(|(i, one)| *one = given(6 + i));
+            let extra = Extra { velocity: each!(|i| given(i)), acceleration: each!(|i| given(3 + i)), coefficients };
+            let part = constants(&x[STATES..]);
+            let (motion, acceleration) = craft.motion(&motion, &part, air, &extra, &craft.plant.aero.values, terms)?;
+            if by_added {
+                for (i, d) in motion.iter().enumerate() {
+                    local.by_added[i] = d.slopes;
+                }
+                (0..2).for_each(|k| local.by_added[STATES + 2 + k] = acceleration[k].slopes);
+            } else {
+                for (i, d) in motion.iter().enumerate() {
+                    local.rate[i] = d.value;
+                    local.by_state[i][..STATES].copy_from_slice(&d.slopes);
+                }
+                local.rate[STATES..].copy_from_slice(&[
+                    x[STATES + 2],
+                    x[STATES + 3],
+                    acceleration[0].value,
+                    acceleration[1].value,
+                ]);
+                (0..2).for_each(|k| local.by_state[STATES + 2 + k][..STATES].copy_from_slice(&acceleration[k].slopes));
             }
-            local.rate[STATES..].copy_from_slice(&[
-                self.x[STATES + 2],
-                self.x[STATES + 3],
-                acceleration[0].value,
-                acceleration[1].value,
-            ]);
-            (0..2).for_each(|k| local.by_state[STATES + 2 + k][..STATES].copy_from_slice(&acceleration[k].slopes));
         }
         if craft.plant.vehicle.loose.is_some() {
             type D = Dual<LOOSE>;
@@ -74,20 +87,6 @@ impl WithSimd for Linearised<'_, '_> {
                 local.by_state[STATES + k][STATES + 2 + k] = 1.0;
                 local.by_state[STATES + 2 + k][STATES..].copy_from_slice(&d.slopes);
             }
-        }
-        {
-            type D = Dual<ADDED>;
-            let extra = Extra {
-                velocity: each!(|i| D::variable(added[i], i)),
-                acceleration: each!(|i| D::variable(added[3 + i], 3 + i)),
-                coefficients: variables_from(&added[6..], 6),
-            };
-            let (motion, part): ([D; STATES], [D; LOOSE]) = (constants(&x[..STATES]), constants(&x[STATES..]));
-            let (motion, acceleration) = craft.motion(&motion, &part, air, &extra, &craft.plant.aero.values, terms)?;
-            for (i, d) in motion.iter().enumerate() {
-                local.by_added[i] = d.slopes;
-            }
-            (0..2).for_each(|k| local.by_added[STATES + 2 + k] = acceleration[k].slopes);
         }
         Some(local)
     }

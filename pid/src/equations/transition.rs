@@ -311,29 +311,20 @@ impl Segment<'_> {
         mean: &mut Linear,
     ) -> Option<()> {
         type D = Dual<LANES>;
-        let mut variables = [D::default(); STATES];
-        for (i, v) in variables.iter_mut().enumerate() {
-            *v = D::variable(x[i], i);
+        // One call for both: it is long, and copied to wherever it is called from.
+        let mut by = [[D::default(); STATES]; 2];
+        for (by_extra, rates) in by.iter_mut().enumerate().map(|(k, rates)| (k == 1, rates)) {
+            let state = |value: f64, i: usize| if by_extra { D::real(value) } else { D::variable(value, i) };
+            let added = |value: f64, i: usize| if by_extra { D::variable(value, i) } else { D::real(value) };
+            let (mut states, mut coefficients) = ([D::default(); STATES], [D::default(); 6]);
+            states.iter_mut().enumerate().for_each(|(i, one)| *one = state(x[i], i));
+            coefficients.iter_mut().enumerate().for_each(|(i, one)| *one = added(0.0, 6 + i));
+            let velocity = each!(|i| added(inputs[2 + i], i));
+            let acceleration = each!(|i| added(inputs[5 + i], 3 + i));
+            let extra = Extra { velocity, acceleration, coefficients };
+            *rates = self.craft.rate(&states, air, &extra, self.parameters, terms)?;
         }
-        let known = Extra {
-            velocity: each!(|i| D::real(inputs[2 + i])),
-            acceleration: each!(|i| D::real(inputs[5 + i])),
-            coefficients: [D::real(0.0); 6],
-        };
-        let by_state = self.craft.rate(&variables, air, &known, self.parameters, terms)?;
-        for (i, v) in variables.iter_mut().enumerate() {
-            *v = D::real(x[i]);
-        }
-        let mut coefficients = [D::default(); 6];
-        for (i, c) in coefficients.iter_mut().enumerate() {
-            *c = D::variable(0.0, 6 + i);
-        }
-        let extra = Extra {
-            velocity: each!(|i| D::variable(inputs[2 + i], i)),
-            acceleration: each!(|i| D::variable(inputs[5 + i], 3 + i)),
-            coefficients,
-        };
-        let by_extra = self.craft.rate(&variables, air, &extra, self.parameters, terms)?;
+        let [by_state, by_extra] = by;
         let shape = self.craft.wind_per_speed(x);
         let dot = |a: &[f64], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         for i in 0..STATES {
