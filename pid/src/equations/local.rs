@@ -23,6 +23,14 @@ pub struct Local {
     pub by_speed: [[f64; 2]; MOTION],
 }
 
+/// By what slopes are taken.
+#[derive(Clone, Copy, PartialEq)]
+enum By {
+    Motion,
+    Loose,
+    Added,
+}
+
 /// What is linearised, and where.
 struct Linearised<'w, 'p> {
     craft: &'w Craft<'p>,
@@ -43,73 +51,50 @@ impl WithSimd for Linearised<'_, '_> {
             by_added: [[0.0; ADDED]; MOTION],
             by_speed: [[0.0; 2]; MOTION],
         };
-        // By twelve directions at a time: larger numbers are copied by calls. One call for both, for it is long and copied, too.
-        for by_added in [false, true] {
-            type D = Dual<STATES>;
-            const { assert!(STATES == ADDED) }
-            let state = |value: f64, i: usize| if by_added { D::real(value) } else { D::variable(value, i) };
-            let given = |i: usize| if by_added { D::variable(added[i], i) } else { D::real(added[i]) };
-            let (mut motion, mut coefficients) = ([D::default(); STATES], [D::default(); 6]);
-            motion.iter_mut().enumerate().for_each(|(i, one)| *one = state(x[i], i));
-            coefficients.iter_mut().enumerate().for_each(|(i, one)| *one = given(6 + i));
-            let extra = Extra { velocity: each!(|i| given(i)), acceleration: each!(|i| given(3 + i)), coefficients };
-            let part = constants(&x[STATES..]);
+        type D = Dual<STATES>;
+        const { assert!(STATES == ADDED && LOOSE <= STATES) }
+        // By twelve directions at a time: larger numbers are copied by calls. One call for all three, for it is long and copied, too.
+        for by in [By::Motion, By::Loose, By::Added] {
+            if by == By::Loose && craft.plant.vehicle.loose.is_none() {
+                continue;
+            }
+            let one = |of: By, value: f64, i: usize| if by == of { D::variable(value, i) } else { D::real(value) };
+            let (mut motion, mut part, mut coefficients) = ([D::default(); STATES], [D::default(); LOOSE], [D::default(); 6]);
+            motion.iter_mut().enumerate().for_each(|(i, d)| *d = one(By::Motion, x[i], i));
+            part.iter_mut().enumerate().for_each(|(i, d)| *d = one(By::Loose, x[STATES + i], i));
+            coefficients.iter_mut().enumerate().for_each(|(i, d)| *d = one(By::Added, added[6 + i], 6 + i));
+            let extra = Extra {
+                velocity: each!(|i| one(By::Added, added[i], i)),
+                acceleration: each!(|i| one(By::Added, added[3 + i], 3 + i)),
+                coefficients,
+            };
             let (motion, acceleration) = craft.motion(&motion, &part, air, &extra, &craft.plant.aero.values, terms)?;
-            if by_added {
-                for (i, d) in motion.iter().enumerate() {
-                    local.by_added[i] = d.slopes;
+            let loose = (0..2).map(|k| (STATES + 2 + k, &acceleration[k]));
+            for (i, d) in motion.iter().enumerate().chain(loose) {
+                local.rate[i] = d.value;
+                match by {
+                    By::Motion => local.by_state[i][..STATES].copy_from_slice(&d.slopes),
+                    By::Loose => local.by_state[i][STATES..].copy_from_slice(&d.slopes[..LOOSE]),
+                    By::Added => local.by_added[i] = d.slopes,
                 }
-                (0..2).for_each(|k| local.by_added[STATES + 2 + k] = acceleration[k].slopes);
-            } else {
-                for (i, d) in motion.iter().enumerate() {
-                    local.rate[i] = d.value;
-                    local.by_state[i][..STATES].copy_from_slice(&d.slopes);
-                }
-                local.rate[STATES..].copy_from_slice(&[
-                    x[STATES + 2],
-                    x[STATES + 3],
-                    acceleration[0].value,
-                    acceleration[1].value,
-                ]);
-                (0..2).for_each(|k| local.by_state[STATES + 2 + k][..STATES].copy_from_slice(&acceleration[k].slopes));
             }
         }
-        if craft.plant.vehicle.loose.is_some() {
-            type D = Dual<LOOSE>;
-            let motion: [D; STATES] = constants(&x[..STATES]);
-            let part = variables(&x[STATES..]);
-            let (motion, acceleration) =
-                craft.motion(&motion, &part, air, &given::<D>(added), &craft.plant.aero.values, terms)?;
-            for (i, d) in motion.iter().enumerate() {
-                local.by_state[i][STATES..].copy_from_slice(&d.slopes);
-            }
-            for (k, d) in acceleration.iter().enumerate() {
+        for k in 0..2 {
+            local.rate[STATES + k] = x[STATES + 2 + k];
+            if craft.plant.vehicle.loose.is_some() {
                 local.by_state[STATES + k][STATES + 2 + k] = 1.0;
-                local.by_state[STATES + 2 + k][STATES..].copy_from_slice(&d.slopes);
             }
         }
         Some(local)
     }
 }
 
-/// Constants, and variables of the directions from `first` on.
+/// Constants.
 #[inline(always)]
 fn constants<S: Scalar, const N: usize>(values: &[f64]) -> [S; N] {
     let mut all = [S::default(); N];
     all.iter_mut().zip(values).for_each(|(one, v)| *one = S::real(*v));
     all
-}
-
-#[inline(always)]
-fn variables_from<const D: usize, const N: usize>(values: &[f64], first: usize) -> [Dual<D>; N] {
-    let mut all = [Dual::default(); N];
-    all.iter_mut().zip(values).enumerate().for_each(|(i, (one, v))| *one = Dual::variable(*v, first + i));
-    all
-}
-
-#[inline(always)]
-fn variables<const N: usize>(values: &[f64]) -> [Dual<N>; N] {
-    variables_from(values, 0)
 }
 
 /// What the air adds, as constants.
