@@ -3,7 +3,7 @@
 use crate::html::{escape, section};
 use crate::legend::{legend, share};
 use crate::plot::{Plot, Plots};
-use crate::words::{listed, number, plain_key};
+use crate::words::{listed, no_form_holds, number, plain_key};
 use std::fmt::Write as _;
 use windfall_discover::close::{
     ChannelResidual, Closing, Figure, HeldOut, Role, RunTracks, Series, SignalTracks, Topic, TrackSignal, Verdict,
@@ -74,7 +74,10 @@ fn effect(c: &Closing) -> String {
             let rivals: Vec<&str> = c.effects.iter().flat_map(|e| e.rivals.iter().map(String::as_str)).collect();
             let or =
                 if rivals.is_empty() { String::new() } else { format!("; these data cannot tell it from {}", listed(&rivals)) };
-            format!("It traces to {}{or}.", listed(&names))
+            let fails = no_form_holds(c);
+            let how = if fails { "Nearest to it comes" } else { "It traces to" };
+            let form = if fails { ", whose form does not hold" } else { "" };
+            format!("{how} {}{or}{form}.", listed(&names))
         }
     }
 }

@@ -134,6 +134,11 @@ pub(crate) fn listed<S: AsRef<str>>(items: &[S]) -> String {
     }
 }
 
+/// Whether effects are named of which none has the form that acts: something stands out beside them.
+pub(crate) fn no_form_holds(c: &Closing) -> bool {
+    c.effects.iter().all(|e| e.form.as_ref().is_some_and(|f| !f.ok)) && !c.unexplained.is_empty()
+}
+
 /// The verdict as a sentence or two.
 #[must_use]
 pub fn sentence(c: &Closing) -> String {
@@ -144,7 +149,7 @@ pub fn sentence(c: &Closing) -> String {
         Verdict::Effect => {
             let names = listed(&c.effects.iter().map(effect_name).collect::<Vec<_>>());
             let (held_out, left) = (held_out_words(c), left_words(c));
-            if c.effects.iter().all(|e| e.form.as_ref().is_some_and(|f| !f.ok)) && !c.unexplained.is_empty() {
+            if no_form_holds(c) {
                 let words = if c.effects.len() > 1 {
                     "come nearest to it, but the form of none of them holds"
                 } else {
