@@ -76,15 +76,15 @@ pub(super) fn against_alternatives(
     let all = alternatives(engine);
     let Some(first) = contest(engine, &fit.model, &all) else { return (fit, weighed, None) };
     let keep = |m: &Member| m.declared || m.random || first.families.contains(&m.effect.family);
-    if first.leads.is_empty() || fit.model.members.iter().all(keep) {
+    if first.leads.is_empty() || fit.model.members.iter().all(keep) && needless(&weighed).is_none() {
         return (fit, weighed, Some(first));
     }
     let mut model = fit.model.clone();
     model.members.retain(keep);
     log.push(format!("generic alternatives leave {}", describe(&model)));
+    // What is worth something beside them alone is no effect that was found: they have no cause and are not in the model.
     let fitted = |model: &Model| engine.climb(model, true, 6).ok().and_then(|f| Some((weigh(engine, &f.model)?, f)));
     let Some((mut w, mut f)) = fitted(&model) else { return (fit, weighed, Some(first)) };
-    // What is worth something beside them alone is no effect that was found: they have no cause and are not in the model.
     while let Some(family) = needless(&w) {
         model = f.model.clone();
         model.members.retain(|m| m.declared || m.random || m.effect.family != family);
@@ -152,7 +152,8 @@ pub(super) fn against_gusts(
         && there > here + SURE
         && let Some(weighed) = weigh(engine, &still.model)
     {
-        return (still, weighed, Some(other), Vec::new());
+        let (still, weighed, other) = against_alternatives(engine, still, weighed, log);
+        return (still, weighed, other, Vec::new());
     }
     // Better without gusts by what weighing promises: the fit decides.
     if still.chi < NEAR
