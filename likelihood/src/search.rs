@@ -103,16 +103,6 @@ pub(crate) fn weigh(gram: &Gram, units: &[Unit], members: &[usize]) -> Option<Se
     }
 }
 
-/// The member of a set without which it is worth most, where that is more than it is worth with all of them.
-#[must_use]
-pub(crate) fn needless(gram: &Gram, units: &[Unit], members: &[usize]) -> Option<usize> {
-    let gain = |of: &[usize]| if of.is_empty() { Some(0.0) } else { weigh(gram, units, of).map(|s| s.gain) };
-    let with = gain(members).unwrap_or(f64::NEG_INFINITY);
-    let without = |u: usize| gain(&members.iter().copied().filter(|&other| other != u).collect::<Vec<_>>());
-    let worth = members.iter().filter_map(|&u| Some((u, without(u)?)));
-    worth.filter(|(_, less)| *less > with).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(u, _)| u)
-}
-
 /// Units of numbers: strengths of one form together.
 #[must_use]
 pub(crate) fn units(
@@ -163,17 +153,6 @@ mod tests {
         let [v, w] = [100.0 / 101.0, -100.0 / 51.0];
         let fit = 100.0 * v - 50.0 * v * v - 100.0 * w - 25.0 * w * w;
         assert!((sets[0].fit - fit).abs() < 1e-9, "{} {fit}", sets[0].fit);
-    }
-
-    /// Of the three, the first and the third say the same: either is needless beside the other, and none of those that made the data is.
-    #[test]
-    fn recover_what_is_needless() {
-        let gram = gram([f64::NEG_INFINITY, f64::INFINITY]);
-        assert_eq!(needless(&gram, &one_each(), &[0, 1, 2]), Some(2));
-        assert_eq!(needless(&gram, &one_each(), &[0, 1]), None);
-        assert_eq!(needless(&gram, &one_each(), &[]), None);
-        let nothing = Gram::new((0..3).map(|i| number(i, [-9.0, 9.0])).collect(), gram.g.clone(), DVector::zeros(3), 0.0);
-        assert_eq!(needless(&nothing, &one_each(), &[1]), Some(1));
     }
 
     #[test]

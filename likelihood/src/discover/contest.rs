@@ -59,13 +59,6 @@ pub(super) fn outcome(w: &Weighed, alternatives: &[Alternative]) -> Option<Conte
     Some(Contest { families, leads, strongest })
 }
 
-/// Family of a present member that the others are worth more without.
-fn needless(w: &Weighed) -> Option<&'static str> {
-    let present: Vec<usize> = (0..w.units.len()).filter(|&u| w.families[u].1.is_none() && w.families[u].0 < GENERIC).collect();
-    let least = crate::search::needless(&w.gram, &w.units, &present)?;
-    Some(CATALOGUE[w.families[least].0].family)
-}
-
 /// The best set held against generic alternatives: members that those make needless are taken out, and the rest fitted again.
 pub(super) fn against_alternatives(
     engine: &Engine,
@@ -76,24 +69,14 @@ pub(super) fn against_alternatives(
     let all = alternatives(engine);
     let Some(first) = contest(engine, &fit.model, &all) else { return (fit, weighed, None) };
     let keep = |m: &Member| m.declared || m.random || first.families.contains(&m.effect.family);
-    if first.leads.is_empty() || fit.model.members.iter().all(keep) && needless(&weighed).is_none() {
+    if first.leads.is_empty() || fit.model.members.iter().all(keep) {
         return (fit, weighed, Some(first));
     }
     let mut model = fit.model.clone();
     model.members.retain(keep);
     log.push(format!("generic alternatives leave {}", describe(&model)));
-    // What is worth something beside them alone is no effect that was found: they have no cause and are not in the model.
-    let fitted = |model: &Model| engine.climb(model, true, 6).ok().and_then(|f| Some((weigh(engine, &f.model)?, f)));
-    let Some((mut w, mut f)) = fitted(&model) else { return (fit, weighed, Some(first)) };
-    while let Some(family) = needless(&w) {
-        model = f.model.clone();
-        model.members.retain(|m| m.declared || m.random || m.effect.family != family);
-        log.push(format!("  of which {family} is worth nothing by itself"));
-        match fitted(&model) {
-            Some(less) if less.1.model.members.len() < f.model.members.len() => (w, f) = less,
-            _ => break,
-        }
-    }
+    let fewer = engine.climb(&model, true, 6).ok().and_then(|f| Some((weigh(engine, &f.model)?, f)));
+    let Some((w, f)) = fewer else { return (fit, weighed, Some(first)) };
     let Some(again) = contest(engine, &f.model, &all) else { return (f, w, Some(first)) };
     // Where they are gone, what was taken out is preferred again: both say as much, and the effect is the one with a cause.
     let families: Vec<&'static str> = fit.model.members.iter().filter(|m| !m.random).map(|m| m.effect.family).collect();
@@ -152,8 +135,7 @@ pub(super) fn against_gusts(
         && there > here + SURE
         && let Some(weighed) = weigh(engine, &still.model)
     {
-        let (still, weighed, other) = against_alternatives(engine, still, weighed, log);
-        return (still, weighed, other, Vec::new());
+        return (still, weighed, Some(other), Vec::new());
     }
     // Better without gusts by what weighing promises: the fit decides.
     if still.chi < NEAR
