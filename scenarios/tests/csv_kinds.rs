@@ -149,6 +149,6 @@ fn law_reading_is_linear() {
             assert!(message.contains(&format!("c39 and {} more", columns - 40)));
         })
     };
-    let ratios = [long(64_000) / long(8_000), wide(96_000) / wide(12_000)];
+    let ratios = [long(64_000) / long(8_000), wide(100_000) / wide(12_500)];
     assert!(ratios.iter().all(|r| *r < 24.0), "{ratios:?}");
 }
