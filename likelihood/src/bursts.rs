@@ -285,8 +285,11 @@ mod tests {
                 *logs = (0..9).map(|k| 0.5 * f64::from(k).sin()).collect();
             }
             let passed = |run: &Prepared, keep: Keep| {
-                pass(run, &PassSetting { plant: &plant, noise: &noise, columns: &[], slack: 0.0, von_karman: false, keep })
-                    .expect("a pass")
+                pass(
+                    run,
+                    &PassSetting { plant: &plant, noise: &noise, columns: &[], beside: &[], slack: 0.0, von_karman: false, keep },
+                )
+                .expect("a pass")
             };
             let found = slopes(&run, &passed(&run, Keep::Gusts));
             for (axis, found) in found.iter().enumerate() {

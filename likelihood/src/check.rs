@@ -134,7 +134,7 @@ impl Alternative {
 
 /// Whitened innovations of each channel of the pose beyond five standard deviations, of which normal noise has two in ten million.
 pub(crate) fn outliers(sum: &Summed) -> [usize; POSE] {
-    std::array::from_fn(|c| sum.runs.iter().flat_map(|r| &r.whitened).filter(|w| w[c].abs() > 5.0).count())
+    std::array::from_fn(|c| sum.runs.iter().flat_map(|r| &r.innovations.whitened).filter(|w| w[c].abs() > 5.0).count())
 }
 
 /// Lines in the spectra of the whitened innovations beyond what noise has, strongest first: power of a line in nats, the number of
@@ -142,17 +142,17 @@ pub(crate) fn outliers(sum: &Summed) -> [usize; POSE] {
 pub(crate) fn lines(engine: &Engine, model: &Model, sum: &Summed) -> Vec<Lead> {
     let plant = model.plant(&engine.campaign);
     let mut all = Vec::new();
-    let looked: f64 = sum.runs.iter().map(|r| (r.whitened.len() / 2 * POSE) as f64).sum();
+    let looked: f64 = sum.runs.iter().map(|r| (r.innovations.whitened.len() / 2 * POSE) as f64).sum();
     for (run, seen) in engine.runs.iter().zip(&sum.runs) {
-        let skip = 20.min(seen.whitened.len());
-        let n = seen.whitened.len() - skip;
+        let skip = 20.min(seen.innovations.whitened.len());
+        let n = seen.innovations.whitened.len() - skip;
         let density_kg_m3 = run.nodes.first().map_or(1.2, |n| n.density_kg_m3);
         let stream = HumStream { density_kg_m3, speed_m_s: run.speed_m_s };
         if n < 64 {
             continue;
         }
         for c in 0..POSE {
-            let Some(found) = periodogram(seen.whitened[skip..].iter().map(|w| w[c])) else { continue };
+            let Some(found) = periodogram(seen.innovations.whitened[skip..].iter().map(|w| w[c])) else { continue };
             let over = |(k, p): (usize, &f64)| (k, p / found.window);
             let peak = found.power.iter().enumerate().skip(2).map(over).max_by(|a, b| a.1.total_cmp(&b.1));
             if let Some((k, p)) = peak {

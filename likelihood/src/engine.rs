@@ -66,6 +66,8 @@ const NODE_S: f64 = 0.02;
 const COARSE_S: f64 = 0.04;
 /// What a node costs without columns, in columns.
 const NODE_COST: u64 = 24;
+/// What other random inputs beside a pass cost, in columns.
+const BESIDE_COST: u64 = 5;
 /// Most work of a search, in passes without columns: campaigns that a set explains take 100 to 600. Then climbs are of few steps.
 const BUDGET: f64 = 1000.0;
 const FEW: usize = 3;
@@ -233,7 +235,7 @@ impl Engine {
             for c in 0..POSE {
                 let (mut squares, mut count) = (0.0, 0.0);
                 for r in &sum.runs {
-                    for w in r.whitened.windows(3).filter(|w| w.iter().all(|x| x[c] != 0.0)) {
+                    for w in r.innovations.whitened.windows(3).filter(|w| w.iter().all(|x| x[c] != 0.0)) {
                         squares += (w[0][c] - 2.0 * w[1][c] + w[2][c]).powi(2) / 6.0;
                         count += 1.0;
                     }
@@ -276,13 +278,26 @@ impl Engine {
         self.passed(model, &[], &[], Keep::Gusts)
     }
 
-    /// One pass over all runs that keeps the whitened slopes of the innovations.
-    pub(crate) fn with_rows(&self, model: &Model, numbers: &[Number]) -> Result<Vec<Seen>, Departed> {
-        self.passed(model, numbers, &[], Keep::Rows)
+    /// One pass over all runs that keeps the whitened slopes of the innovations, with models beside that differ in random members alone.
+    pub(crate) fn with_rows(&self, model: &Model, numbers: &[Number], beside: &[Model]) -> Result<Vec<Seen>, Departed> {
+        let others: Vec<Plant> = beside.iter().map(|other| other.plant(&self.campaign)).collect();
+        self.passed_beside(model, numbers, &[], &others, Keep::Rows)
     }
 
     fn passed(&self, model: &Model, numbers: &[Number], generic: &[(Site, Basis)], keep: Keep) -> Result<Vec<Seen>, Departed> {
-        self.work.fetch_add(self.instants() as u64 * (NODE_COST + numbers.len() as u64), Ordering::Relaxed);
+        self.passed_beside(model, numbers, generic, &[], keep)
+    }
+
+    fn passed_beside(
+        &self,
+        model: &Model,
+        numbers: &[Number],
+        generic: &[(Site, Basis)],
+        beside: &[Plant],
+        keep: Keep,
+    ) -> Result<Vec<Seen>, Departed> {
+        let columns = numbers.len() as u64 + BESIDE_COST * beside.len() as u64;
+        self.work.fetch_add(self.instants() as u64 * (NODE_COST + columns), Ordering::Relaxed);
         let columns = model.columns(&self.campaign, numbers, generic);
         let plant = model.plant(&self.campaign);
         let local = |p: &Plant, run: usize| p.for_run(run, &self.campaign.runs[run].inputs);
@@ -296,7 +311,7 @@ impl Engine {
             };
             let columns: Vec<SensitivityColumn> = columns.iter().map(of_run).collect();
             let (noise, slack, von_karman) = (&self.noise, self.slack, self.von_karman);
-            pass(run, &PassSetting { plant: &own, noise, columns: &columns, slack, von_karman, keep })
+            pass(run, &PassSetting { plant: &own, noise, columns: &columns, beside, slack, von_karman, keep })
         };
         let seen: Vec<Result<Seen, Departed>> = self.runs.par_iter().map(one).collect();
         seen.into_iter().collect()

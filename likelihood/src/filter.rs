@@ -5,6 +5,7 @@
 //! by the innovations' covariance `G = Σ DᵀD`, `b = Σ Dᵀν` (Durbin and Koopman 2012, §7.3; Klein and Morelli 2006, §6.2). Rates are means
 //! over two opposite points of the unresolved gust, so that what is not linear in the flow angles acts as it does on average (Gelb 1974, §6.2).
 
+mod beside;
 #[cfg(test)]
 mod dense;
 mod predict;
@@ -16,6 +17,8 @@ use crate::noise::{ChannelNoise, MeanNoise};
 use crate::random::{Input, ORDER, inputs};
 use crate::run::Prepared;
 use crate::shock::{GustNoise, Taken, Trace};
+use beside::Beside;
+pub(crate) use beside::NodeInnovations;
 use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, Simd, WithSimd};
 use rows::VECTOR;
@@ -40,14 +43,12 @@ pub(crate) struct Seen {
     pub(crate) log_likelihood: f64,
     /// Per channel, once the first state is found: sum of squares of innovations, of expected ones, of whitened ones, and count.
     pub(crate) channels: [[f64; 4]; POSE],
-    /// Whitened innovations of the pose, a row a node (zero where nothing was measured).
-    pub(crate) whitened: Vec<[f64; POSE]>,
-    /// Variances of the innovations, as those.
-    pub(crate) variances: Vec<[f64; POSE]>,
+    /// Its innovations.
+    pub(crate) innovations: NodeInnovations,
+    /// Those of filters with the random inputs of other plants, in their order.
+    pub(crate) beside: Vec<NodeInnovations>,
     /// Where asked for: a row a channel taken, whitened slopes by the columns and the whitened innovation.
     pub(crate) rows: Vec<f64>,
-    /// Log-likelihood of each node.
-    pub(crate) nodes: Vec<f64>,
     /// What a basis may look at, a row a node.
     pub(crate) views: Vec<View>,
     /// What the filter did, where asked for.
@@ -76,6 +77,8 @@ pub(crate) struct PassSetting<'a> {
     pub(crate) plant: &'a Plant,
     pub(crate) noise: &'a PerChannel<ChannelNoise>,
     pub(crate) columns: &'a [SensitivityColumn],
+    /// Plants that differ in their random inputs alone, of the same kinds: what filters with those see is found beside.
+    pub(crate) beside: &'a [Plant],
     /// Share of [`SLACK`] that the accelerations are left free by from node to node.
     pub(crate) slack: f64,
     /// Whether gusts are of von Kármán's form in place of Dryden's.
@@ -147,20 +150,24 @@ struct Filter<'a> {
 pub(crate) fn pass(run: &Prepared, s: &PassSetting<'_>) -> Result<Seen, Departed> {
     let fault = Departed { run: run.index, t_s: 0.0 };
     let columns: Vec<Ready<'_>> = s.columns.iter().map(|c| ready(c, s.plant)).collect::<Option<_>>().ok_or(fault)?;
-    Arch::new().dispatch(Widest { filter: &Filter::new(run, s).ok_or(fault)?, columns })
+    let filter = &Filter::new(run, s).ok_or(fault)?;
+    let of_other = |plant| Beside::new(filter, inputs(plant, run.speed_m_s, filter.step_s, s.von_karman));
+    let beside = s.beside.iter().map(of_other).collect::<Option<_>>().ok_or(fault)?;
+    Arch::new().dispatch(Widest { filter, columns, beside })
 }
 
 /// A pass, compiled for each vector unit.
 struct Widest<'f, 'a> {
     filter: &'f Filter<'a>,
     columns: Vec<Ready<'a>>,
+    beside: Vec<Beside>,
 }
 
 impl WithSimd for Widest<'_, '_> {
     type Output = Result<Seen, Departed>;
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        self.filter.run(self.columns)
+        self.filter.run(self.columns, self.beside)
     }
 }
 
@@ -212,19 +219,18 @@ impl<'a> Filter<'a> {
     }
 
     #[inline(always)]
-    fn run(&self, mut columns: Vec<Ready<'a>>) -> Result<Seen, Departed> {
+    fn run(&self, mut columns: Vec<Ready<'a>>, mut beside: Vec<Beside>) -> Result<Seen, Departed> {
         let (n, nc) = (self.n, self.columns);
-        let (mut z, mut p) = self.start();
+        let (mut z, mut p) = (self.start(), self.start_covariance(&self.random));
         let mut s = vec![0.0; n * self.nc];
         let mut seen = Seen {
             g: DMatrix::zeros(nc + 1, nc + 1),
             b: DVector::zeros(nc),
             log_likelihood: 0.0,
             channels: [[0.0; 4]; POSE],
-            whitened: Vec::with_capacity(self.run.nodes.len()),
-            variances: Vec::with_capacity(self.run.nodes.len()),
+            innovations: NodeInnovations::with_capacity(self.run.nodes.len()),
+            beside: Vec::new(),
             rows: Vec::new(),
-            nodes: Vec::with_capacity(self.run.nodes.len()),
             views: Vec::with_capacity(self.run.nodes.len()),
             trace: Trace::default(),
             states: n,
@@ -238,7 +244,7 @@ impl<'a> Filter<'a> {
             if matches!(self.keep, Keep::Trace | Keep::Gusts) {
                 seen.trace.nodes.push(Taken { t_s: self.run.nodes[k].t_s, ..Taken::default() });
             }
-            self.update(k, &mut z, &mut p, &mut s, &rate, &columns, &view, &mut seen, &mut rows, &mut work);
+            self.update(k, &mut z, &mut p, &mut s, &rate, &columns, &view, &mut seen, &mut rows, &mut beside, &mut work);
             seen.views.push(view);
             if rows.len() >= ROWS * (nc + 1) {
                 self.gather(&mut rows, &mut seen);
@@ -246,7 +252,7 @@ impl<'a> Filter<'a> {
             if k + 1 == self.run.nodes.len() {
                 break;
             }
-            self.predict(k, &mut z, &mut p, &mut s, &mut columns, &view, &mut work).ok_or(departed)?;
+            self.predict(k, &mut z, &mut p, &mut s, &mut columns, &view, &mut beside, &mut work).ok_or(departed)?;
             if !z.iter().all(|v| v.is_finite()) {
                 return Err(departed);
             }
@@ -256,6 +262,7 @@ impl<'a> Filter<'a> {
             }
         }
         self.gather(&mut rows, &mut seen);
+        seen.beside = beside.into_iter().map(|other| other.seen).collect();
         seen.b = DVector::from_fn(nc, |i, _| seen.g[(i, nc)]);
         seen.g = seen.g.view((0, 0), (nc, nc)).into_owned();
         let finite = seen.log_likelihood.is_finite() && seen.g.iter().all(|v| v.is_finite());
@@ -271,9 +278,9 @@ impl<'a> Filter<'a> {
         rows.clear();
     }
 
-    fn start(&self) -> (Vec<f64>, Vec<f64>) {
-        let n = self.n;
-        let (mut z, mut p) = (vec![0.0; n], vec![0.0; n * n]);
+    /// First state.
+    fn start(&self) -> Vec<f64> {
+        let mut z = vec![0.0; self.n];
         let q = self.run.start;
         let r = body_to_tunnel([q[3][0], q[4][0], q[5][0]]);
         let arm = self.plant.vehicle.p_origin_cm.to_array();
@@ -288,6 +295,13 @@ impl<'a> Filter<'a> {
             z[6 + i] = q[i][1] + along(turned);
             z[9 + i] = w[i];
         }
+        z
+    }
+
+    /// Covariance of the first state with these random inputs.
+    fn start_covariance(&self, random: &[Input]) -> Vec<f64> {
+        let n = self.n;
+        let mut p = vec![0.0; n * n];
         (0..STATES).for_each(|i| p[i * n + i] = START_STD[i] * START_STD[i]);
         if self.nm == MOTION {
             // A loose part hangs anywhere within a centimetre, and moves by as much in its own time.
@@ -295,7 +309,7 @@ impl<'a> Filter<'a> {
             (0..2).for_each(|i| p[(STATES + i) * n + STATES + i] = 1e-4);
             (2..4).for_each(|i| p[(STATES + i) * n + STATES + i] = 1e-4 * f * f);
         }
-        for (at, input) in self.inputs() {
+        for (at, input) in self.placed(random) {
             let now = self.intensity(input, 0);
             for i in 0..input.order {
                 (0..input.order).for_each(|k| p[(at + i) * n + at + k] = now * input.stationary[i][k]);
@@ -306,7 +320,7 @@ impl<'a> Filter<'a> {
             (p[at * n + at], p[(at + 1) * n + at + 1]) = (mean, last);
             (p[at * n + at + 1], p[(at + 1) * n + at]) = (both, both);
         }
-        (z, p)
+        p
     }
 
     /// Coloured noise with the place of its mean, which the last sample follows, and its channel.
@@ -325,7 +339,12 @@ impl<'a> Filter<'a> {
 
     /// Random inputs with the places of their first states.
     fn inputs(&self) -> impl Iterator<Item = (usize, &Input)> {
-        self.random.iter().scan(self.nm, |next, input| {
+        self.placed(&self.random)
+    }
+
+    /// The same of other inputs.
+    fn placed<'i>(&self, random: &'i [Input]) -> impl Iterator<Item = (usize, &'i Input)> {
+        random.iter().scan(self.nm, |next, input| {
             let at = *next;
             *next += input.order;
             Some((at, input))
@@ -449,6 +468,8 @@ struct Work {
     push: Vec<f64>,
     phi: Vec<f64>,
     q: Vec<f64>,
+    /// Both without what the random inputs bring, where other inputs run beside.
+    undriven: [Vec<f64>; 2],
     half: Vec<f64>,
     turned: Vec<f64>,
     s: Vec<f64>,
@@ -473,6 +494,7 @@ impl Work {
             push: vec![0.0; MOTION * nc],
             phi: vec![0.0; n * n],
             q: vec![0.0; n * n],
+            undriven: std::array::from_fn(|_| vec![0.0; n * n]),
             half: vec![0.0; n * n],
             turned: vec![0.0; n * n],
             s: vec![0.0; n * nc],

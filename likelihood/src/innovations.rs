@@ -24,7 +24,7 @@ impl Engine {
         let one = |(run, seen): (&crate::run::Prepared, crate::filter::Seen)| Innovations {
             run: run.index,
             step_s: run.step_s(),
-            rows: seen.whitened.into_iter().skip(crate::run::whole(SETTLED_S / run.step_s())).collect(),
+            rows: seen.innovations.whitened.into_iter().skip(crate::run::whole(SETTLED_S / run.step_s())).collect(),
         };
         Some(self.runs.iter().zip(sum.runs).map(one).collect())
     }

@@ -4,7 +4,7 @@
 //! Scoring (Fisher; Mehra 1970 for the innovations of a filter): the information is that of the innovations' slopes and of their variances'.
 
 use crate::engine::{Engine, Fit, penalty, totals};
-use crate::filter::Seen;
+use crate::filter::{NodeInnovations, Seen};
 use crate::model::{Model, Number};
 use nalgebra::{DMatrix, DMatrixView, DVector};
 use windfall_model::Role;
@@ -22,14 +22,12 @@ pub(crate) struct RandomSlopes {
 }
 
 impl Engine {
-    /// Slopes at a model, by columns and for random numbers by differences; none where a model departs.
+    /// Slopes at a model, by columns and for random numbers by differences beside them; none where a model departs.
     pub(crate) fn random_slopes(&self, model: &Model, numbers: &[Number]) -> Option<RandomSlopes> {
-        let base = self.with_rows(model, numbers).ok()?;
-        let one = |place| {
-            let (next, by) = moved(model, place);
-            Some(slopes(&base, &self.sum(&next, &[], &[]).ok()?.runs, by))
-        };
-        let slopes: Vec<Vec<Slopes>> = random_numbers(model).into_iter().map(one).collect::<Option<_>>()?;
+        let (others, steps): (Vec<Model>, Vec<f64>) = random_numbers(model).into_iter().map(|place| moved(model, place)).unzip();
+        let base = self.with_rows(model, numbers, &others).ok()?;
+        let of = |(k, by): (usize, &f64)| base.iter().map(|run| slopes(&run.innovations, &run.beside[k], *by)).collect();
+        let slopes: Vec<Vec<Slopes>> = steps.iter().enumerate().map(of).collect();
         let (n, m) = (numbers.len(), slopes.len());
         let (g, b, here) = totals(&base, n);
         let mut information = DMatrix::zeros(n + m, n + m);
@@ -47,6 +45,13 @@ impl Engine {
             information.view_mut((n + k, 0), (1, n)).tr_copy_from(&cross);
         }
         Some(RandomSlopes { here, slopes, information, gradient })
+    }
+
+    /// Log-likelihood of a model, and of others that differ from it a little in random members alone.
+    pub(crate) fn likelihoods_beside(&self, model: &Model, others: &[Model]) -> Option<(f64, Vec<f64>)> {
+        let runs = self.with_rows(model, &[], others).ok()?;
+        let of = |k: usize| runs.iter().flat_map(|run| &run.beside[k].nodes).sum();
+        Some((runs.iter().map(|run| run.log_likelihood).sum(), (0..others.len()).map(of).collect()))
     }
 
     /// What integrating over the logarithms of the random members' numbers takes off the log-likelihood at its top, by Laplace's
@@ -145,20 +150,17 @@ impl Slopes {
     }
 }
 
-fn slopes(base: &[Seen], moved: &[Seen], by: f64) -> Vec<Slopes> {
-    let one = |(base, moved): (&Seen, &Seen)| {
-        let mut slopes = Slopes { innovations: Vec::new(), variances: Vec::new(), likelihood: Vec::new() };
-        for (k, (a, b)) in base.variances.iter().zip(&moved.variances).enumerate() {
-            for c in (0..a.len()).filter(|&c| a[c] > 0.0) {
-                let (ratio, innovation) = (b[c] / a[c], base.whitened[k][c]);
-                slopes.innovations.push((moved.whitened[k][c] * ratio.sqrt() - innovation) / by);
-                slopes.variances.push(ratio.ln() / by);
-            }
+fn slopes(base: &NodeInnovations, moved: &NodeInnovations, by: f64) -> Slopes {
+    let mut slopes = Slopes { innovations: Vec::new(), variances: Vec::new(), likelihood: Vec::new() };
+    for (k, (a, b)) in base.variances.iter().zip(&moved.variances).enumerate() {
+        for c in (0..a.len()).filter(|&c| a[c] > 0.0) {
+            let (ratio, innovation) = (b[c] / a[c], base.whitened[k][c]);
+            slopes.innovations.push((moved.whitened[k][c] * ratio.sqrt() - innovation) / by);
+            slopes.variances.push(ratio.ln() / by);
         }
-        slopes.likelihood = base.nodes.iter().zip(&moved.nodes).map(|(a, b)| (b - a) / by).collect();
-        slopes
-    };
-    base.iter().zip(moved).map(one).collect()
+    }
+    slopes.likelihood = base.nodes.iter().zip(&moved.nodes).map(|(a, b)| (b - a) / by).collect();
+    slopes
 }
 
 /// A model with a random member's number a step further in its logarithm, away from the upper end of its range; and that step.

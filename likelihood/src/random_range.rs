@@ -159,13 +159,14 @@ impl Engine {
 
     /// The likeliest size at a value of a shape, by a parabola through three sizes.
     fn across(&self, model: &Model, [shape, size]: [(usize, usize); 2], [at, guess]: [f64; 2], steep: f64) -> Option<RidgePoint> {
-        let height = |by: f64| {
+        let sized = |by: f64| {
             let mut model = model.clone();
             model.members[shape.0].values[shape.1] = at.exp();
             model.members[size.0].values[size.1] = (guess + by).exp();
-            self.sum(&model, &[], &[]).ok().map(|s| s.log_likelihood)
+            model
         };
-        let [below, middle, above] = [height(-ACROSS)?, height(0.0)?, height(ACROSS)?];
+        let (middle, others) = self.likelihoods_beside(&sized(0.0), &[sized(-ACROSS), sized(ACROSS)])?;
+        let [below, above] = others[..] else { return None };
         let slope = (above - below) / (2.0 * ACROSS);
         let bend = (2.0 * middle - above - below) / (ACROSS * ACROSS);
         if bend <= 0.0 {

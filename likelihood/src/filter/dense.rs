@@ -46,7 +46,7 @@ fn stepped(f: &Filter<'_>, z: &[f64], k: usize) -> (Vec<f64>, DMatrix<f64>) {
     let (n, mut work, mut next) = (f.n, Work::new(f), z.to_vec());
     let view = f.view(z, k);
     let mut no_columns: Vec<Ready<'_>> = Vec::new();
-    f.predict(k, &mut next, &mut vec![0.0; n * n], &mut Vec::new(), &mut no_columns, &view, &mut work)
+    f.predict(k, &mut next, &mut vec![0.0; n * n], &mut Vec::new(), &mut no_columns, &view, &mut [], &mut work)
         .expect("a state that flies");
     (next, DMatrix::from_fn(n, n, |i, j| work.q[i.max(j) * n + i.min(j)]))
 }
@@ -70,9 +70,12 @@ fn slopes(z: &[f64], of: impl Fn(&[f64]) -> DVector<f64>) -> DMatrix<f64> {
 /// Mean of all measurements, what an uncertain start adds to their covariance, and what gusts and instruments do.
 fn written_out(plant: &Plant, noise: &PerChannel<ChannelNoise>) -> (DVector<f64>, DMatrix<f64>, DMatrix<f64>) {
     let run = prepared(STEP_S / FINER as f64, NODES * FINER);
-    let f = Filter::new(&run, &PassSetting { plant, noise, columns: &[], slack: 0.0, von_karman: false, keep: Keep::Nothing })
-        .expect("a whole model");
-    let (mut z, p) = f.start();
+    let f = Filter::new(
+        &run,
+        &PassSetting { plant, noise, columns: &[], beside: &[], slack: 0.0, von_karman: false, keep: Keep::Nothing },
+    )
+    .expect("a whole model");
+    let (mut z, p) = (f.start(), f.start_covariance(&f.random));
     let n = f.n;
     let is_motion = |i: usize| i < f.nm;
     let from = |keep: &dyn Fn(usize) -> bool| DMatrix::from_fn(n, n, |i, j| if keep(i) && keep(j) { p[i * n + j] } else { 0.0 });
@@ -127,8 +130,15 @@ fn exact_against_one_gaussian() {
                 .iter_mut()
                 .enumerate()
                 .for_each(|(k, node)| node.y.copy_from_slice(&y.as_slice()[k * POSE..(k + 1) * POSE]));
-            let setting =
-                PassSetting { plant: &plant, noise: &noise, columns: &[], slack: 0.0, von_karman: false, keep: Keep::Nothing };
+            let setting = PassSetting {
+                plant: &plant,
+                noise: &noise,
+                columns: &[],
+                beside: &[],
+                slack: 0.0,
+                von_karman: false,
+                keep: Keep::Nothing,
+            };
             let filter = super::pass(&run, &setting).expect("a pass").log_likelihood;
             differences.push(filter - dense);
         }

@@ -1,5 +1,6 @@
 //! likelihood: the filter from one node to the next. In: state, covariance and sensitivities after a node. Out: the same before the next.
 
+use super::beside::Beside;
 use super::rows::{VECTOR, add_rows};
 use super::{Filter, Keep, Ready, SLACK, Stage, Work, states, times};
 use crate::columns::{Site, View};
@@ -23,6 +24,9 @@ struct At {
     local: Local,
 }
 
+/// Slopes of the rates of motion by what the air adds.
+type Pushed = [[f64; ADDED]; MOTION];
+
 impl Filter<'_> {
     /// Time update to the next node.
     #[expect(clippy::too_many_arguments, reason = "the state of one filter, borrowed in parts")]
@@ -35,6 +39,7 @@ impl Filter<'_> {
         s: &mut Vec<f64>,
         columns: &mut [Ready<'_>],
         view: &View,
+        beside: &mut [Beside],
         work: &mut Work,
     ) -> Option<()> {
         let nm = self.nm;
@@ -42,7 +47,8 @@ impl Filter<'_> {
         let (air, added) = self.air(z, k, Stage::Middle, [0.0; 3]);
         let local = self.craft.local(&flown.middle, air, &added, &mut work.terms)?;
         work.values.clone_from(&work.terms);
-        self.transition(k, &local, work);
+        self.transition(k, &local, !beside.is_empty(), work);
+        self.step_beside(k, z, beside, &local, work);
         self.push(&At { middle: flown.middle, air, added, local }, columns, view, work)?;
         self.carry(s, columns, &flown.first, work);
         z[..nm].copy_from_slice(&flown.end[..nm]);
@@ -54,7 +60,8 @@ impl Filter<'_> {
             let last = z[at + 1];
             z[at..at + 2].copy_from_slice(&noise.by_last.map(|by| by * last));
         }
-        self.spread_on(p, work);
+        let Work { phi, q, half, turned, .. } = work;
+        self.spread_on(p, phi, q, [half, turned]);
         Some(())
     }
 
@@ -137,7 +144,7 @@ impl Filter<'_> {
     /// Transition of all states over a step and, on and below the diagonal, the noise that it adds. Motion by the Taylor series of its
     /// matrix exponential; inputs, and their integrals that move it, exactly.
     #[inline(always)]
-    fn transition(&self, k: usize, local: &Local, work: &mut Work) {
+    fn transition(&self, k: usize, local: &Local, keep_undriven: bool, work: &mut Work) {
         let (n, h) = (self.n, self.step_s);
         work.phi.fill(0.0);
         work.q.fill(0.0);
@@ -149,15 +156,24 @@ impl Filter<'_> {
         for (k, a) in SLACK.iter().enumerate() {
             work.q[(6 + k) * n + 6 + k] += (self.slack * a * h).powi(2);
         }
-        work.gusts.clear();
-        for (at, input) in self.inputs() {
-            self.driven(at, input, self.intensity(input, k), local, work);
-        }
         for (at, _, noise) in self.colours() {
             let [mean, both, last] = noise.added;
             (work.phi[at * n + at + 1], work.phi[(at + 1) * n + at + 1]) = (noise.by_last[0], noise.by_last[1]);
             (work.q[at * n + at], work.q[(at + 1) * n + at + 1]) = (mean, last);
             work.q[(at + 1) * n + at] = both;
+        }
+        if keep_undriven {
+            work.undriven[0].copy_from_slice(&work.phi);
+            work.undriven[1].copy_from_slice(&work.q);
+        }
+        work.gusts.clear();
+        let Work { phi, q, pushed, gusts, .. } = work;
+        for (at, input) in self.inputs() {
+            let before = if self.keep == Keep::Gusts { q.clone() } else { Vec::new() };
+            self.driven((at, self.intensity(input, k)), input, [&local.by_added, &pushed[0], &pushed[1]], phi, q);
+            if let (Keep::Gusts, Entry::AirVelocity(axis)) = (self.keep, input.entry) {
+                gusts.push(self.gust_noise(at, input, axis, &before, q));
+            }
         }
     }
 
@@ -220,9 +236,11 @@ impl Filter<'_> {
         }
     }
 
-    /// What a random input, its first state at `at` and its variance `now` times its mean, does to motion and to itself over a step.
+    /// What a random input, its first state at `at` and its variance `now` times its mean, does to motion and to itself over a step: adds to
+    /// a transition and to the noise that it adds. `slopes`: of the rates of motion by what the air adds, and what motion makes of them, once
+    /// and twice.
     #[inline(always)]
-    fn driven(&self, at: usize, input: &Input, now: f64, local: &Local, work: &mut Work) {
+    pub(super) fn driven(&self, (at, now): (usize, f64), input: &Input, slopes: [&Pushed; 3], phi: &mut [f64], q: &mut [f64]) {
         let (n, nm) = (self.n, self.nm);
         // Rates of motion by the input and by its rate, and what motion makes of those.
         let (own, rate) = match input.entry {
@@ -230,7 +248,7 @@ impl Filter<'_> {
             Entry::Coefficient(c) => (6 + c, None),
         };
         let mut moved = [[0.0; MOTION]; REACH];
-        for (k, slopes) in [&local.by_added, &work.pushed[0], &work.pushed[1]].into_iter().enumerate() {
+        for (k, slopes) in slopes.into_iter().enumerate() {
             for i in 0..nm {
                 moved[2 * k][i] = slopes[i][own];
                 moved[2 * k + 1][i] = rate.map_or(0.0, |rate| slopes[i][rate]);
@@ -238,7 +256,6 @@ impl Filter<'_> {
         }
         let own = moved[0];
         let broad = now * (input.broad * self.step_s).powi(2);
-        let Work { phi, q, .. } = &mut *work;
         for c in 0..input.order {
             let by = weighted(&moved, &input.reach.map(|r| r[c]));
             let crossed = weighted(&moved, &input.crossed.map(|r| now * r[c]));
@@ -248,19 +265,10 @@ impl Filter<'_> {
             }
         }
         let spread = input.reach_added.map(|r| weighted(&moved, &r));
-        let Work { phi, q, gusts, .. } = work;
-        let kept = match input.entry {
-            Entry::AirVelocity(axis) if self.keep == Keep::Gusts => Some(axis),
-            _ => None,
-        };
-        let mut gust = Vec::new();
         for i in 0..nm {
             let mut sum = weighted(&moved, &spread.map(|s| now * s[i]));
             sum.iter_mut().zip(&own).for_each(|(sum, x)| *sum += broad * own[i] * x);
             q[i * n..=i * n + i].iter_mut().zip(&sum).for_each(|(q, s)| *q += s);
-            if kept.is_some() {
-                gust.extend_from_slice(&sum[..=i]);
-            }
         }
         for i in 0..input.order {
             for k in 0..input.order {
@@ -268,13 +276,16 @@ impl Filter<'_> {
                 q[(at + i) * n + at + k] = now * input.added[i][k];
             }
         }
-        if let Some(axis) = kept {
-            let reached: Vec<usize> = (0..nm).chain(at..at + input.order).collect();
-            for i in 0..input.order {
-                gust.extend(reached[..=nm + i].iter().map(|k| q[(at + i) * n + k]));
-            }
-            gusts.push(GustNoise { axis, states: reached, added: gust });
+    }
+
+    /// What a gust along an axis, its first state at `at`, has added to the noise of a step, which was `before`.
+    fn gust_noise(&self, at: usize, input: &Input, axis: usize, before: &[f64], q: &[f64]) -> GustNoise {
+        let states: Vec<usize> = (0..self.nm).chain(at..at + input.order).collect();
+        let mut added = Vec::new();
+        for (i, row) in states.iter().enumerate() {
+            added.extend(states[..=i].iter().map(|k| q[row * self.n + k] - before[row * self.n + k]));
         }
+        GustNoise { axis, states, added }
     }
 
     /// `S⁻ = Φ S⁺ + Γ`.
@@ -312,11 +323,10 @@ impl Filter<'_> {
         }
     }
 
-    /// `P⁻ = Φ P⁺ Φᵀ + Q`.
+    /// `P⁻ = Φ P⁺ Φᵀ + Q`; two matrices to work in.
     #[inline(always)]
-    fn spread_on(&self, p: &mut [f64], work: &mut Work) {
+    pub(super) fn spread_on(&self, p: &mut [f64], phi: &[f64], q: &[f64], [half, turned]: [&mut Vec<f64>; 2]) {
         let (n, states) = (self.n, self.states);
-        let Work { phi, q, half, turned, .. } = work;
         let phi = |i: usize| &phi[i * n..i * n + states];
         half.fill(0.0);
         for i in 0..states {

@@ -1,5 +1,6 @@
 //! likelihood: what a measurement does to the filter. In: state, covariance and sensitivities before a node. Out: the same after it.
 
+use super::beside::Beside;
 use super::rows::axpy;
 use super::{Filter, Ready, SETTLED_S, Seen, Work};
 use crate::columns::{Shown, Site, View, shown};
@@ -23,6 +24,7 @@ impl Filter<'_> {
         view: &View,
         seen: &mut Seen,
         rows: &mut Vec<f64>,
+        beside: &mut [Beside],
         work: &mut Work,
     ) {
         let (n, node) = (self.n, &self.run.nodes[k]);
@@ -31,6 +33,7 @@ impl Filter<'_> {
         let (mut whitened, mut variances) = ([0.0; POSE], [0.0; POSE]);
         let so_far = seen.log_likelihood;
         let before = z.to_vec();
+        beside.iter_mut().for_each(Beside::begin);
         for c in 0..if node.pose.count > 0.0 { POSE } else { 0 } {
             let (innovation, variance) = self.innovation(c, node, predicted[c], z, &before, p, s, work);
             let root = variance.sqrt();
@@ -53,11 +56,15 @@ impl Filter<'_> {
                     columns: work.d[..self.columns].to_vec(),
                 });
             }
+            let (slope, noise) = (&work.h[c * n..(c + 1) * n], self.white[c] / node.pose.count);
+            for other in &mut *beside {
+                other.take(c, slope, noise, innovation, (&work.ph, variance));
+            }
             self.correct(z, p, s, innovation, variance, work);
         }
-        seen.whitened.push(whitened);
-        seen.variances.push(variances);
-        seen.nodes.push(seen.log_likelihood - so_far);
+        seen.innovations.whitened.push(whitened);
+        seen.innovations.variances.push(variances);
+        seen.innovations.nodes.push(seen.log_likelihood - so_far);
     }
 
     /// What the channels show, and their slopes by the states.
