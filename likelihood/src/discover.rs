@@ -85,10 +85,12 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let declared = Model::declared(&engine.campaign);
     let best = searched(engine, &declared, &mut log)?;
     log.push(format!("work {:.0}", engine.passes()));
+    engine.count_anew();
     let (_, after, weighed) = best.ok_or("no set of effects could be fitted")?;
     let (after, weighed) = selected(engine, after, weighed, &mut log);
     let (after, weighed, contest) = against_alternatives(engine, after, weighed, &mut log);
     let (after, weighed, contest, faint) = against_gusts(engine, after, weighed, contest, &mut log);
+    let after = engine.settle_exactly(&after);
     let before = declared_alone(engine, &declared, &after);
     let sets = named(&weighed, &after.model);
     let (random_gains, random_ranges) = (gains(engine, &after), engine.random_ranges(&after));

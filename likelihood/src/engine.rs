@@ -29,6 +29,8 @@ pub struct Engine {
     pub(crate) slack: f64,
     /// Gusts of von Kármán's form in place of Dryden's: motion seldom tells them apart, and their sizes differ.
     pub(crate) von_karman: bool,
+    /// Slopes by sizes and lengths of gusts from passes of their own, not from filters beside the pass.
+    pub(crate) exact_gusts: bool,
     /// What the changing variance of the gusts takes off the log-likelihood of models with gusts.
     pub(crate) bursts_price: f64,
     /// What it leaves of the logarithms of the gusts' sizes, along the stream and across it.
@@ -151,6 +153,7 @@ impl Engine {
             noise,
             hum,
             slack: 0.0,
+            exact_gusts: false,
             von_karman: false,
             bursts_price: 0.0,
             bursts_std: [0.0; 2],
@@ -343,6 +346,11 @@ impl Engine {
         let declared = self.campaign.plant.disturbances(1.0);
         let moved = plant.disturbances(1.0).into_iter().filter(|d| declared.iter().all(|o| o.entry != d.entry || o.rms < d.rms));
         moved.filter_map(|d| if let Entry::AirVelocity(axis) = d.entry { Some(axis) } else { None }).min()
+    }
+
+    /// Starts counting work again: what the search's end is held against has a budget of its own.
+    pub(crate) fn count_anew(&mut self) {
+        self.work = Arc::default();
     }
 
     /// Whether a search has done all the work that it may: what no set explains is not worth more.

@@ -1,6 +1,6 @@
 //! likelihood: effects against generic alternatives. In: the best set. Out: what stands beside time, height, angles, lines and random air.
 
-use super::polish::polish;
+use super::polish::{declared_alone, polish};
 use super::weigh::{GENERIC, SURE, Weighed, weigh, weigh_beside, with_set};
 use super::{describe, random_cost, score};
 use crate::check::{Alternative, Lead, alternatives};
@@ -121,21 +121,33 @@ pub(super) fn against_gusts(
     let speed = engine.mean_speed_m_s();
     let gusts = fit.model.members.iter().position(|m| m.random && !m.declared && engine.moves_air(m));
     let Some(gusts) = gusts else { return (fit, weighed, contest, Vec::new()) };
-    let mut still = fit.model.clone();
-    still.members.remove(gusts);
-    let Ok(still) = engine.climb(&still, true, 6) else { return (fit, weighed, contest, Vec::new()) };
     let all = alternatives(engine);
-    let Some(beside) = weigh_beside(engine, &still.model, &all) else { return (fit, weighed, contest, Vec::new()) };
-    let Some(other) = outcome(&beside, &all) else { return (fit, weighed, contest, Vec::new()) };
-    let here = score(engine, &fit);
-    let there = beside.total - random_cost(&still.model, engine) - engine.random_price(&still.model);
+    let mut without = fit.model.clone();
+    without.members.remove(gusts);
+    let has_more = without.members.iter().any(|m| !m.declared && !m.random);
+    // What was found in gusts may stand for what those left of an alternative: beside the declared model alone, too.
+    let alone = has_more.then(|| declared_alone(engine, &Model::declared(&engine.campaign), &fit).ok()).flatten();
+    let tries = [Some(without), alone.map(|f| f.model)].map(|model| {
+        let still = engine.climb(&model?, true, 12).ok()?;
+        let beside = weigh_beside(engine, &still.model, &all)?;
+        let there = beside.total - random_cost(&still.model, engine) - engine.random_price(&still.model);
+        Some((there, outcome(&beside, &all)?, still))
+    });
+    let (there, other, still) = match &tries {
+        [Some(set), Some(alone)] if set.2.chi < NEAR && (alone.2.chi >= NEAR || set.0 > alone.0 + SURE) => set,
+        [_, Some(alone)] => alone,
+        [Some(set), None] => set,
+        [None, None] => return (fit, weighed, contest, Vec::new()),
+    };
+    let (there, here) = (*there, score(engine, &fit));
     log.push(format!("without gusts {there:.1} for {here:.1} (chi {:.2}), {:?}", still.chi, other.leads));
     if still.chi < NEAR
         && !other.leads.is_empty()
         && there > here + SURE
         && let Some(weighed) = weigh(engine, &still.model)
     {
-        return (still, weighed, Some(other), Vec::new());
+        let (still, weighed, contest) = against_alternatives(engine, still.clone(), weighed, log);
+        return (still, weighed, contest, Vec::new());
     }
     // Better without gusts by what weighing promises: the fit decides.
     if still.chi < NEAR
@@ -147,6 +159,7 @@ pub(super) fn against_gusts(
         let again = self::contest(engine, &fit.model, &all);
         return (fit, weighed, again, Vec::new());
     }
+    let [Some((_, other, still)), _] = tries else { return (fit, weighed, contest, Vec::new()) };
     let Some(lead) = stand_in(engine, &fit, &still, gusts, speed) else { return (fit, weighed, contest, Vec::new()) };
     let leads = if lead.line_hz.is_some() || other.leads.is_empty() { vec![lead] } else { other.leads };
     (fit, weighed, contest, leads)
