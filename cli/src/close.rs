@@ -82,8 +82,8 @@ fn story(c: &Closing) -> String {
         held_out(&mut text, b, a);
     }
     text += &crate::agreement::wind_tunnel(&c.wind_tunnel);
-    for runs in &c.joined {
-        let _ = writeln!(text, "\n{runs}: taken as one flight, each goes on where the one before it ended");
+    for note in c.notes() {
+        let _ = writeln!(text, "\n{}", folded(&note, 0));
     }
     for u in &c.unexplained {
         let _ = writeln!(text, "\nunexplained {}: {}", u.channel, folded(&u.description, u.channel.len() + 14));

@@ -65,6 +65,8 @@ pub struct Discovery {
     pub random_bounds: Vec<(&'static str, String, f64, String)>,
     /// Lines in the spectra of the innovations.
     pub lines: Vec<Lead>,
+    /// Passes over the runs at which the search ended, where those are all that it may do.
+    pub unfinished_passes: Option<f64>,
     /// Innovations of each channel of the pose beyond five standard deviations.
     pub outliers: [usize; POSE],
     /// What was done, for those who look beneath.
@@ -85,6 +87,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let declared = Model::declared(&engine.campaign);
     let best = searched(engine, &declared, &mut log)?;
     log.push(format!("work {:.0}", engine.passes()));
+    let unfinished_passes = engine.is_exhausted().then(|| engine.passes().round());
     engine.count_anew();
     let (_, after, weighed) = best.ok_or("no set of effects could be fitted")?;
     let (after, weighed) = selected(engine, after, weighed, &mut log);
@@ -120,6 +123,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
         random_ranges,
         random_bounds,
         lines,
+        unfinished_passes,
         outliers,
         log,
     })

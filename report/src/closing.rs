@@ -92,8 +92,7 @@ pub(crate) fn closing_body(c: &Closing, figures: &[Figure], tracks: Option<&Sign
     let lead =
         "How large an effect that was not found could still be and escape: its size stays under the bound with 95 % confidence.";
     out += &section("Bounds on what was not found", lead, &bounds(c));
-    let joined = c.joined.iter().map(|runs| format!("{runs}: taken as one flight, each goes on where the one before it ended"));
-    out + &warnings(&joined.chain(tracks.map_or_else(Vec::new, notes)).collect::<Vec<_>>())
+    out + &warnings(&c.notes().into_iter().chain(tracks.map_or_else(Vec::new, notes)).collect::<Vec<_>>())
 }
 
 /// Below everything.

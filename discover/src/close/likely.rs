@@ -49,6 +49,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         campaign: campaign.name.clone(),
         verdict,
         joined: engine.joined(campaign),
+        unfinished_passes: found.unfinished_passes,
         residual: Residuals { per_channel: channels(before) },
         residual_after: Residuals { per_channel: channels(after) },
         noise: noise(campaign, &engine, &indices, &found),

@@ -65,6 +65,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         campaign: campaign.name.clone(),
         verdict,
         joined: Vec::new(),
+        unfinished_passes: None,
         residual: result::Residuals { per_channel: residual },
         noise: noise(&found, campaign, &left),
         residual_after: result::Residuals { per_channel: left },

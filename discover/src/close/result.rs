@@ -334,6 +334,9 @@ pub struct Closing {
     /// Runs that were taken as one flight, since one goes on where the other ended: their names, a text for each flight.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub joined: Vec<String>,
+    /// Where the search ended because all the work it may do was done: that, in passes over the runs. A likelier set may not have been tried.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unfinished_passes: Option<f64>,
     /// Residual of the declared model.
     pub residual: Residuals,
     /// Residual with the effects added.
@@ -369,6 +372,21 @@ pub struct Closing {
     pub wind_tunnel: Vec<crate::WindTunnelLine>,
     /// Stated chance of naming an effect in a campaign without one, per round.
     pub false_alarm_rate: f64,
+}
+
+impl Closing {
+    /// What is to be said of how runs were taken and how the search ended, a text each.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        let one_flight = |runs: &String| format!("{runs}: taken as one flight, each goes on where the one before it ended");
+        let unfinished = |passes: f64| {
+            format!(
+                "the search ended unfinished, after {passes:.0} passes over the runs, all that it may do: a likelier set may not have been \
+                 tried; with fewer runs or shorter ones it may come to its end"
+            )
+        };
+        self.joined.iter().map(one_flight).chain(self.unfinished_passes.map(unfinished)).collect()
+    }
 }
 
 #[cfg(test)]

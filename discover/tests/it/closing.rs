@@ -34,7 +34,7 @@ fn recover_a_touch() {
     let (start_s, duration_s) = (5.0, 0.15);
     let touch = [1.0, start_s, duration_s, 0.0, 0.02, 0.0, 0.0, 0.0, 0.004];
     let closing = close(&flown(11, |plant, _| with(plant, "contact", &touch)), &Options::default()).expect("closes");
-    assert_eq!(families(&closing), ["contact"]);
+    assert_eq!((families(&closing), closing.unfinished_passes), (vec!["contact"], None));
     let of = |name: &str| closing.effects[0].parameters.iter().find(|p| p.name == name).expect("a parameter");
     assert!((of("run").estimate - 1.0).abs() < 0.5);
     // A pulse's middle is told by what it did; start and duration exchange.
@@ -78,6 +78,8 @@ fn recover_a_drift_of_the_recorded_speed() {
     }
     let closing = close(&campaign, &Options::default()).expect("closes");
     assert_eq!((families(&closing), closing.verdict), (Vec::new(), Verdict::Unexplained));
+    // Gusts and four effects come close for a while, which takes all the work allowed; so it is said.
+    assert!(closing.unfinished_passes.is_some() && closing.notes().iter().any(|n| n.contains("unfinished")), "{:?}", closing.notes());
     let lead = &closing.unexplained[0];
     assert!(lead.channel == "VW_m_s" && lead.description.contains("time"), "{lead:?}");
     // Ten seconds of it, the true speed beneath its record.

@@ -443,6 +443,7 @@ class Closing(Result):
     campaign: str
     verdict: Literal["consistent", "effect", "unexplained"]
     joined: list[str]
+    unfinished_passes: float | None
     residual: Residuals
     residual_after: Residuals
     noise: list[NoiseLine]
