@@ -79,7 +79,11 @@ fn recover_a_drift_of_the_recorded_speed() {
     let closing = close(&campaign, &Options::default()).expect("closes");
     assert_eq!((families(&closing), closing.verdict), (Vec::new(), Verdict::Unexplained));
     // Gusts and four effects come close for a while, which takes all the work allowed; so it is said.
-    assert!(closing.unfinished_passes.is_some() && closing.notes().iter().any(|n| n.contains("unfinished")), "{:?}", closing.notes());
+    assert!(
+        closing.unfinished_passes.is_some() && closing.notes().iter().any(|n| n.contains("unfinished")),
+        "{:?}",
+        closing.notes()
+    );
     let lead = &closing.unexplained[0];
     assert!(lead.channel == "VW_m_s" && lead.description.contains("time"), "{lead:?}");
     // Ten seconds of it, the true speed beneath its record.
