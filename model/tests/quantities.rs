@@ -109,8 +109,9 @@ fn exact_instrument_mass_and_swivel_effects_add_to_what_is_there() {
         plant.sensors.length_scale = 0.001;
         plant.sensors.time_base = 0.002;
         let effect = effects::find(family, Acts::Lander).expect("of the catalogue");
-        assert_eq!((effect.parameters)(&[]).len(), 1);
-        (effect.apply)(&mut plant, &[value]);
+        let mut values: Vec<f64> = (effect.parameters)(&[]).iter().map(|p| p.null).collect();
+        values[0] = value;
+        (effect.apply)(&mut plant, &values);
         plant
     };
     assert!((apply("length-scale", 0.01).sensors.length_scale - 0.011).abs() < 1e-15);
@@ -118,7 +119,7 @@ fn exact_instrument_mass_and_swivel_effects_add_to_what_is_there() {
     let heavier = apply("mass", 0.05).vehicle;
     assert!((heavier.mass_kg - 0.85).abs() < 1e-15);
     assert_eq!(heavier.inertia, plant().vehicle.inertia);
-    assert_eq!(apply("swivel-friction", 0.02).tether.map(|t| t.swivel_n_m), Some(0.02));
+    assert_eq!(apply("swivel-friction", 0.02).tether.map(|t| (t.swivel_n_m, t.swivel_rate_rad_s)), Some((0.02, 0.05)));
 }
 
 /// One strength of an effect after the other: what it does to the numbers of a plant that has them all. Most are added; some multiply what is
