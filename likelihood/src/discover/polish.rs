@@ -61,14 +61,13 @@ pub(super) fn polished(engine: &Engine, mut model: Model, floor: f64, forms: boo
     None
 }
 
-/// A fit without members that weighing only promised, and all sets without them weighed there. In gusts a number also changes how
-/// uncertain a prediction is; columns leave that out, and may promise a gain that no fit finds.
+/// A fit without members that weighing only promised, and all sets without them weighed there: columns are of where the fit stands, with its
+/// shapes, and leave out that in gusts a number also changes how uncertain a prediction is; they may promise a gain that no fit finds.
 fn without_promises(engine: &Engine, mut here: f64, mut fit: Fit, log: &mut Vec<String>) -> Option<Scored> {
     let mut empty: Vec<&'static str> = Vec::new();
-    let in_gusts = fit.model.members.iter().any(|m| m.random);
     for k in (0..fit.model.members.len()).rev() {
         let m = &fit.model.members[k];
-        if !in_gusts || m.random || m.declared || m.is_local() {
+        if m.random || m.declared || m.is_local() {
             continue;
         }
         let family = m.effect.family;
