@@ -82,15 +82,7 @@ impl Engine {
         if random_numbers(&fit.model).is_empty() {
             return fit.clone();
         }
-        let mut model = fit.model.clone();
-        for _ in 0..most {
-            let Some((next, expected)) = self.scored(&model) else { break };
-            model = next;
-            if expected < WORTH {
-                break;
-            }
-        }
-        match self.climb(&model, false, 3) {
+        match self.climb(&self.scored_up(&fit.model, most, WORTH), false, 3) {
             Ok(after) if after.total > fit.total => after,
             _ => fit.clone(),
         }
@@ -105,18 +97,23 @@ impl Engine {
         }
         let mut exact = self.clone();
         exact.exact_gusts = true;
-        let mut model = fit.model.clone();
-        for _ in 0..STEPS {
-            let Some((next, expected)) = exact.scored(&model) else { break };
-            model = next;
-            if expected < WORTH_EXACTLY {
-                break;
-            }
-        }
-        match self.climb(&model, true, 10) {
+        match self.climb(&exact.scored_up(&fit.model, STEPS, WORTH_EXACTLY), true, 10) {
             Ok(after) if after.total > fit.total => after,
             _ => fit.clone(),
         }
+    }
+
+    /// A model after at most `most` steps of scoring, the last where a step was expected to gain less than `worth`.
+    fn scored_up(&self, model: &Model, most: usize, worth: f64) -> Model {
+        let mut model = model.clone();
+        for _ in 0..most {
+            let Some((next, expected)) = self.scored(&model) else { break };
+            model = next;
+            if expected < worth {
+                break;
+            }
+        }
+        model
     }
 
     /// The model a step of scoring further, shortened until the posterior rises, and what a whole step was expected to gain; none where no
@@ -164,8 +161,8 @@ const WORTH_EXACTLY: f64 = 0.01;
 
 /// Slopes of a run's innovations (whitened), of the logarithms of their variances, and of its nodes' log-likelihoods.
 pub(crate) struct Slopes {
-    innovations: Vec<f64>,
-    variances: Vec<f64>,
+    pub(crate) innovations: Vec<f64>,
+    pub(crate) variances: Vec<f64>,
     pub(crate) likelihood: Vec<f64>,
 }
 
@@ -183,7 +180,8 @@ impl Slopes {
     }
 }
 
-fn slopes(base: &NodeInnovations, moved: &NodeInnovations, by: f64) -> Slopes {
+/// Slopes from a pass and one whose random number is `by` further in its logarithm.
+pub(crate) fn slopes(base: &NodeInnovations, moved: &NodeInnovations, by: f64) -> Slopes {
     let mut slopes = Slopes { innovations: Vec::new(), variances: Vec::new(), likelihood: Vec::new() };
     for (k, (a, b)) in base.variances.iter().zip(&moved.variances).enumerate() {
         for c in (0..a.len()).filter(|&c| a[c] > 0.0) {

@@ -108,6 +108,13 @@ fn tone_hz(engine: &Engine, member: &Member, speed_m_s: f64) -> Option<f64> {
     }
 }
 
+/// A fit without gusts beside the generic alternatives, and the score of both.
+struct Still {
+    there: f64,
+    other: Contest,
+    still: Fit,
+}
+
 /// Gusts held against generic alternatives without gusts: random air takes up any small and slow residual, whatever it varies with. What
 /// the alternatives explain better is theirs; gusts that are fainter than a tunnel's are said to stand for something else.
 pub(super) fn against_gusts(
@@ -131,10 +138,10 @@ pub(super) fn against_gusts(
         let still = engine.climb(&model?, true, 12).ok()?;
         let beside = weigh_beside(engine, &still.model, &all)?;
         let there = beside.total - random_cost(&still.model, engine) - engine.random_price(&still.model);
-        Some((there, outcome(&beside, &all)?, still))
+        Some(Still { there, other: outcome(&beside, &all)?, still })
     });
-    let (there, other, still) = match &tries {
-        [Some(set), Some(alone)] if set.2.chi < NEAR && (alone.2.chi >= NEAR || set.0 > alone.0 + SURE) => set,
+    let Still { there, other, still } = match &tries {
+        [Some(set), Some(alone)] if set.still.chi < NEAR && (alone.still.chi >= NEAR || set.there > alone.there + SURE) => set,
         [_, Some(alone)] => alone,
         [Some(set), None] => set,
         [None, None] => return (fit, weighed, contest, Vec::new()),
@@ -159,7 +166,7 @@ pub(super) fn against_gusts(
         let again = self::contest(engine, &fit.model, &all);
         return (fit, weighed, again, Vec::new());
     }
-    let [Some((_, other, still)), _] = tries else { return (fit, weighed, contest, Vec::new()) };
+    let [Some(Still { other, still, .. }), _] = tries else { return (fit, weighed, contest, Vec::new()) };
     let Some(lead) = stand_in(engine, &fit, &still, gusts, speed) else { return (fit, weighed, contest, Vec::new()) };
     let leads = if lead.line_hz.is_some() || other.leads.is_empty() { vec![lead] } else { other.leads };
     (fit, weighed, contest, leads)

@@ -11,7 +11,7 @@ use crate::random::Input;
 use windfall_model::POSE;
 use windfall_pid::equations::Local;
 
-/// NodeInnovations of a run's filter, a row a node.
+/// Innovations of a run's filter, a row a node.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NodeInnovations {
     /// Whitened innovations of the pose (zero where nothing was measured).
@@ -33,6 +33,7 @@ pub(super) struct Beside {
     inputs: Vec<Input>,
     /// What its states are more than the filter's, and their covariance.
     dz: Vec<f64>,
+    next: Vec<f64>,
     p: Vec<f64>,
     phi: Vec<f64>,
     q: Vec<f64>,
@@ -49,7 +50,16 @@ impl Beside {
             return None;
         }
         let (p, seen) = (filter.start_covariance(&inputs), NodeInnovations::with_capacity(filter.run.nodes.len()));
-        Some(Self { inputs, dz: vec![0.0; n], p, phi: vec![0.0; n * n], q: vec![0.0; n * n], ph: vec![0.0; n], seen })
+        Some(Self {
+            inputs,
+            dz: vec![0.0; n],
+            next: vec![0.0; n],
+            p,
+            phi: vec![0.0; n * n],
+            q: vec![0.0; n * n],
+            ph: vec![0.0; n],
+            seen,
+        })
     }
 
     /// A node begins.
@@ -93,7 +103,7 @@ impl Filter<'_> {
     pub(super) fn step_beside(&self, k: usize, z: &[f64], beside: &mut [Beside], local: &Local, work: &mut Work) {
         let (n, nm) = (self.n, self.nm);
         for other in beside {
-            let Beside { inputs, dz, p, phi, q, .. } = other;
+            let Beside { inputs, dz, next, p, phi, q, .. } = other;
             // What does not come from the inputs is the same.
             phi.copy_from_slice(&work.undriven[0]);
             q.copy_from_slice(&work.undriven[1]);
@@ -102,13 +112,13 @@ impl Filter<'_> {
                 self.driven((at, self.intensity(input, k)), input, slopes, phi, q);
             }
             // Φ' (z + dz) − Φ z, the motion of both by the same slopes.
-            let mut next = vec![0.0; n];
+            next.fill(0.0);
             for (i, next) in next.iter_mut().enumerate().take(self.states) {
                 let (row, own) = (&phi[i * n..(i + 1) * n], &work.phi[i * n..(i + 1) * n]);
                 *next = row.iter().zip(dz.iter()).map(|(a, d)| a * d).sum::<f64>();
                 *next += (nm..self.states).map(|j| (row[j] - own[j]) * z[j]).sum::<f64>();
             }
-            *dz = next;
+            std::mem::swap(dz, next);
             self.spread_on(p, phi, q, [&mut work.half, &mut work.turned]);
         }
     }
@@ -116,28 +126,14 @@ impl Filter<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::NodeInnovations;
     use crate::filter::{Keep, PassSetting, pass};
     use crate::noise::declared;
+    use crate::random_fit::slopes;
     use crate::run::Prepared;
     use windfall_model::{CATALOGUE, Flight, POSE};
     use windfall_sim::Seed;
 
     const BY: f64 = 1e-3;
-
-    /// Slopes of whitened innovations, of the logarithms of their variances, and the score, all by the logarithm of one number.
-    fn slopes(base: &NodeInnovations, other: &NodeInnovations) -> ([Vec<f64>; 2], f64) {
-        let (mut innovations, mut variances, mut score) = (Vec::new(), Vec::new(), 0.0);
-        for (node, own) in base.variances.iter().enumerate() {
-            for c in (0..POSE).filter(|&c| own[c] > 0.0) {
-                let ratio = other.variances[node][c] / own[c];
-                innovations.push((other.whitened[node][c] * ratio.sqrt() - base.whitened[node][c]) / BY);
-                variances.push(ratio.ln() / BY);
-            }
-            score += (other.nodes[node] - base.nodes[node]) / BY;
-        }
-        ([innovations, variances], score)
-    }
 
     /// Innovations and variances beside a pass change as those of passes of their own do, by each size and length and in both forms of gusts:
     /// in gusts of 0.01 m/s within a hundredth of what all of them change by. Strong ones bend the motion: innovations within a half, variances
@@ -168,14 +164,16 @@ mod tests {
             let seen = pass(&run, &setting).expect("a pass");
             for (k, other) in others.iter().enumerate() {
                 let own = pass(&run, &PassSetting { plant: other, beside: &[], ..setting }).expect("a pass").innovations;
-                let (found, score) = slopes(&seen.innovations, &seen.beside[k]);
-                let (expected, its_score) = slopes(&seen.innovations, &own);
+                let (found, expected) = (slopes(&seen.innovations, &seen.beside[k], BY), slopes(&seen.innovations, &own, BY));
+                let [score, its_score] = [&found, &expected].map(|s| s.likelihood.iter().sum::<f64>());
                 let square = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>();
-                for (found, expected, most) in [(&found[0], &expected[0], most[0]), (&found[1], &expected[1], most[1])] {
+                for (found, expected, most) in
+                    [(&found.innovations, &expected.innovations, most[0]), (&found.variances, &expected.variances, most[1])]
+                {
                     let off: Vec<f64> = found.iter().zip(expected).map(|(a, b)| a - b).collect();
                     assert!(square(&off) < most * most * square(expected), "{size} {bandwidth} {k}");
                 }
-                let std = (square(&expected[0]) + 0.5 * square(&expected[1])).sqrt();
+                let std = (square(&expected.innovations) + 0.5 * square(&expected.variances)).sqrt();
                 assert!((score - its_score).abs() < most[2] * std, "{size} {bandwidth} {k}: {score} for {its_score}, {std}");
             }
         }
