@@ -121,6 +121,9 @@ fn effect(text: &mut String, e: &EffectLine) {
     if let Some([calm, strong]) = e.bursts {
         let _ = writeln!(text, "  in bursts: between {calm:.2} and {strong:.2} of its mean size in nine tenths of the time");
     }
+    if e.steep_edges {
+        let _ = writeln!(text, "  its band ends steeply at its edges");
+    }
     if !e.rivals.is_empty() {
         let rivals = format!("rivals on these data: {}; what would separate them: {}", e.rivals.join(", "), e.separate_by);
         let _ = writeln!(text, "  {}", folded(&rivals, 2));

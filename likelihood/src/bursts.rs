@@ -287,7 +287,15 @@ mod tests {
             let passed = |run: &Prepared, keep: Keep| {
                 pass(
                     run,
-                    &PassSetting { plant: &plant, noise: &noise, columns: &[], beside: &[], slack: 0.0, von_karman: false, keep },
+                    &PassSetting {
+                        plant: &plant,
+                        noise: &noise,
+                        columns: &[],
+                        beside: &[],
+                        slack: 0.0,
+                        spectra: crate::random::Spectra::default(),
+                        keep,
+                    },
                 )
                 .expect("a pass")
             };

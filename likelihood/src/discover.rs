@@ -144,6 +144,9 @@ fn searched(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Res
             best = other;
         }
     }
+    if !engine.is_exhausted() && engine.has_gentle_band(&best.1.model) {
+        best = in_steep_bands(engine, best, log);
+    }
     if !engine.campaign.knowledge.exact_noise && !engine.is_exhausted() {
         best = in_own_noise(engine, best, log);
     }
@@ -182,6 +185,20 @@ fn in_bursts(engine: &mut Engine, best: Scored, log: &mut Vec<String>) -> Scored
     match ends.max_by(|a, b| a.1.0.total_cmp(&b.1.0)) {
         Some((bursty, end)) if end.0 > best.0 + SURE => {
             *engine = bursty;
+            end
+        }
+        _ => best,
+    }
+}
+
+/// The best set where the gusts' bands have steep edges, where that is surely likelier.
+fn in_steep_bands(engine: &mut Engine, best: Scored, log: &mut Vec<String>) -> Scored {
+    let mut steep = engine.clone();
+    steep.spectra.steep = true;
+    match polished(&steep, best.1.model.clone(), f64::NEG_INFINITY, false, log) {
+        Some(end) if end.0 > best.0 + SURE => {
+            log.push(format!("steep edges bring {:.1} ({:.0})", end.0 - best.0, steep.passes()));
+            *engine = steep;
             end
         }
         _ => best,

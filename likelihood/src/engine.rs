@@ -7,13 +7,14 @@ use crate::hum::{Hum, take_off};
 use crate::joined::joined;
 use crate::model::{Id, Member, Model, Number, VAGUE_PRIOR};
 use crate::noise::{ChannelNoise, declared, learn};
+use crate::random::Spectra;
 use crate::run::Prepared;
 use crate::shock::{Shock, shocks};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use windfall_model::{Campaign, Constant, Data, Effect, Entry, POSE, PerChannel, Plant, Record, Role};
+use windfall_model::{Campaign, Constant, Data, Disturbance, Effect, Entry, POSE, PerChannel, Plant, Record, Role, Shape};
 use windfall_pid::StopReason;
 
 /// Runs of a campaign made ready, with their noise.
@@ -27,8 +28,8 @@ pub struct Engine {
     pub hum: Vec<Hum>,
     /// Freedom of the accelerations at a search's start, zero otherwise.
     pub(crate) slack: f64,
-    /// Gusts of von Kármán's form in place of Dryden's: motion seldom tells them apart, and their sizes differ.
-    pub(crate) von_karman: bool,
+    /// Forms of the gusts' spectra.
+    pub(crate) spectra: Spectra,
     /// Slopes by sizes and lengths of gusts from passes of their own, not from filters beside the pass.
     pub(crate) exact_gusts: bool,
     /// What the changing variance of the gusts takes off the log-likelihood of models with gusts.
@@ -154,7 +155,7 @@ impl Engine {
             hum,
             slack: 0.0,
             exact_gusts: false,
-            von_karman: false,
+            spectra: Spectra::default(),
             bursts_price: 0.0,
             bursts_std: [0.0; 2],
             work: Arc::default(),
@@ -165,7 +166,7 @@ impl Engine {
     #[must_use]
     pub fn beside(&self, campaign: &Campaign, runs: &[usize]) -> Option<Self> {
         let own = Campaign { knowledge: self.campaign.knowledge.clone(), ..campaign.clone() };
-        Some(Self { noise: self.noise, slack: self.slack, von_karman: self.von_karman, ..Self::new(&own, runs)? })
+        Some(Self { noise: self.noise, slack: self.slack, spectra: self.spectra, ..Self::new(&own, runs)? })
     }
 
     /// The campaign with what its runs leave uncertain: the instant of a pose within its sample interval.
@@ -313,8 +314,8 @@ impl Engine {
                 other => other.clone(),
             };
             let columns: Vec<SensitivityColumn> = columns.iter().map(of_run).collect();
-            let (noise, slack, von_karman) = (&self.noise, self.slack, self.von_karman);
-            pass(run, &PassSetting { plant: &own, noise, columns: &columns, beside, slack, von_karman, keep })
+            let (noise, slack, spectra) = (&self.noise, self.slack, self.spectra);
+            pass(run, &PassSetting { plant: &own, noise, columns: &columns, beside, slack, spectra, keep })
         };
         let seen: Vec<Result<Seen, Departed>> = self.runs.par_iter().map(one).collect();
         seen.into_iter().collect()
@@ -335,6 +336,20 @@ impl Engine {
     #[must_use]
     pub fn moves_air(&self, member: &Member) -> bool {
         self.axis_of(member, 0).is_some()
+    }
+
+    /// Whether gusts of a model are of a band whose edges have not been tried as steep.
+    pub(crate) fn has_gentle_band(&self, model: &Model) -> bool {
+        let is_band = |d: &Disturbance| matches!((d.entry, d.shape), (Entry::AirVelocity(_), Shape::Band { .. }));
+        !self.spectra.steep && model.plant(&self.campaign).disturbances(1.0).iter().any(is_band)
+    }
+
+    /// Whether a gust's spectrum is one with steep edges.
+    #[must_use]
+    pub fn has_steep_edges(&self, member: &Member) -> bool {
+        let only = Model { members: vec![member.clone()], ..Model::declared(&self.campaign) };
+        let gentle = Self { spectra: Spectra::default(), ..self.clone() };
+        self.spectra.steep && gentle.has_gentle_band(&only)
     }
 
     /// First axis of the gusts whose size a random member's number is.

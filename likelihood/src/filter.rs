@@ -14,7 +14,7 @@ mod update;
 
 use crate::columns::{Basis, SensitivityColumn, Shown, Site, View, body_to_tunnel, lag_s, shown};
 use crate::noise::{ChannelNoise, MeanNoise};
-use crate::random::{Input, ORDER, inputs};
+use crate::random::{Input, ORDER, Spectra, inputs};
 use crate::run::Prepared;
 use crate::shock::{GustNoise, Taken, Trace};
 use beside::Beside;
@@ -81,8 +81,8 @@ pub(crate) struct PassSetting<'a> {
     pub(crate) beside: &'a [Plant],
     /// Share of [`SLACK`] that the accelerations are left free by from node to node.
     pub(crate) slack: f64,
-    /// Whether gusts are of von Kármán's form in place of Dryden's.
-    pub(crate) von_karman: bool,
+    /// Forms of the gusts' spectra.
+    pub(crate) spectra: Spectra,
     pub(crate) keep: Keep,
 }
 
@@ -151,7 +151,7 @@ pub(crate) fn pass(run: &Prepared, s: &PassSetting<'_>) -> Result<Seen, Departed
     let fault = Departed { run: run.index, t_s: 0.0 };
     let columns: Vec<Ready<'_>> = s.columns.iter().map(|c| ready(c, s.plant)).collect::<Option<_>>().ok_or(fault)?;
     let filter = &Filter::new(run, s).ok_or(fault)?;
-    let of_other = |plant| Beside::new(filter, inputs(plant, run.speed_m_s, filter.step_s, s.von_karman));
+    let of_other = |plant| Beside::new(filter, inputs(plant, run.speed_m_s, filter.step_s, s.spectra));
     let beside = s.beside.iter().map(of_other).collect::<Option<_>>().ok_or(fault)?;
     Arch::new().dispatch(Widest { filter, columns, beside })
 }
@@ -194,7 +194,7 @@ impl<'a> Filter<'a> {
     fn new(run: &'a Prepared, s: &PassSetting<'a>) -> Option<Self> {
         let craft = Craft::complete(s.plant).ok()?;
         let step_s = run.step_s() / (1.0 + s.plant.sensors.time_base);
-        let random = inputs(s.plant, run.speed_m_s, step_s, s.von_karman);
+        let random = inputs(s.plant, run.speed_m_s, step_s, s.spectra);
         let coloured: Vec<(usize, MeanNoise)> =
             (0..POSE).filter(|&c| s.noise[c].coloured > 0.0).map(|c| (c, s.noise[c].of_means(run.block))).collect();
         let nm = if s.plant.vehicle.loose.is_some() { MOTION } else { STATES };

@@ -34,6 +34,25 @@ pub struct Posterior {
     pub covariance: DMatrix<f64>,
 }
 
+/// The step to the top of `rᵀx − ½ xᵀA x` that takes no number out of its range: one that stands at an end and would leave stays (active
+/// set; Nocedal and Wright, Numerical Optimization, 2006, §16.5). A step of all numbers with that one cut off may lead downhill however short it is.
+/// `None` where A is not positive definite.
+pub(crate) fn step_within(a: &DMatrix<f64>, r: &DVector<f64>, leaves: impl Fn(usize, f64) -> bool) -> Option<DVector<f64>> {
+    let (mut a, mut r) = (a.clone(), r.clone());
+    loop {
+        let step = Cholesky::new(a.clone())?.solve(&r);
+        let out: Vec<usize> = (0..step.len()).filter(|&i| leaves(i, step[i])).collect();
+        if out.is_empty() {
+            return Some(step);
+        }
+        for i in out {
+            a.row_mut(i).fill(0.0);
+            a.column_mut(i).fill(0.0);
+            (a[(i, i)], r[i]) = (1.0, 0.0);
+        }
+    }
+}
+
 impl Gram {
     pub(crate) fn new(numbers: Vec<Number>, g: DMatrix<f64>, b_here: DVector<f64>, log_likelihood: f64) -> Self {
         let values = DVector::from_iterator(numbers.len(), numbers.iter().map(|n| n.value));
@@ -71,9 +90,9 @@ impl Gram {
         let s = |i: usize| self.numbers[i].prior;
         let v = DVector::from_iterator(n, self.numbers.iter().map(|n| n.value / n.prior));
         let a = DMatrix::from_fn(n, n, |i, k| f64::from(u8::from(i == k)) + s(i) * self.g[(i, k)] * s(k));
-        let cholesky = Cholesky::new(a)?;
+        let cholesky = Cholesky::new(a.clone())?;
         let r = DVector::from_fn(n, |i, _| s(i) * self.b_here[i] - v[i]);
-        let step = cholesky.solve(&r);
+        let step = step_within(&a, &r, |i, by| self.numbers[i].leaves(by))?;
         let logs: f64 = cholesky.l_dirty().diagonal().iter().map(|x| x.ln()).sum();
         let total = self.log_likelihood + 0.5 * r.dot(&step) - 0.5 * v.norm_squared() - logs;
         let inverse = cholesky.inverse();
@@ -100,5 +119,23 @@ impl Gram {
             b,
             log_likelihood: self.log_likelihood,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two numbers that stand for each other, the first at its low end and driven out: the second goes to its own top, and not by the step of both,
+    /// which leads downhill.
+    #[test]
+    fn exact_a_number_at_its_end_stays() {
+        let a = DMatrix::from_row_slice(2, 2, &[1.0, 0.9, 0.9, 1.0]);
+        let r = DVector::from_vec(vec![-1.0, -0.5]);
+        let both = step_within(&a, &r, |_, _| false).expect("positive definite");
+        assert!(both[0] < 0.0 && both[1] > 0.0);
+        let step = step_within(&a, &r, |i, by| i == 0 && by < 0.0).expect("positive definite");
+        assert!(step[0].abs() < 1e-15 && (step[1] + 0.5).abs() < 1e-15);
+        assert!(step_within(&-a, &r, |_, _| false).is_none());
     }
 }

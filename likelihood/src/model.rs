@@ -60,8 +60,17 @@ pub struct Number {
     pub prior: f64,
     /// Allowed range.
     pub range: [f64; 2],
+    /// Whether it stands at the range's low and high end.
+    pub at_end: [bool; 2],
     /// Step for differences.
     pub step: f64,
+}
+
+impl Number {
+    /// Whether a change takes it out of its range, at an end of which it stands.
+    pub(crate) fn leaves(&self, by: f64) -> bool {
+        self.at_end[0] && by < 0.0 || self.at_end[1] && by > 0.0
+    }
 }
 
 /// A prior standard deviation of an effect's strength, as a share of the plausible range's end.
@@ -192,6 +201,7 @@ impl Model {
                     value: 0.0,
                     prior: VAGUE_PRIOR * v.abs().max(campaign.plant.aero.values[i].abs()).max(1.0),
                     range: [f64::NEG_INFINITY, f64::INFINITY],
+                    at_end: [false; 2],
                     step: 1e-4 * v.abs().max(0.1),
                 }
             })
@@ -201,6 +211,7 @@ impl Model {
             value: self.constants[i],
             prior: c.std,
             range: [-50.0 * c.std, 50.0 * c.std],
+            at_end: [false; 2],
             step: 0.1 * c.std,
         }));
         all
@@ -219,7 +230,8 @@ impl Model {
                     _ => continue,
                 };
                 let value = if p.role == Role::Strength { m.values[i] } else { 0.0 };
-                all.push(Number { id: Id::Member(k, i), value, prior, range: [p.low, p.high], step });
+                let at_end = [m.values[i] <= p.low, m.values[i] >= p.high];
+                all.push(Number { id: Id::Member(k, i), value, prior, range: [p.low, p.high], at_end, step });
             }
         }
         all
@@ -290,6 +302,7 @@ pub(crate) fn candidates(campaign: &Campaign, model: &Model) -> Vec<Number> {
                     value: 0.0,
                     prior: PLAUSIBLE * p.high,
                     range: [p.low, p.high],
+                    at_end: [false; 2],
                     step: strength_step(p),
                 });
             }

@@ -2,13 +2,16 @@
 //!
 //! A gust of Dryden's form (MIL-F-8785C 1980) is seen through a short lag that makes its rate a state, so that what follows the gust's rate
 //! (α̇, apparent mass) feels a finite one; that of a band has one without. A narrow-band moment is an oscillator.
+//!
+//! A spectrum has a form of its own and others that the runs may prefer ([`Spectra`]): where gusts end at a frequency, a filter that falls off
+//! gently beyond it expects motion that is not there, and damping and rates make up for it.
 
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector};
-use std::f64::consts::SQRT_2;
+use std::f64::consts::FRAC_1_SQRT_2;
 use windfall_model::{Disturbance, Entry, Plant, Shape};
 
-/// Most states of one random input: a band needs four, Dryden's form three, an oscillator two.
-pub(crate) const ORDER: usize = 4;
+/// Most states of one random input: a steep band needs six, a gentle one four, Dryden's form three, an oscillator two.
+pub(crate) const ORDER: usize = 6;
 const SQUARE: usize = ORDER * ORDER;
 /// States with their first, second and third integrals over a step.
 const WITH_SUMS: usize = 4 * ORDER;
@@ -66,10 +69,18 @@ pub(crate) struct Input {
     pub(crate) broad: f64,
 }
 
-/// The random inputs of a plant at mean speed, for steps of `step_s`; where `von_karman`, of that form of the same sizes and lengths in
-/// place of Dryden's.
-pub(crate) fn inputs(plant: &Plant, speed_m_s: f64, step_s: f64, von_karman: bool) -> Vec<Input> {
-    plant.disturbances(speed_m_s).iter().map(|d| input(d, step_s, von_karman)).collect()
+/// Forms of spectra in place of a plant's own, of the same sizes and scales.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Spectra {
+    /// Von Kármán's in place of Dryden's.
+    pub(crate) von_karman: bool,
+    /// Bands with steep edges in place of Butterworth's.
+    pub(crate) steep: bool,
+}
+
+/// The random inputs of a plant at mean speed, for steps of `step_s`.
+pub(crate) fn inputs(plant: &Plant, speed_m_s: f64, step_s: f64, spectra: Spectra) -> Vec<Input> {
+    plant.disturbances(speed_m_s).iter().map(|d| input(d, step_s, spectra)).collect()
 }
 
 fn rows(m: &Rates) -> Block {
@@ -117,14 +128,17 @@ fn driven(a: &Rates, b: &States, step_s: f64) -> Driven {
     Driven { whole: phi.fixed_view::<ORDER, ORDER>(0, 0).into_owned(), sums: [j0, j1, j2], added: Box::new(added), stages }
 }
 
-fn input(d: &Disturbance, step_s: f64, von_karman: bool) -> Input {
+fn input(d: &Disturbance, step_s: f64, spectra: Spectra) -> Input {
     // Rates of the states, where white noise enters, and the form by the states.
     let (order, (a, b, form)) = match d.shape {
-        Shape::DrydenLongitudinal { time_s } if von_karman => (3, ratio(time_s, &ALONG)),
-        Shape::DrydenLateral { time_s } if von_karman => (4, ratio(time_s, &ACROSS)),
+        Shape::DrydenLongitudinal { time_s } if spectra.von_karman => (3, ratio(time_s, &ALONG)),
+        Shape::DrydenLateral { time_s } if spectra.von_karman => (4, ratio(time_s, &ACROSS)),
         Shape::DrydenLongitudinal { time_s } => (3, gust(time_s, 1.0)),
         Shape::DrydenLateral { time_s } => (3, gust(time_s, 3.0_f64.sqrt())),
-        Shape::Band { centre_rad_s, bandwidth_rad_s } => (4, band(centre_rad_s, bandwidth_rad_s / centre_rad_s)),
+        Shape::Band { centre_rad_s, bandwidth_rad_s } => {
+            let edges: &[Pole] = if spectra.steep { &CHEBYSHEV } else { &BUTTERWORTH };
+            band(centre_rad_s, bandwidth_rad_s / centre_rad_s, edges)
+        }
         Shape::Narrow { centre_rad_s: w, bandwidth_rad_s } => {
             let (mut a, mut b) = (-Rates::identity(), States::zeros());
             a.fixed_view_mut::<2, 2>(0, 0).copy_from(&Matrix2::new(0.0, 1.0, -w * w, -bandwidth_rad_s));
@@ -135,8 +149,8 @@ fn input(d: &Disturbance, step_s: f64, von_karman: bool) -> Input {
     let p = lyapunov(&a, &b);
     // The size is that of the form itself: the lag takes off its fast part, and must not add to the slow one.
     let share = match d.shape {
-        Shape::DrydenLongitudinal { .. } if von_karman => ALONG.share,
-        Shape::DrydenLateral { .. } if von_karman => ACROSS.share,
+        Shape::DrydenLongitudinal { .. } if spectra.von_karman => ALONG.share,
+        Shape::DrydenLateral { .. } if spectra.von_karman => ACROSS.share,
         _ => 1.0,
     };
     let size = d.rms * (share / (form.transpose() * p * form)[(0, 0)]).sqrt();
@@ -211,18 +225,35 @@ fn ratio(time_s: f64, of: &Ratio) -> (Rates, States, States) {
     (a, b, form)
 }
 
-/// Butterworth's band-pass filter `b² s² / ((s² + 1)² + √2 b s (s² + 1) + b² s²)`, s in units of the centre.
-fn band(centre_rad_s: f64, b: f64) -> (Rates, States, States) {
-    let damped = SQRT_2 * b;
-    // Output, its rate, its second integral, its first.
-    #[rustfmt::skip]
-    let a = Rates::new(
-        0.0, 1.0, 0.0, 0.0,
-        -2.0 - b * b, -damped, -1.0, -damped,
-        0.0, 0.0, 0.0, 1.0,
-        1.0, 0.0, 0.0, 0.0,
-    ) * centre_rad_s;
-    (a, States::y(), States::x())
+/// A pole of a low-pass filter whose half power is at 1 rad/s, on or above the real axis.
+type Pole = [f64; 2];
+/// Butterworth's of second order (1930), maximally flat.
+const BUTTERWORTH: [Pole; 1] = [[-FRAC_1_SQRT_2, FRAC_1_SQRT_2]];
+/// Chebyshev's of third order and 1.4 dB ripple (Zverev, Handbook of Filter Synthesis, 1967, §3), `-sinh v sin θ + j cosh v cos θ` with
+/// tanh v = 0.4 over the half-power frequency.
+const CHEBYSHEV: [Pole; 2] = [[-0.204_808_291_492_126, 0.886_845_916_689_347], [-0.409_616_582_984_252, 0.0]];
+
+/// A low-pass filter made a band-pass one, `p -> (s² + 1)/(b s)` with s in units of the centre: sections `b s/(s² + d s + w)` in a row,
+/// two for each pole above the axis. States are outputs and their integrals, the last section's first; white noise enters the first section,
+/// so that the output's rate has none.
+fn band(centre_rad_s: f64, b: f64, poles: &[Pole]) -> (usize, (Rates, States, States)) {
+    let mut a = -Rates::identity();
+    let mut order = 0;
+    for &[re, im] in poles {
+        let p = nalgebra::Complex::new(b * re, b * im);
+        let root = (p * p - 4.0).sqrt();
+        let halves = [(p + root) * 0.5, (p - root) * 0.5].map(|s| [-2.0 * s.re, s.norm_sqr()]);
+        let own = [[-b * re, 1.0]];
+        for &[d, w] in if im > 0.0 { &halves[..] } else { &own[..] } {
+            if order > 0 {
+                a[(order - 2, order)] = 1.0;
+            }
+            (a[(order, order)], a[(order, order + 1)]) = (-d, -w);
+            (a[(order + 1, order)], a[(order + 1, order + 1)]) = (1.0, 0.0);
+            order += 2;
+        }
+    }
+    (order, (a * centre_rad_s, States::ith(order - 2, 1.0), States::x()))
 }
 
 /// Stationary covariance: `A P + P Aᵀ + b bᵀ = 0`.
@@ -237,7 +268,7 @@ fn lyapunov(a: &Rates, b: &States) -> Rates {
         }
     }
     let right = SVector::<f64, SQUARE>::from_fn(|j, _| -b[j / ORDER] * b[j % ORDER]);
-    let p = m.lu().solve(&right).unwrap_or_default();
+    let p = m.lu().solve(&right).unwrap_or_else(SVector::zeros);
     Rates::from_fn(|i, k| 0.5 * (p[ORDER * i + k] + p[ORDER * k + i]))
 }
 
@@ -250,7 +281,7 @@ mod tests {
     fn exact_stationary_covariance() {
         for time_s in [0.01, 0.08, 0.5] {
             let d = Disturbance { entry: Entry::AirVelocity(1), rms: 0.3, shape: Shape::DrydenLateral { time_s } };
-            let i = input(&d, 0.02, false);
+            let i = input(&d, 0.02, Spectra::default());
             // Displacement and rate are uncorrelated: x² + 3 (T ẋ)².
             assert!((i.stationary[1][1] + 3.0 * i.stationary[2][2] - 0.09).abs() < 1e-14);
             assert!((0.6..1.0).contains(&(i.stationary[0][0] / 0.09)));
@@ -273,7 +304,11 @@ mod tests {
     fn exact_von_karman() {
         let (time_s, rms) = (0.08, 0.3);
         for (shape, lateral) in [(Shape::DrydenLongitudinal { time_s }, false), (Shape::DrydenLateral { time_s }, true)] {
-            let i = input(&Disturbance { entry: Entry::AirVelocity(1), rms, shape }, 0.02, true);
+            let i = input(
+                &Disturbance { entry: Entry::AirVelocity(1), rms, shape },
+                0.02,
+                Spectra { von_karman: true, ..Spectra::default() },
+            );
             let of = if lateral { &ACROSS } else { &ALONG };
             let (a, _, form) = ratio(time_s, of);
             let p = Rates::from_fn(|r, c| i.stationary[r][c]);
@@ -282,7 +317,7 @@ mod tests {
             let (last, driven) = (i.order - 1, left[(i.order - 1, i.order - 1)]);
             for x in [0.1, 1.0, 3.0, 10.0] {
                 let w = x / time_s;
-                let m = nalgebra::Matrix4::<nalgebra::Complex<f64>>::from_fn(|r, c| {
+                let m = SMatrix::<nalgebra::Complex<f64>, ORDER, ORDER>::from_fn(|r, c| {
                     nalgebra::Complex::new(-a[(r, c)], if r == c { w } else { 0.0 })
                 });
                 let states =
@@ -297,27 +332,43 @@ mod tests {
         }
     }
 
-    /// A band's variance is what was asked for, its output's rate has no white noise in it, and its density is the model's: two-sided
-    /// σ² |H|² with H by the states.
+    /// A band's variance is what was asked for, its output's rate has no white noise in it, and its density is the filter's: with gentle edges
+    /// the model's own, with steep ones σ²/(1 + ε² T₃²) over the same with one, T₃ Chebyshev's polynomial of `(ω/ω₀ - ω₀/ω)/b`.
     #[test]
     fn exact_band() {
         let (centre_rad_s, bandwidth_rad_s) = (12.0, 16.0);
         let d = Disturbance { entry: Entry::AirVelocity(1), rms: 0.3, shape: Shape::Band { centre_rad_s, bandwidth_rad_s } };
-        let i = input(&d, 0.02, false);
-        assert!((i.stationary[0][0] - 0.09).abs() < 1e-14);
-        let (a, b, _) = band(centre_rad_s, bandwidth_rad_s / centre_rad_s);
-        let of = |m: &Block| Rates::from_fn(|r, c| m[r][c]);
-        let left = a * of(&i.stationary) + of(&i.stationary) * a.transpose();
-        let driven = left[(1, 1)];
-        assert!(b[0].abs() < 1e-300 && driven < 0.0 && (left - b * b.transpose() * driven).amax() < 1e-9 * driven.abs());
-        for w in [3.0, 12.0, 40.0] {
-            let m = nalgebra::Matrix4::<nalgebra::Complex<f64>>::from_fn(|r, c| {
-                nalgebra::Complex::new(-a[(r, c)], if r == c { w } else { 0.0 })
-            });
-            let h = m.lu().solve(&b.map(|x| nalgebra::Complex::new(x, 0.0))).expect("a stable filter")[0];
-            // One-sided over ω: two sides of |H|² over 2π, driven by white noise of that size.
-            let expected = -driven * h.norm_sqr() / std::f64::consts::PI;
-            assert!((d.density(w) / expected - 1.0).abs() < 1e-9, "{w}: {} for {expected}", d.density(w));
+        let epsilon = 1.0 / (3.0 * 0.4_f64.atanh()).sinh();
+        let half = ((1.0 / epsilon).acosh() / 3.0).cosh();
+        let chebyshev = |w: f64| {
+            let x = half * (w / centre_rad_s - centre_rad_s / w).abs() / (bandwidth_rad_s / centre_rad_s);
+            1.0 / (1.0 + (epsilon * (4.0 * x.powi(3) - 3.0 * x)).powi(2))
+        };
+        for (steep, edges) in [(false, &BUTTERWORTH[..]), (true, &CHEBYSHEV[..])] {
+            let i = input(&d, 0.02, Spectra { steep, ..Spectra::default() });
+            assert!((i.stationary[0][0] - 0.09).abs() < 1e-14);
+            let (order, (a, b, _)) = band(centre_rad_s, bandwidth_rad_s / centre_rad_s, edges);
+            let of = |m: &Block| Rates::from_fn(|r, c| m[r][c]);
+            let left = a * of(&i.stationary) + of(&i.stationary) * a.transpose();
+            let driven = left[(order - 2, order - 2)];
+            assert!(b[0].abs() < 1e-300 && driven < 0.0 && (left - b * b.transpose() * driven).amax() < 1e-9 * driven.abs());
+            let density = |w: f64| {
+                let m = SMatrix::<nalgebra::Complex<f64>, ORDER, ORDER>::from_fn(|r, c| {
+                    nalgebra::Complex::new(-a[(r, c)], if r == c { w } else { 0.0 })
+                });
+                let h = m.lu().solve(&b.map(|x| nalgebra::Complex::new(x, 0.0))).expect("a stable filter")[0];
+                // One-sided over ω: two sides of |H|² over 2π, driven by white noise of that size.
+                -driven * h.norm_sqr() / std::f64::consts::PI
+            };
+            for w in [3.0, 9.0, 12.0, 22.0, 40.0] {
+                let expected = if steep { chebyshev(w) / chebyshev(12.0) * density(12.0) } else { d.density(w) };
+                assert!((density(w) / expected - 1.0).abs() < 1e-9, "{steep} {w}: {} for {expected}", density(w));
+            }
+            // Half power at the edges of the stated width.
+            if steep {
+                let edge = 0.5 * (bandwidth_rad_s + (bandwidth_rad_s.powi(2) + 4.0 * centre_rad_s.powi(2)).sqrt());
+                assert!((density(edge) / density(12.0) - 0.5).abs() < 1e-9);
+            }
         }
     }
 

@@ -5,6 +5,7 @@
 
 use crate::engine::{Engine, Fit, penalty, totals};
 use crate::filter::{NodeInnovations, Seen};
+use crate::gram::step_within;
 use crate::model::{Model, Number};
 use nalgebra::{DMatrix, DMatrixView, DVector};
 use windfall_model::Role;
@@ -129,7 +130,7 @@ impl Engine {
             scale(i) * information[(i, k)] * scale(k) + f64::from(u8::from(i == k))
         });
         let scaled = DVector::from_fn(gradient.len(), |i, _| scale(i) * gradient[i]);
-        let step = information.cholesky()?.solve(&scaled);
+        let step = step_within(&information, &scaled, |i, by| numbers.get(i).is_some_and(|number| number.leaves(by)))?;
         let expected = 0.5 * scaled.dot(&step);
         let longest = |i: usize| if i < n { LONGEST } else { LONGEST_LOG / VAGUE };
         let mut fraction = (0..step.len()).map(|i| longest(i) / step[i].abs().max(1e-12)).fold(1.0, f64::min);

@@ -60,11 +60,11 @@ impl Engine {
         let own = self.ranges_in(&fit.model);
         let dryden = |d: &Shape| matches!(d, Shape::DrydenLongitudinal { .. } | Shape::DrydenLateral { .. });
         let plant = fit.model.plant(&self.campaign);
-        if self.von_karman || !plant.disturbances(1.0).iter().any(|d| dryden(&d.shape)) {
+        if self.spectra.von_karman || !plant.disturbances(1.0).iter().any(|d| dryden(&d.shape)) {
             return own;
         }
         let mut other = self.clone();
-        other.von_karman = true;
+        other.spectra.von_karman = true;
         let Ok(start) = other.climb(&fit.model, false, 0) else { return own };
         let end = other.settle_random(&start, STEPS);
         let ranges = other.ranges_in(&end.model);

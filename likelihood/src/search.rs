@@ -125,7 +125,7 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
 
     fn number(i: usize, range: [f64; 2]) -> Number {
-        Number { id: Id::Generic(i), value: 0.0, prior: 1.0, range, step: 1.0 }
+        Number { id: Id::Generic(i), value: 0.0, prior: 1.0, range, at_end: [false; 2], step: 1.0 }
     }
 
     /// Three columns of which the third nearly repeats the first; data that the first and the second make.

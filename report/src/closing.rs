@@ -172,6 +172,9 @@ fn effect(e: &EffectLine, held_out: bool) -> String {
             "<p>It comes in bursts: between {calm:.2} and {strong:.2} of its mean size in nine tenths of the time.</p>"
         );
     }
+    if e.steep_edges {
+        out += "<p>Its band ends steeply at its edges.</p>\n";
+    }
     out += &form(e);
     let _ = if e.rivals.is_empty() {
         writeln!(out, "<p>No rival: these data tell it from every other effect.</p>")

@@ -199,6 +199,7 @@ fn effect_line(k: usize, m: &Member, found: &Discovery, engine: &Engine, unexpla
             }],
         }),
         held_out_gain: None,
+        steep_edges: m.random && engine.has_steep_edges(m),
         bursts: if m.random && engine.moves_air(m) { engine.bursts() } else { None },
         physics: m.effect.physics.to_owned(),
         source: m.effect.source.to_owned(),

@@ -131,6 +131,7 @@ fn effect_line(
             checks: vec![FormCheck { what: "what is left along the worst axis is noise".to_owned(), p_value: p_left }],
         }),
         bursts: None,
+        steep_edges: false,
         held_out_gain: held.and_then(gain),
         physics: effect.physics.to_owned(),
         source: effect.source.to_owned(),

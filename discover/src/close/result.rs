@@ -99,6 +99,10 @@ pub struct EffectLine {
     /// steady.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bursts: Option<[f64; 2]>,
+    /// Of gusts of a band: whether it ends steeply at its edges (Chebyshev's third order) and not gently (Butterworth's second). They are
+    /// flown gently.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub steep_edges: bool,
     /// What happens.
     pub physics: String,
     /// Where that is from.

@@ -73,10 +73,14 @@ fn without_promises(engine: &Engine, mut here: f64, mut fit: Fit, log: &mut Vec<
         let family = m.effect.family;
         let mut without = fit.model.clone();
         without.members.remove(k);
-        if let Ok(less) = engine.climb(&without, true, 8)
-            && let there = score(engine, &less)
-            && there > here - SURE
-        {
+        let Ok(mut less) = engine.climb(&without, true, 8) else { continue };
+        let mut there = score(engine, &less);
+        if there <= here - SURE && there > here - HOPELESS {
+            // Gusts of the size that goes with the effect are not those without it.
+            less = engine.settle_random(&less, FEW);
+            there = score(engine, &less);
+        }
+        if there > here - SURE {
             log.push(format!("  {family} brings {:.1}", here - there));
             (here, fit) = (there, less);
             empty.push(family);

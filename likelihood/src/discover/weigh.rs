@@ -56,7 +56,14 @@ pub(super) fn weigh_beside(engine: &Engine, model: &Model, alternatives: &[Alter
     for (k, a) in alternatives.iter().enumerate() {
         for basis in &a.bases {
             let id = Id::Generic(generic.len());
-            numbers.push(Number { id, value: 0.0, prior: a.prior, range: [f64::NEG_INFINITY, f64::INFINITY], step: 1.0 });
+            numbers.push(Number {
+                id,
+                value: 0.0,
+                prior: a.prior,
+                range: [f64::NEG_INFINITY, f64::INFINITY],
+                at_end: [false; 2],
+                step: 1.0,
+            });
             generic.push((a.site, *basis));
             group.push(k);
         }

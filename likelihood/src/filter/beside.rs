@@ -159,8 +159,15 @@ mod tests {
             let noise = declared(&plant.sensors);
             let run = Prepared::new(0, "short", &record, plant.environment.gas_constant_j_kg_k, 0.02, &noise[POSE]);
             let keep = Keep::Nothing;
-            let setting =
-                PassSetting { plant: &plant, noise: &noise, columns: &[], beside: &others, slack: 0.0, von_karman: false, keep };
+            let setting = PassSetting {
+                plant: &plant,
+                noise: &noise,
+                columns: &[],
+                beside: &others,
+                slack: 0.0,
+                spectra: crate::random::Spectra::default(),
+                keep,
+            };
             let seen = pass(&run, &setting).expect("a pass");
             for (k, other) in others.iter().enumerate() {
                 let own = pass(&run, &PassSetting { plant: other, beside: &[], ..setting }).expect("a pass").innovations;

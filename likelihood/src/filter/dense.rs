@@ -3,6 +3,7 @@
 
 use super::{Filter, Keep, PassSetting, Ready, Work};
 use crate::noise::ChannelNoise;
+use crate::random::Spectra;
 use crate::run::Prepared;
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
@@ -72,7 +73,7 @@ fn written_out(plant: &Plant, noise: &PerChannel<ChannelNoise>) -> (DVector<f64>
     let run = prepared(STEP_S / FINER as f64, NODES * FINER);
     let f = Filter::new(
         &run,
-        &PassSetting { plant, noise, columns: &[], beside: &[], slack: 0.0, von_karman: false, keep: Keep::Nothing },
+        &PassSetting { plant, noise, columns: &[], beside: &[], slack: 0.0, spectra: Spectra::default(), keep: Keep::Nothing },
     )
     .expect("a whole model");
     let (mut z, p) = (f.start(), f.start_covariance(&f.random));
@@ -136,7 +137,7 @@ fn exact_against_one_gaussian() {
                 columns: &[],
                 beside: &[],
                 slack: 0.0,
-                von_karman: false,
+                spectra: Spectra::default(),
                 keep: Keep::Nothing,
             };
             let filter = super::pass(&run, &setting).expect("a pass").log_likelihood;

@@ -373,6 +373,7 @@ class EffectLine(Record):
     form: Form | None
     held_out_gain: float | None
     bursts: list[float] | None
+    steep_edges: bool
     physics: str
     source: str
     separate_by: str
