@@ -144,7 +144,7 @@ fn searched(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Res
             best = other;
         }
     }
-    if !engine.is_exhausted() && engine.has_gentle_band(&best.1.model) {
+    if !engine.is_exhausted() && engine.has_band(&best.1.model) {
         best = in_steep_bands(engine, best, log);
     }
     if !engine.campaign.knowledge.exact_noise && !engine.is_exhausted() {

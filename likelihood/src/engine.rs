@@ -338,18 +338,16 @@ impl Engine {
         self.axis_of(member, 0).is_some()
     }
 
-    /// Whether gusts of a model are of a band whose edges have not been tried as steep.
-    pub(crate) fn has_gentle_band(&self, model: &Model) -> bool {
+    /// Whether gusts of a model are of a band.
+    pub(crate) fn has_band(&self, model: &Model) -> bool {
         let is_band = |d: &Disturbance| matches!((d.entry, d.shape), (Entry::AirVelocity(_), Shape::Band { .. }));
-        !self.spectra.steep && model.plant(&self.campaign).disturbances(1.0).iter().any(is_band)
+        model.plant(&self.campaign).disturbances(1.0).iter().any(is_band)
     }
 
     /// Whether a gust's spectrum is one with steep edges.
     #[must_use]
     pub fn has_steep_edges(&self, member: &Member) -> bool {
-        let only = Model { members: vec![member.clone()], ..Model::declared(&self.campaign) };
-        let gentle = Self { spectra: Spectra::default(), ..self.clone() };
-        self.spectra.steep && gentle.has_gentle_band(&only)
+        self.spectra.steep && self.has_band(&Model { members: vec![member.clone()], ..Model::declared(&self.campaign) })
     }
 
     /// First axis of the gusts whose size a random member's number is.
