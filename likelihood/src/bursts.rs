@@ -285,19 +285,7 @@ mod tests {
                 *logs = (0..9).map(|k| 0.5 * f64::from(k).sin()).collect();
             }
             let passed = |run: &Prepared, keep: Keep| {
-                pass(
-                    run,
-                    &PassSetting {
-                        plant: &plant,
-                        noise: &noise,
-                        columns: &[],
-                        beside: &[],
-                        slack: 0.0,
-                        spectra: crate::random::Spectra::default(),
-                        keep,
-                    },
-                )
-                .expect("a pass")
+                pass(run, &PassSetting { keep, ..PassSetting::plain(&plant, &noise) }).expect("a pass")
             };
             let found = slopes(&run, &passed(&run, Keep::Gusts));
             for (axis, found) in found.iter().enumerate() {

@@ -182,9 +182,14 @@ fn in_bursts(engine: &mut Engine, best: Scored, log: &mut Vec<String>) -> Scored
         let end = polished(&bursty, model, f64::NEG_INFINITY, false, log)?;
         Some((bursty, end))
     });
-    match ends.max_by(|a, b| a.1.0.total_cmp(&b.1.0)) {
-        Some((bursty, end)) if end.0 > best.0 + SURE => {
-            *engine = bursty;
+    surely_likelier(engine, best, ends.max_by(|a, b| a.1.0.total_cmp(&b.1.0)))
+}
+
+/// The end of a search by another engine, which takes this one's place, where it is surely likelier; the best otherwise.
+fn surely_likelier(engine: &mut Engine, best: Scored, other: Option<(Engine, Scored)>) -> Scored {
+    match other {
+        Some((with, end)) if end.0 > best.0 + SURE => {
+            *engine = with;
             end
         }
         _ => best,
@@ -195,14 +200,11 @@ fn in_bursts(engine: &mut Engine, best: Scored, log: &mut Vec<String>) -> Scored
 fn in_steep_bands(engine: &mut Engine, best: Scored, log: &mut Vec<String>) -> Scored {
     let mut steep = engine.clone();
     steep.spectra.steep = true;
-    match polished(&steep, best.1.model.clone(), f64::NEG_INFINITY, false, log) {
-        Some(end) if end.0 > best.0 + SURE => {
-            log.push(format!("steep edges bring {:.1} ({:.0})", end.0 - best.0, steep.passes()));
-            *engine = steep;
-            end
-        }
-        _ => best,
+    let end = polished(&steep, best.1.model.clone(), f64::NEG_INFINITY, false, log);
+    if let Some(end) = &end {
+        log.push(format!("steep edges bring {:.1} ({:.0})", end.0 - best.0, steep.passes()));
     }
+    surely_likelier(engine, best, end.map(|end| (steep, end)))
 }
 
 /// Noise again, by the likelihood of the best model, and the best model in it. Gusts and coloured noise may stand for each other: where both

@@ -86,6 +86,14 @@ pub(crate) struct PassSetting<'a> {
     pub(crate) keep: Keep,
 }
 
+#[cfg(test)]
+impl<'a> PassSetting<'a> {
+    /// A pass that finds the likelihood alone.
+    pub(crate) fn plain(plant: &'a Plant, noise: &'a PerChannel<ChannelNoise>) -> Self {
+        Self { plant, noise, columns: &[], beside: &[], slack: 0.0, spectra: Spectra::default(), keep: Keep::Nothing }
+    }
+}
+
 /// What of a pass is kept beside its sums.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Keep {

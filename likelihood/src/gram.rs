@@ -4,7 +4,7 @@
 //! L Lᵀ = I + S G S (e.g. Bishop 2006, §3.5): a small solve for every set, from one pass over the data.
 
 use crate::model::Number;
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Whitened normal equations at a model, in total values: a member's present value is part of its column.
 #[derive(Clone, Debug)]
@@ -36,20 +36,25 @@ pub struct Posterior {
 
 /// The step to the top of `rᵀx − ½ xᵀA x` that takes no number out of its range: one that stands at an end and would leave stays (active
 /// set; Nocedal and Wright, Numerical Optimization, 2006, §16.5). A step of all numbers with that one cut off may lead downhill however short it is.
-/// `None` where A is not positive definite.
-pub(crate) fn step_within(a: &DMatrix<f64>, r: &DVector<f64>, leaves: impl Fn(usize, f64) -> bool) -> Option<DVector<f64>> {
-    let (mut a, mut r) = (a.clone(), r.clone());
+/// With A's factor; `None` where A is not positive definite.
+pub(crate) fn step_within(
+    mut a: DMatrix<f64>,
+    mut r: DVector<f64>,
+    leaves: impl Fn(usize, f64) -> bool,
+) -> Option<(DVector<f64>, Cholesky<f64, Dyn>)> {
+    let whole = Cholesky::new(a.clone())?;
+    let mut step = whole.solve(&r);
     loop {
-        let step = Cholesky::new(a.clone())?.solve(&r);
         let out: Vec<usize> = (0..step.len()).filter(|&i| leaves(i, step[i])).collect();
         if out.is_empty() {
-            return Some(step);
+            return Some((step, whole));
         }
         for i in out {
             a.row_mut(i).fill(0.0);
             a.column_mut(i).fill(0.0);
             (a[(i, i)], r[i]) = (1.0, 0.0);
         }
+        step = Cholesky::new(a.clone())?.solve(&r);
     }
 }
 
@@ -90,9 +95,8 @@ impl Gram {
         let s = |i: usize| self.numbers[i].prior;
         let v = DVector::from_iterator(n, self.numbers.iter().map(|n| n.value / n.prior));
         let a = DMatrix::from_fn(n, n, |i, k| f64::from(u8::from(i == k)) + s(i) * self.g[(i, k)] * s(k));
-        let cholesky = Cholesky::new(a.clone())?;
         let r = DVector::from_fn(n, |i, _| s(i) * self.b_here[i] - v[i]);
-        let step = step_within(&a, &r, |i, by| self.numbers[i].leaves(by))?;
+        let (step, cholesky) = step_within(a, r.clone(), |i, by| self.numbers[i].leaves(by))?;
         let logs: f64 = cholesky.l_dirty().diagonal().iter().map(|x| x.ln()).sum();
         let total = self.log_likelihood + 0.5 * r.dot(&step) - 0.5 * v.norm_squared() - logs;
         let inverse = cholesky.inverse();
@@ -132,10 +136,10 @@ mod tests {
     fn exact_a_number_at_its_end_stays() {
         let a = DMatrix::from_row_slice(2, 2, &[1.0, 0.9, 0.9, 1.0]);
         let r = DVector::from_vec(vec![-1.0, -0.5]);
-        let both = step_within(&a, &r, |_, _| false).expect("positive definite");
+        let (both, _) = step_within(a.clone(), r.clone(), |_, _| false).expect("positive definite");
         assert!(both[0] < 0.0 && both[1] > 0.0);
-        let step = step_within(&a, &r, |i, by| i == 0 && by < 0.0).expect("positive definite");
+        let (step, _) = step_within(a.clone(), r.clone(), |i, by| i == 0 && by < 0.0).expect("positive definite");
         assert!(step[0].abs() < 1e-15 && (step[1] + 0.5).abs() < 1e-15);
-        assert!(step_within(&-a, &r, |_, _| false).is_none());
+        assert!(step_within(-a, r, |_, _| false).is_none());
     }
 }

@@ -299,6 +299,14 @@ mod tests {
         }
     }
 
+    /// Response of the states at a frequency, `(jω - A)⁻¹ b`.
+    fn response(a: &Rates, b: &States, w: f64) -> SVector<nalgebra::Complex<f64>, ORDER> {
+        let m = SMatrix::<nalgebra::Complex<f64>, ORDER, ORDER>::from_fn(|r, c| {
+            nalgebra::Complex::new(-a[(r, c)], if r == c { w } else { 0.0 })
+        });
+        m.lu().solve(&b.map(|x| nalgebra::Complex::new(x, 0.0))).expect("a stable filter")
+    }
+
     /// Von Kármán's density, both components, within what the ratio leaves of it (4 % up to ten times the corner).
     #[test]
     fn exact_von_karman() {
@@ -317,11 +325,7 @@ mod tests {
             let (last, driven) = (i.order - 1, left[(i.order - 1, i.order - 1)]);
             for x in [0.1, 1.0, 3.0, 10.0] {
                 let w = x / time_s;
-                let m = SMatrix::<nalgebra::Complex<f64>, ORDER, ORDER>::from_fn(|r, c| {
-                    nalgebra::Complex::new(-a[(r, c)], if r == c { w } else { 0.0 })
-                });
-                let states =
-                    m.lu().solve(&States::ith(last, 1.0).map(|v| nalgebra::Complex::new(v, 0.0))).expect("a stable filter");
+                let states = response(&a, &States::ith(last, 1.0), w);
                 let h: nalgebra::Complex<f64> = (0..ORDER).map(|k| states[k] * form[k]).sum();
                 let found = -driven * h.norm_sqr() / std::f64::consts::PI;
                 let y = (1.339 * x).powi(2);
@@ -353,10 +357,7 @@ mod tests {
             let driven = left[(order - 2, order - 2)];
             assert!(b[0].abs() < 1e-300 && driven < 0.0 && (left - b * b.transpose() * driven).amax() < 1e-9 * driven.abs());
             let density = |w: f64| {
-                let m = SMatrix::<nalgebra::Complex<f64>, ORDER, ORDER>::from_fn(|r, c| {
-                    nalgebra::Complex::new(-a[(r, c)], if r == c { w } else { 0.0 })
-                });
-                let h = m.lu().solve(&b.map(|x| nalgebra::Complex::new(x, 0.0))).expect("a stable filter")[0];
+                let h = response(&a, &b, w)[0];
                 // One-sided over ω: two sides of |H|² over 2π, driven by white noise of that size.
                 -driven * h.norm_sqr() / std::f64::consts::PI
             };

@@ -130,7 +130,8 @@ impl Engine {
             scale(i) * information[(i, k)] * scale(k) + f64::from(u8::from(i == k))
         });
         let scaled = DVector::from_fn(gradient.len(), |i, _| scale(i) * gradient[i]);
-        let step = step_within(&information, &scaled, |i, by| numbers.get(i).is_some_and(|number| number.leaves(by)))?;
+        let leaves = |i: usize, by: f64| numbers.get(i).is_some_and(|number| number.leaves(by));
+        let (step, _) = step_within(information, scaled.clone(), leaves)?;
         let expected = 0.5 * scaled.dot(&step);
         let longest = |i: usize| if i < n { LONGEST } else { LONGEST_LOG / VAGUE };
         let mut fraction = (0..step.len()).map(|i| longest(i) / step[i].abs().max(1e-12)).fold(1.0, f64::min);

@@ -184,6 +184,7 @@ fn effect_line(k: usize, m: &Member, found: &Discovery, engine: &Engine, unexpla
         })
         .collect();
     let probability = found.sets.iter().zip(weights(found)).filter(|(s, _)| s.families.contains(&family)).map(|(_, w)| w).sum();
+    let gust = m.random && engine.moves_air(m);
     let strongest = found.contest.as_ref().map_or(f64::NEG_INFINITY, |c| c.strongest);
     EffectLine {
         family: family.to_owned(),
@@ -199,8 +200,8 @@ fn effect_line(k: usize, m: &Member, found: &Discovery, engine: &Engine, unexpla
             }],
         }),
         held_out_gain: None,
-        steep_edges: m.random && engine.has_steep_edges(m),
-        bursts: if m.random && engine.moves_air(m) { engine.bursts() } else { None },
+        steep_edges: gust && engine.has_steep_edges(m),
+        bursts: if gust { engine.bursts() } else { None },
         physics: m.effect.physics.to_owned(),
         source: m.effect.source.to_owned(),
         separate_by: m.effect.separate_by.to_owned(),

@@ -126,7 +126,7 @@ impl Filter<'_> {
 
 #[cfg(test)]
 mod tests {
-    use crate::filter::{Keep, PassSetting, pass};
+    use crate::filter::{PassSetting, pass};
     use crate::noise::declared;
     use crate::random_fit::slopes;
     use crate::run::Prepared;
@@ -158,16 +158,7 @@ mod tests {
             let record = windfall_sim::fly(&plant, &flight, Seed { campaign: 5, run: 0 }).expect("a flight").record;
             let noise = declared(&plant.sensors);
             let run = Prepared::new(0, "short", &record, plant.environment.gas_constant_j_kg_k, 0.02, &noise[POSE]);
-            let keep = Keep::Nothing;
-            let setting = PassSetting {
-                plant: &plant,
-                noise: &noise,
-                columns: &[],
-                beside: &others,
-                slack: 0.0,
-                spectra: crate::random::Spectra::default(),
-                keep,
-            };
+            let setting = PassSetting { beside: &others, ..PassSetting::plain(&plant, &noise) };
             let seen = pass(&run, &setting).expect("a pass");
             for (k, other) in others.iter().enumerate() {
                 let own = pass(&run, &PassSetting { plant: other, beside: &[], ..setting }).expect("a pass").innovations;

@@ -1,9 +1,8 @@
 //! likelihood: the filter against the Gaussian likelihood written out. Tests only: one covariance matrix of all measurements of a short
 //! run, from slopes of the flown motion by central differences at steps four times as fine, without a single update.
 
-use super::{Filter, Keep, PassSetting, Ready, Work};
+use super::{Filter, PassSetting, Ready, Work};
 use crate::noise::ChannelNoise;
-use crate::random::Spectra;
 use crate::run::Prepared;
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
@@ -71,11 +70,7 @@ fn slopes(z: &[f64], of: impl Fn(&[f64]) -> DVector<f64>) -> DMatrix<f64> {
 /// Mean of all measurements, what an uncertain start adds to their covariance, and what gusts and instruments do.
 fn written_out(plant: &Plant, noise: &PerChannel<ChannelNoise>) -> (DVector<f64>, DMatrix<f64>, DMatrix<f64>) {
     let run = prepared(STEP_S / FINER as f64, NODES * FINER);
-    let f = Filter::new(
-        &run,
-        &PassSetting { plant, noise, columns: &[], beside: &[], slack: 0.0, spectra: Spectra::default(), keep: Keep::Nothing },
-    )
-    .expect("a whole model");
+    let f = Filter::new(&run, &PassSetting::plain(plant, noise)).expect("a whole model");
     let (mut z, p) = (f.start(), f.start_covariance(&f.random));
     let n = f.n;
     let is_motion = |i: usize| i < f.nm;
@@ -131,16 +126,7 @@ fn exact_against_one_gaussian() {
                 .iter_mut()
                 .enumerate()
                 .for_each(|(k, node)| node.y.copy_from_slice(&y.as_slice()[k * POSE..(k + 1) * POSE]));
-            let setting = PassSetting {
-                plant: &plant,
-                noise: &noise,
-                columns: &[],
-                beside: &[],
-                slack: 0.0,
-                spectra: Spectra::default(),
-                keep: Keep::Nothing,
-            };
-            let filter = super::pass(&run, &setting).expect("a pass").log_likelihood;
+            let filter = super::pass(&run, &PassSetting::plain(&plant, &noise)).expect("a pass").log_likelihood;
             differences.push(filter - dense);
         }
         assert!(differences.iter().all(|d| d.abs() < 0.05), "{differences:?}");
