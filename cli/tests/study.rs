@@ -155,7 +155,8 @@ fn law_kill_and_resume_give_the_same_bytes() {
             kills += 1;
             let now = draws_on_disk(&b.path(&out), 16);
             let merged = b.path(&out).join("runs.parquet").exists();
-            assert!(now >= seen || merged, "{now} draws on disk after {seen}");
+            // A kill between a part and the end of its journal leaves its draws in both: counted twice, one part a thread.
+            assert!(now + 2 * 16 >= seen || merged, "{now} draws on disk after {seen}");
             seen = now;
         }
         assert!(b.bytes(&out) == whole, "after {kills} kills");
