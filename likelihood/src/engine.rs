@@ -30,6 +30,8 @@ pub struct Engine {
     pub(crate) slack: f64,
     /// Forms of the gusts' spectra.
     pub(crate) spectra: Spectra,
+    /// Mean square of what is not seen of the gusts, as a multiple of what their form leaves: one but for [`Engine::robust`].
+    pub(crate) unseen: f64,
     /// Slopes by sizes and lengths of gusts from passes of their own, not from filters beside the pass.
     pub(crate) exact_gusts: bool,
     /// What the changing variance of the gusts takes off the log-likelihood of models with gusts.
@@ -156,6 +158,7 @@ impl Engine {
             slack: 0.0,
             exact_gusts: false,
             spectra: Spectra::default(),
+            unseen: 1.0,
             bursts_price: 0.0,
             bursts_std: [0.0; 2],
             work: Arc::default(),
@@ -314,8 +317,8 @@ impl Engine {
                 other => other.clone(),
             };
             let columns: Vec<SensitivityColumn> = columns.iter().map(of_run).collect();
-            let (noise, slack, spectra) = (&self.noise, self.slack, self.spectra);
-            pass(run, &PassSetting { plant: &own, noise, columns: &columns, beside, slack, spectra, keep })
+            let (noise, slack, spectra, unseen) = (&self.noise, self.slack, self.spectra, self.unseen);
+            pass(run, &PassSetting { plant: &own, noise, columns: &columns, beside, slack, spectra, unseen, keep })
         };
         let seen: Vec<Result<Seen, Departed>> = self.runs.par_iter().map(one).collect();
         seen.into_iter().collect()

@@ -83,6 +83,8 @@ pub(crate) struct PassSetting<'a> {
     pub(crate) slack: f64,
     /// Forms of the gusts' spectra.
     pub(crate) spectra: Spectra,
+    /// Mean square of what the filter does not see of the gusts, as a multiple of what their form leaves.
+    pub(crate) unseen: f64,
     pub(crate) keep: Keep,
 }
 
@@ -90,7 +92,16 @@ pub(crate) struct PassSetting<'a> {
 impl<'a> PassSetting<'a> {
     /// A pass that finds the likelihood alone.
     pub(crate) fn plain(plant: &'a Plant, noise: &'a PerChannel<ChannelNoise>) -> Self {
-        Self { plant, noise, columns: &[], beside: &[], slack: 0.0, spectra: Spectra::default(), keep: Keep::Nothing }
+        Self {
+            plant,
+            noise,
+            columns: &[],
+            beside: &[],
+            slack: 0.0,
+            spectra: Spectra::default(),
+            unseen: 1.0,
+            keep: Keep::Nothing,
+        }
     }
 }
 
@@ -143,6 +154,7 @@ struct Filter<'a> {
     coloured: Vec<(usize, MeanNoise)>,
     white: [f64; POSE],
     slack: f64,
+    unseen: f64,
     keep: Keep,
     step_s: f64,
     /// States of the motion, and all; length of rows that hold all, longer where that makes whole vectors (then zeros).
@@ -216,6 +228,7 @@ impl<'a> Filter<'a> {
             coloured,
             white,
             slack: s.slack,
+            unseen: s.unseen,
             keep: s.keep,
             step_s,
             nm,

@@ -99,7 +99,21 @@ impl Engine {
         // A second's correlations are known to some percent only: errors grow by them, and never fall below the model's own.
         let own = &fit.covariance;
         let grown = |i: usize| (found[(i, i)] / own[(i, i)]).max(1.0).sqrt();
-        Some(DMatrix::from_fn(own.nrows(), own.ncols(), |i, k| grown(i) * own[(i, k)] * grown(k)))
+        let grown = DMatrix::from_fn(own.nrows(), own.ncols(), |i, k| grown(i) * own[(i, k)] * grown(k));
+        let unseen = self.by_unseen_gusts(fit)?;
+        Some(grown + &unseen * unseen.transpose())
+    }
+
+    /// By how much the numbers move where the part of the gusts that the motion does not show is twice as large as their form has it. Only
+    /// the form tells of that part, and its mean square adds to drag: a spectrum with more of it makes the same record.
+    fn by_unseen_gusts(&self, fit: &Fit) -> Option<DVector<f64>> {
+        if !fit.model.members.iter().any(|m| m.random && self.moves_air(m)) {
+            return Some(DVector::zeros(fit.numbers.len()));
+        }
+        let mut twice = self.clone();
+        twice.unseen = 4.0;
+        let slopes = |engine: &Self| Some(engine.sum(&fit.model, &fit.numbers, &[]).ok()?.b);
+        Some(&fit.covariance * (slopes(&twice)? - slopes(self)?))
     }
 
     /// [`MEMORY_S`] in nodes.

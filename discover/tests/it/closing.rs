@@ -2,6 +2,7 @@
 
 use super::common::{bundled, families};
 use windfall_discover::close::{Options, Verdict, close};
+use windfall_likelihood::{Engine, Fit, Id, identify};
 use windfall_model::{CATALOGUE, Campaign, Data, Plant, Record, Use};
 use windfall_replay::campaign_of;
 use windfall_sim::{Seed, fly};
@@ -91,4 +92,28 @@ fn recover_a_drift_of_the_recorded_speed() {
     let first: f64 = amplitudes.split([',', ')']).next().expect("one").parse().expect("a number");
     let expected = -10.0 * PER_S * 7.4;
     assert!((first / expected - 1.0).abs() < 0.3, "{first} for {expected}");
+}
+
+/// Gusts that pass within a sample add their mean square to drag, and no record shows how large they are: C_A is known no better than by what
+/// gusts of twice the size would change, 3 E|v|²/V² of itself (all but a third of it: what is slow is seen). In still air nothing is added.
+#[test]
+fn law_drag_is_no_better_known_than_gusts_that_are_not_seen() {
+    let values = vec![0.1, 0.1, 0.15, 0.15, 0.0];
+    let turbulence = CATALOGUE.iter().find(|e| e.family == "turbulence").expect("in the catalogue");
+    for gusty in [false, true] {
+        let air = |plant: &Plant, _| if gusty { with(plant, "turbulence", &values) } else { plant.clone() };
+        let mut campaign = flown(7, air);
+        campaign.knowledge.effects.extend(gusty.then(|| (*turbulence, values.clone())));
+        let engine = Engine::new(&campaign, &[0, 1, 2]).expect("tunnel runs");
+        let fit = identify(&engine, None).expect("a fit");
+        let drag = fit.numbers.iter().position(|n| n.id == Id::Declared(0)).expect("the first coefficient is C_A");
+        let variance = |f: &Fit| f.covariance[(drag, drag)] / fit.model.declared[0].powi(2);
+        let added = (variance(&engine.robust(&fit)) - variance(&fit)).sqrt();
+        let Data::Tunnel(record) = &campaign.runs[0].data else { unreachable!("a tunnel run") };
+        let speed = record.vw_m_s.iter().sum::<f64>() / record.len() as f64;
+        let square: f64 = fit.model.plant(&campaign).disturbances(speed).iter().map(|d| d.rms * d.rms).sum();
+        let most = 3.0 * square / (speed * speed);
+        let as_expected = if gusty { added > most / 3.0 && added < 1.2 * most } else { added.is_nan() || added < 1e-4 };
+        assert!(as_expected, "gusts {gusty}: {added:.2e} of C_A added, at most {most:.2e}");
+    }
 }

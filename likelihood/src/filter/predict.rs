@@ -135,7 +135,7 @@ impl Filter<'_> {
         let sign = [1.0, if pattern < 2 { 1.0 } else { -1.0 }, if pattern.is_multiple_of(2) { 1.0 } else { -1.0 }];
         for (at, input) in self.inputs() {
             if let Entry::AirVelocity(axis) = input.entry {
-                spread[axis] = sign[axis] * p[at * self.n + at].max(0.0).sqrt();
+                spread[axis] = sign[axis] * (self.unseen * p[at * self.n + at].max(0.0)).sqrt();
             }
         }
         spread
