@@ -118,6 +118,8 @@ fn of_instruments(engine: &Engine, runs: &[usize]) -> Vec<Alternative> {
     }
     let mut add = |bases: Vec<Basis>| all.push(Alternative { site: Site::Speed, bases, prior: WIND * engine.mean_speed_m_s() });
     add(vec![Basis::Elapsed(1), Basis::Elapsed(2)]);
+    // A probe that reads otherwise at other speeds.
+    add(vec![Basis::Speed(1), Basis::Speed(2)]);
     add(vec![Basis::Height(1), Basis::Height(2)]);
     if runs.len() > 1 {
         add(runs[1..].iter().map(|r| Basis::Run(*r)).collect());

@@ -11,14 +11,16 @@ use crate::random_range::RandomRange;
 use crate::search::Unit;
 use windfall_model::{POSE, Use};
 
+mod across;
 mod contest;
 mod polish;
 mod rivals;
 mod starts;
 mod weigh;
 
+use across::across_sets;
 pub use contest::Contest;
-use contest::{against_alternatives, against_gusts};
+use contest::{against_alternatives, against_free_accelerations, against_gusts};
 use polish::{Scored, climb_down, declared_alone, in_other_forms, polish, polished};
 pub use rivals::{RivalPair, Rivals, Unseen, log_odds};
 use starts::{LEVELS, Start, ladder, lead_in, sized, struck, with_random};
@@ -93,6 +95,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let (after, weighed) = selected(engine, after, weighed, &mut log);
     let (after, weighed, contest) = against_alternatives(engine, after, weighed, &mut log);
     let (after, weighed, contest, faint) = against_gusts(engine, after, weighed, contest, &mut log);
+    let contest = against_free_accelerations(engine, &after, &faint, contest, &mut log);
     let after = engine.settle_exactly(&after);
     let before = declared_alone(engine, &declared, &after);
     let sets = named(&weighed, &after.model);
@@ -100,7 +103,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let random_bounds = random_bounds(engine, &after);
     let stands_in = |m: &&Member| !faint.is_empty() && m.random && !m.declared && engine.moves_air(m);
     let stand_ins = after.model.members.iter().filter(stands_in).map(|m| m.effect.family).collect();
-    let after = engine.robust(&after);
+    let after = across_sets(engine.robust(&after), &weighed);
     let (before, before_fault) = match before {
         Ok(fit) => (Some(engine.robust(&fit)), Ok(())),
         Err(words) => (None, Err(words)),

@@ -194,3 +194,69 @@ fn stand_in(engine: &Engine, fit: &Fit, still: &Fit, gusts: usize, speed_m_s: f6
         amplitudes: Vec::new(),
     })
 }
+
+/// Effects and generic alternatives beside the declared model while accelerations are left free, just as far as what it lacks needs: the filter
+/// stays near the data, so that a load shows as it is, and not as what a stand-in makes of it.
+struct Freed {
+    contest: Contest,
+    /// What the best set brings, and that over the best without alternatives.
+    gain: f64,
+    over: f64,
+}
+
+/// The least freedom of the accelerations at which the declared model leaves about as much as noise does; none where it leaves less or far more.
+fn freed(engine: &Engine) -> Option<Freed> {
+    const FREEDOM: [f64; 8] = [1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];
+    const ABOUT: std::ops::Range<f64> = 0.9..1.5;
+    let mut free = engine.coarse();
+    let mut model = Model::declared(&engine.campaign);
+    let mut last = None;
+    for slack in FREEDOM {
+        free.slack = slack;
+        let Ok(fit) = free.climb(&model, false, 4) else { break };
+        if fit.chi > ABOUT.end {
+            break;
+        }
+        model = fit.model;
+        last = Some((slack, fit.chi));
+    }
+    let (slack, _) = last.filter(|(_, chi)| ABOUT.contains(chi))?;
+    free.slack = slack;
+    let all = alternatives(engine);
+    let w = weigh_beside(&free, &model, &all)?;
+    let gain = w.sets.first()?.gain;
+    let of_effects = w.sets.iter().find(|s| s.units.iter().all(|&u| w.families[u].0 < GENERIC));
+    Some(Freed { contest: outcome(&w, &all)?, gain, over: gain - of_effects.map_or(0.0, |s| s.gain) })
+}
+
+/// What was found held against what stands out in free accelerations: several effects may together stand for a form outside the catalogue, and
+/// what is said to be unexplained beside stand-ins may be what those leave. Not in random air, which free accelerations take up.
+pub(super) fn against_free_accelerations(
+    engine: &Engine,
+    fit: &Fit,
+    faint: &[Lead],
+    contest: Option<Contest>,
+    log: &mut Vec<String>,
+) -> Option<Contest> {
+    /// Nats, and share of what the best set brings, from which effects are doubted that full fits have found.
+    const PLAIN: [f64; 2] = [10.0, 0.05];
+    let stands_in = |m: &Member| !faint.is_empty() && !m.declared && engine.moves_air(m);
+    let named: Vec<&str> = fit.model.members.iter().filter(|m| !m.declared && !m.random).map(|m| m.effect.family).collect();
+    let is_open = !faint.is_empty() || contest.as_ref().is_some_and(|c| !c.leads.is_empty());
+    let is_random = fit.model.members.iter().any(|m| m.is_local() || m.random && !stands_in(m));
+    if is_random || named.is_empty() && !is_open {
+        return contest;
+    }
+    let Some(free) = freed(engine) else { return contest };
+    let stands_out = if is_open {
+        free.over > SURE
+    } else {
+        free.over > PLAIN[0].max(PLAIN[1] * free.gain) && !named.iter().all(|f| free.contest.families.contains(f))
+    };
+    log.push(format!("in free accelerations {:.1}, {:.1} over effects alone: {:?}", free.gain, free.over, free.contest.leads));
+    if !stands_out || free.contest.leads.is_empty() {
+        return contest;
+    }
+    let strongest = contest.as_ref().map_or(free.over, |c| c.strongest.max(free.over));
+    Some(Contest { families: contest.map_or_else(Vec::new, |c| c.families), leads: free.contest.leads, strongest })
+}

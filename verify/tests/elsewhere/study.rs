@@ -7,11 +7,16 @@ use crate::write::{answer, campaign};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::time::Instant;
-use windfall_discover::close::{Options, close};
+use windfall_discover::close::{Closing, Options, Unexplained, close};
 use windfall_scenarios::read_campaign;
 
 /// Draws, writes, reads as any user's campaign, closes, scores.
 fn one(group: &str, i: usize, seed: u64) -> Score {
+    closed(group, i, seed).0
+}
+
+/// The same with the closing; none where it came to no end.
+fn closed(group: &str, i: usize, seed: u64) -> (Score, Option<Closing>) {
     let (spec, runs) = draw(group, i, seed);
     let name = format!("{group}-{i:03}-{seed}");
     let root: PathBuf = std::env::temp_dir().join(format!("windfall-elsewhere-{}", std::process::id()));
@@ -20,8 +25,8 @@ fn one(group: &str, i: usize, seed: u64) -> Score {
     let read = read_campaign(&root.join(&name).join("campaign.toml"));
     let _ = std::fs::remove_dir_all(root.join(&name));
     let closing = read.ok().and_then(|c| close(&c, &Options::default()).ok());
-    let closing = closing.and_then(|c| serde_json::to_value(&c).ok());
-    score(&answer(&name, &spec), closing.as_ref(), started.elapsed().as_secs_f64())
+    let json = closing.as_ref().and_then(|c| serde_json::to_value(c).ok());
+    (score(&answer(&name, &spec), json.as_ref(), started.elapsed().as_secs_f64()), closing)
 }
 
 fn all(list: &str, seed: u64) -> Vec<Score> {
@@ -74,6 +79,20 @@ fn recover_a_few() {
     let [held, all] = scores.iter().fold([0, 0], |[a, b], s| [a + s.covered[0], b + s.covered[1]]);
     let share = held as f64 / (all as f64).max(1.0);
     assert!(share > 0.93 - 3.0 * (0.05 * 0.95 / (all as f64 / 3.0).max(1.0)).sqrt(), "{held} of {all} intervals hold");
+}
+
+/// Damping across the rates (C_m over r, C_n over q), which no effect of the catalogue is: a loose mass, a mass and a force of the rates together do
+/// nearly as well. Their form must fail, and what is said to be unexplained is C_m and C_n over the rates across.
+#[test]
+fn recover_a_form_outside_the_catalogue() {
+    let (score, closing) = closed("E", 6, 19);
+    let closing = closing.expect("it comes to an end");
+    println!("{:?} {:?}", score.named, closing.unexplained);
+    assert!(score.right, "{:?} are said to explain it", score.named);
+    for coefficient in ["Cm", "Cn"] {
+        let says = |u: &Unexplained| u.channel == coefficient && u.description.contains("rates across");
+        assert!(closing.unexplained.iter().any(says), "{:?}", closing.unexplained);
+    }
 }
 
 /// Wrong ones of `n` that are exceeded with a chance below one hundredth where each is wrong with a chance of a twentieth.

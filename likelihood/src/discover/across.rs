@@ -1,0 +1,79 @@
+//! likelihood: errors of what every set has, over all sets that the runs cannot tell apart. In: a fit, the sets weighed at it. Out: the fit
+//! with errors that span them.
+//!
+//! The errors of one set take it for certain. Where a scale of the tunnel speed is as likely as none, drag is known no better than that scale,
+//! whatever one of the two says of itself (Draper 1995; Hoeting, Madigan, Raftery and Volinsky 1999).
+
+use super::weigh::{GENERIC, SURE, Weighed};
+use crate::engine::Fit;
+use crate::gram::Posterior;
+use crate::model::Number;
+use crate::search::Set;
+use nalgebra::DMatrix;
+use statrs::distribution::{ContinuousCDF, Normal};
+use windfall_pid::NORMAL_95;
+
+/// What one set says of a number: its weight, its mean over the chosen set's, its standard deviation.
+type Said = [f64; 3];
+
+/// A fit with the errors of declared parameters and uncertain constants widened until ± 1.96 of them hold 95 % of what all sets within twenty to
+/// one of its own say, each by its probability; as it was where its own set is not among those weighed.
+pub(super) fn across_sets(fit: Fit, weighed: &Weighed) -> Fit {
+    let members = fit.model.members.iter().filter(|m| !m.random && !m.declared).count();
+    let is_member = |&u: &usize| weighed.families[u].1.is_none() && weighed.families[u].0 < GENERIC;
+    let is_own = |s: &&Set| s.units.len() == members && s.units.iter().all(is_member);
+    let Some(own) = weighed.sets.iter().find(is_own) else { return fit };
+    let posterior = |s: &Set| {
+        let places: Vec<usize> = weighed.base.iter().copied().chain(s.columns.iter().map(|&c| weighed.others[c])).collect();
+        weighed.whole.posterior(&places)
+    };
+    let Some(here) = posterior(own) else { return fit };
+    let near = weighed.sets.iter().filter(|s| s.gain > own.gain - SURE);
+    let near: Vec<(f64, Posterior)> = near.filter_map(|s| Some(((s.gain - own.gain).exp(), posterior(s)?))).collect();
+    let wider = |(i, number): (usize, &Number)| {
+        let place = weighed.base.iter().position(|&b| weighed.whole.numbers[b].id == number.id);
+        let std = fit.covariance[(i, i)].sqrt();
+        place.map_or(1.0, |at| {
+            let one = |(weight, p): &(f64, Posterior)| {
+                let share = (p.covariance[(at, at)] / here.covariance[(at, at)]).sqrt();
+                [*weight, p.mean[at] - here.mean[at], std * share]
+            };
+            (half_width(&near.iter().map(one).collect::<Vec<_>>()) / (NORMAL_95 * std)).max(1.0)
+        })
+    };
+    let wider: Vec<f64> = fit.numbers.iter().enumerate().map(wider).collect();
+    let covariance = DMatrix::from_fn(wider.len(), wider.len(), |i, k| wider[i] * fit.covariance[(i, k)] * wider[k]);
+    Fit { covariance, ..fit }
+}
+
+/// The distance from zero within which 95 % of what is said lies, by bisection.
+fn half_width(said: &[Said]) -> f64 {
+    let normal = Normal::standard();
+    let all: f64 = said.iter().map(|[weight, ..]| weight).sum();
+    let within = |h: f64| {
+        let one = |[weight, mean, std]: &Said| weight * (normal.cdf((h - mean) / std) - normal.cdf((-h - mean) / std));
+        said.iter().map(one).sum::<f64>() / all
+    };
+    let [mut low, mut high] = [0.0, said.iter().map(|[_, mean, std]| mean.abs() + 3.0 * std).fold(0.0, f64::max)];
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if within(middle) < 0.95 { low = middle } else { high = middle }
+    }
+    high
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One set leaves its own 1.96 deviations; a second of a thousandth hardly more; one as likely reaches to where nine tenths of it lie.
+    #[test]
+    fn exact_half_width_of_two_sets() {
+        let one = half_width(&[[1.0, 0.0, 2.0]]);
+        assert!((one - 2.0 * NORMAL_95).abs() < 1e-4, "{one}");
+        let faint = half_width(&[[1.0, 0.0, 1.0], [0.001, 100.0, 1.0]]);
+        assert!(faint > NORMAL_95 && faint < 1.01 * NORMAL_95, "{faint}");
+        let far = half_width(&[[1.0, 0.0, 1.0], [1.0, 100.0, 2.0]]);
+        assert!((far - (100.0 + 2.0 * 1.281_551_6)).abs() < 1e-3, "{far}");
+    }
+}
