@@ -267,7 +267,9 @@ fn law_corrupt_journals_are_found() {
     let lines: Vec<&str> = text.lines().collect();
     let twice = format!("{}\n{}\n", lines[0], lines[0]);
     let flipped = text.replacen("\"N\":4", "\"N\":5", 1);
-    for bad in [twice, flipped] {
+    // A line that was cut off stays too while another is corrupt.
+    let cut_off = format!("{flipped}0123");
+    for bad in [twice, flipped, cut_off] {
         assert_ne!(bad, text);
         fs::write(&journal, &bad).expect("writable");
         b.refused("killed", &["--resume"], &["000000.rows", "is corrupt"]);

@@ -74,9 +74,6 @@ impl Journal {
         file.seek(SeekFrom::Start(0)).map_err(fail)?;
         (&file).take(length).read_to_end(&mut bytes).map_err(fail)?;
         let whole = bytes.iter().rposition(|b| *b == b'\n').map_or(0, |i| i + 1);
-        if whole < bytes.len() {
-            file.set_len(whole as u64).map_err(fail)?;
-        }
         let mut rows = BTreeMap::new();
         for (i, line) in bytes[..whole].split_inclusive(|b| *b == b'\n').enumerate() {
             let row = std::str::from_utf8(line).ok().and_then(|l| row_of(l.trim_end_matches('\n'), columns));
@@ -88,6 +85,10 @@ impl Journal {
                 });
             };
             rows.insert(row.draw, row);
+        }
+        // Only of a journal that is otherwise whole: what is refused stays as it was.
+        if whole < bytes.len() {
+            file.set_len(whole as u64).map_err(fail)?;
         }
         Ok(Self { path: path.to_owned(), file, rows })
     }
