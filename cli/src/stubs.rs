@@ -199,3 +199,15 @@ fn law_python_and_the_documentation_say_what_the_requests_say() {
         assert!(stored == now, "{} is old: run `just stubs`", path.display());
     }
 }
+
+/// Where the methods of `identify` are listed by hand, all are.
+#[test]
+fn law_lists_of_methods_are_whole() {
+    let all = windfall::Method::ALL.map(windfall::Method::name).join(", ");
+    let package = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../python/py/windfall/__init__.py");
+    let package = std::fs::read_to_string(package).expect("a file of the workspace");
+    let reference = windfall::files::key_reference();
+    for (place, text) in [("`do.identify` in scenarios/src/keys.rs", reference), ("python/py/windfall/__init__.py", package)] {
+        assert!(text.contains(&all), "{place} lacks one of {all}");
+    }
+}

@@ -49,7 +49,10 @@ fn pair(runs: &[Run], left: &[usize], variances: &BTreeMap<usize, PerChannel<f64
 fn missing_between(a: &Run, b: &Run, variances: &PerChannel<f64>) -> Option<usize> {
     let (Data::Tunnel(first), Data::Tunnel(second)) = (&a.data, &b.data) else { return None };
     let (dt, same) = (first.interval_s(), a.kind == b.kind && a.used == b.used && a.inputs == b.inputs);
-    if !same || (second.interval_s() / dt - 1.0).abs() > 0.01 || first.qw_pa.is_some() != second.qw_pa.is_some() {
+    if !same
+        || (second.interval_s() / dt - 1.0).abs() > 0.01
+        || first.slow().map(|x| x.is_some()) != second.slow().map(|x| x.is_some())
+    {
         return None;
     }
     let steps = (second.t_s.first()? - first.t_s.last()?) / dt;
@@ -137,19 +140,13 @@ fn append(record: &mut Record, next: &Record, missing: usize) {
     let measured = |r: &Record| (0..r.len()).map(|i| !r.is_measured(i)).collect::<Vec<bool>>();
     let bridged = [measured(record), vec![true; missing], measured(next)].concat();
     let (start_s, rows) = (record.t_s.first().copied().unwrap_or(0.0), bridged.len());
-    let poses = record.position_m.iter_mut().chain(&mut record.attitude_rad).chain([&mut record.vw_m_s]);
-    for (c, (series, more)) in poses.zip(next.channels()).enumerate() {
+    for (c, (series, more)) in record.channels_mut().into_iter().zip(next.channels()).enumerate() {
         series.extend((0..missing).map(|k| between(c, k)));
         series.extend(more.iter().map(|v| if c == 3 { v + shift } else { *v }));
     }
-    let held = |series: &mut Vec<f64>, more: &[f64]| {
+    for (series, more) in record.slow_mut().into_iter().flatten().zip(next.slow().into_iter().flatten()) {
         let last = series.last().copied().unwrap_or(0.0);
         series.extend(std::iter::repeat_n(last, missing).chain(more.iter().copied()));
-    };
-    held(&mut record.ps_pa, &next.ps_pa);
-    held(&mut record.ts_k, &next.ts_k);
-    if let (Some(q), Some(more)) = (&mut record.qw_pa, &next.qw_pa) {
-        held(q, more);
     }
     record.t_s = (0..rows).map(|i| start_s + i as f64 * dt).collect();
     record.bridged = if bridged.iter().any(|b| *b) { bridged } else { Vec::new() };
@@ -182,8 +179,7 @@ mod tests {
             vw_m_s: series(0.2, 0.1, 0.01, 7).iter().map(|v| 7.4 + v).collect(),
             ps_pa: vec![1e5; n],
             ts_k: vec![290.0; n],
-            qw_pa: None,
-            bridged: Vec::new(),
+            ..Record::default()
         }
     }
 
@@ -197,8 +193,7 @@ mod tests {
             vw_m_s: of(&r.vw_m_s),
             ps_pa: of(&r.ps_pa),
             ts_k: of(&r.ts_k),
-            qw_pa: None,
-            bridged: Vec::new(),
+            ..Record::default()
         }
     }
 

@@ -246,9 +246,8 @@ mod tests {
             attitude_rad: [x.clone(), x.clone(), x],
             ps_pa: vec![1e5; n],
             ts_k: vec![290.0; n],
-            qw_pa: None,
-            bridged: Vec::new(),
             t_s,
+            ..Record::default()
         }
     }
 

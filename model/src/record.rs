@@ -6,7 +6,7 @@ use crate::point::CoefficientTable;
 use crate::quantity::PLANT_NUMBERS;
 
 /// A tunnel run: pose of the geometric origin and tunnel state, uniformly sampled; gaps already bridged or split.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
     /// Sample times, s; uniform to 1 %, increasing.
     pub t_s: Vec<f64>,
@@ -62,6 +62,42 @@ impl Record {
         let [x, y, z] = &self.position_m;
         let [rx, ry, rz] = &self.attitude_rad;
         [x, y, z, rx, ry, rz, &self.vw_m_s]
+    }
+    /// The same, to be changed.
+    #[must_use]
+    pub fn channels_mut(&mut self) -> PerChannel<&mut Vec<f64>> {
+        let Self { position_m: [x, y, z], attitude_rad: [rx, ry, rz], vw_m_s, .. } = self;
+        [x, y, z, rx, ry, rz, vw_m_s]
+    }
+    /// What was recorded beside the motion signals: static pressure (Pa), static temperature (K) and, where recorded, tunnel dynamic
+    /// pressure (Pa).
+    #[must_use]
+    pub fn slow_mut(&mut self) -> [Option<&mut Vec<f64>>; 3] {
+        // Every field is named, so that a new one is asked for here.
+        let Self { t_s: _, position_m: _, attitude_rad: _, vw_m_s: _, bridged: _, ps_pa, ts_k, qw_pa } = self;
+        [Some(ps_pa), Some(ts_k), qw_pa.as_mut()]
+    }
+    /// The same, to be read.
+    #[must_use]
+    pub fn slow(&self) -> [Option<&[f64]>; 3] {
+        let Self { t_s: _, position_m: _, attitude_rad: _, vw_m_s: _, bridged: _, ps_pa, ts_k, qw_pa } = self;
+        [Some(ps_pa), Some(ts_k), qw_pa.as_deref()]
+    }
+    /// The samples of `rows`, in their own time.
+    ///
+    /// # Panics
+    /// When `rows` reach beyond the samples.
+    #[must_use]
+    pub fn rows(&self, rows: &std::ops::Range<usize>) -> Self {
+        let mut part = self.clone();
+        let cut = |series: &mut Vec<f64>| *series = series[rows.clone()].to_vec();
+        cut(&mut part.t_s);
+        part.channels_mut().into_iter().for_each(cut);
+        part.slow_mut().into_iter().flatten().for_each(cut);
+        if !part.bridged.is_empty() {
+            part.bridged = part.bridged[rows.clone()].to_vec();
+        }
+        part
     }
 }
 

@@ -285,8 +285,7 @@ fn exact_intervals_and_departures_of_records() {
         vw_m_s: series(),
         ps_pa: series(),
         ts_k: series(),
-        qw_pa: None,
-        bridged: Vec::new(),
+        ..Record::default()
     };
     assert_eq!((record.interval_s(), record.duration_s()), (0.5, 3.0));
     let mass = PLANT_NUMBERS.iter().position(|n| n.key == "vehicle.mass_kg").expect("in the table");

@@ -26,9 +26,7 @@ fn cut(campaign: &Campaign, part: f64) -> Campaign {
         let Data::Tunnel(r) = &mut run.data else { continue };
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive number of samples")]
         let n = (part * r.t_s.len() as f64) as usize;
-        let columns = [&mut r.t_s, &mut r.vw_m_s, &mut r.ps_pa, &mut r.ts_k];
-        r.bridged.truncate(n);
-        columns.into_iter().chain(&mut r.position_m).chain(&mut r.attitude_rad).chain(&mut r.qw_pa).for_each(|c| c.truncate(n));
+        *r = r.rows(&(0..n));
     }
     out
 }

@@ -276,8 +276,7 @@ impl<'s> Scene<'s> {
             vw_m_s: vec![self.trim_m_s * scale; n],
             ps_pa: vec![self.ps_pa; n],
             ts_k: vec![self.ts_k; n],
-            qw_pa: None,
-            bridged: Vec::new(),
+            ..Record::default()
         };
         Some((record, first))
     }

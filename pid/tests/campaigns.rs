@@ -166,8 +166,7 @@ fn exact_unexcited_parameters_are_named_and_left_out() {
         vw_m_s: vec![7.4; n as usize],
         ps_pa: vec![101_325.0; n as usize],
         ts_k: vec![299.0; n as usize],
-        qw_pa: None,
-        bridged: Vec::new(),
+        ..Record::default()
     };
     let runs = vec![("still".to_owned(), "unperturbed".to_owned(), Use::Identify, record)];
     let id = identify(&campaign_of("still", runs), Method::EquationError).expect("C_A is excited");

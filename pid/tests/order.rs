@@ -27,9 +27,8 @@ fn errors(smoother: &Smoother, rate_hz: f64) -> [f64; 3] {
         vw_m_s: x.clone(),
         ps_pa: vec![101_325.0; x.len()],
         ts_k: vec![290.0; x.len()],
-        qw_pa: None,
-        bridged: Vec::new(),
         t_s: t_s.clone(),
+        ..Record::default()
     };
     let smoothed = smooth(&record, smoother).expect("a good record");
     let c = &smoothed.channels[0];

@@ -41,9 +41,8 @@ fn record(waves: &[Waves; 7]) -> Record {
         vw_m_s: channel(6, 0.1).iter().map(|v| 7.4 + v).collect(),
         ps_pa: vec![101_325.0; t_s.len()],
         ts_k: vec![299.0; t_s.len()],
-        qw_pa: None,
-        bridged: Vec::new(),
         t_s,
+        ..Record::default()
     }
 }
 

@@ -20,9 +20,8 @@ fn record(n: usize, f: impl Fn(f64) -> f64) -> Record {
         vw_m_s: x.clone(),
         ps_pa: vec![101_325.0; n],
         ts_k: vec![290.0; n],
-        qw_pa: None,
-        bridged: Vec::new(),
         t_s,
+        ..Record::default()
     }
 }
 

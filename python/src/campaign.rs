@@ -10,8 +10,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::PathBuf;
 use std::sync::Arc;
-use windfall::files::json_text;
-use windfall::model::{CHANNEL_NAMES, Record, RunChannel, Use};
+use windfall::files::{json_text, record_columns};
+use windfall::model::Use;
 use windfall::results::{Identification, Truth};
 use windfall::{RunColumns, Scenario};
 
@@ -34,7 +34,9 @@ pub(crate) fn simulate<'py>(py: Python<'py>, word: PathBuf, request: &str, threa
         d.set_item("use", flight.used.name())?;
         d.set_item("end", summary.end)?;
         d.set_item("end_t_s", summary.end_t_s)?;
-        d.set_item("record", record_columns(py, flown.record)?)?;
+        let record = PyDict::new(py);
+        record_columns(&flown.record).into_iter().try_for_each(|(name, series)| give(&record, name, series.into_owned()))?;
+        d.set_item("record", record)?;
         d.set_item("truth", truth_columns(py, flown.truth)?)?;
         all.append(d)?;
     }
@@ -44,26 +46,6 @@ pub(crate) fn simulate<'py>(py: Python<'py>, word: PathBuf, request: &str, threa
 /// Hands a series over to NumPy without a copy.
 fn give(d: &Bound<'_, PyDict>, name: &str, x: Vec<f64>) -> PyResult<()> {
     d.set_item(name, x.into_pyarray(d.py()))
-}
-
-fn degrees(mut x: Vec<f64>) -> Vec<f64> {
-    x.iter_mut().for_each(|v| *v = v.to_degrees());
-    x
-}
-
-/// A record in the columns of the run file.
-fn record_columns(py: Python<'_>, r: Record) -> PyResult<Bound<'_, PyDict>> {
-    let d = PyDict::new(py);
-    give(&d, "t_s", r.t_s)?;
-    let pose = r.position_m.into_iter().chain(r.attitude_rad.map(degrees));
-    for (name, series) in CHANNEL_NAMES.into_iter().zip(pose) {
-        give(&d, name, series)?;
-    }
-    for (name, series) in [("ps_Pa", r.ps_pa), (CHANNEL_NAMES[RunChannel::Wind.at()], r.vw_m_s), ("Ts_K", r.ts_k)] {
-        give(&d, name, series)?;
-    }
-    r.qw_pa.map_or(Ok(()), |q| give(&d, "qW_Pa", q))?;
-    Ok(d)
 }
 
 fn truth_columns(py: Python<'_>, t: Truth) -> PyResult<Bound<'_, PyDict>> {

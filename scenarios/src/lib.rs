@@ -38,6 +38,7 @@ mod profile;
 mod record;
 mod reference;
 mod reference_lists;
+mod run_columns;
 mod scenario;
 mod statistics;
 mod store;
@@ -68,8 +69,8 @@ pub use planet::{PlanetFile, read_bundled_planet, read_planet};
 pub use planet_out::write_resolved_planet;
 pub use point::{Down, read_track};
 pub use record::{
-    FEWEST_SAMPLES, LONGEST_BRIDGE_S, Piece, SHORTEST_PIECE_S, read_record_csv, read_record_pieces, sensors_of_table_a3,
-    write_record_csv,
+    FEWEST_SAMPLES, LONGEST_BRIDGE_S, Piece, SHORTEST_PIECE_S, read_record_csv, read_record_pieces, record_columns,
+    sensors_of_table_a3, write_record_csv,
 };
 pub use reference::{KeyMeaning, key_reference, meanings};
 pub use scenario::{EffectValues, ScenarioFile, read_bundled, read_scenario_file};

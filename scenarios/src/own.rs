@@ -8,36 +8,18 @@ mod unit;
 pub(crate) use attitude::SEQUENCES;
 use attitude::{Attitude, OwnAxes, Turned};
 pub(crate) use read::read;
-use unit::{ColumnUnit, UnitQuantity};
+use unit::ColumnUnit;
+pub(crate) use unit::UnitQuantity;
 
 use crate::columns::{Columns, fault, some_of};
 use crate::error::{Fault, ReadError};
+use crate::run_columns::{RUN_COLUMNS, RunColumn};
 use std::path::Path;
 
-/// The columns of a run file and what each is.
-pub(crate) const OURS: [(&str, UnitQuantity); 15] = [
-    ("t_s", UnitQuantity::Time),
-    ("X_m", UnitQuantity::Length),
-    ("Y_m", UnitQuantity::Length),
-    ("Z_m", UnitQuantity::Length),
-    ("Rx_deg", UnitQuantity::Angle),
-    ("Ry_deg", UnitQuantity::Angle),
-    ("Rz_deg", UnitQuantity::Angle),
-    ("qW_Pa", UnitQuantity::Pressure),
-    ("ps_Pa", UnitQuantity::Pressure),
-    ("VW_m_s", UnitQuantity::Speed),
-    ("Ts_K", UnitQuantity::Temperature),
-    ("fX_m_s2", UnitQuantity::Acceleration),
-    ("fY_m_s2", UnitQuantity::Acceleration),
-    ("fZ_m_s2", UnitQuantity::Acceleration),
-    ("angle_deg", UnitQuantity::Angle),
-];
 const POSITION: [&str; 3] = ["X_m", "Y_m", "Z_m"];
 const ANGLES: [&str; 3] = ["Rx_deg", "Ry_deg", "Rz_deg"];
 /// Columns that an attitude makes beside the angles: quaternion tunnel from body. No file's column is called so.
 pub(crate) const QUATERNION: [&str; 4] = ["tunnel<-body w", "tunnel<-body x", "tunnel<-body y", "tunnel<-body z"];
-/// Columns that may be one number for a whole run.
-const MAY_BE_CONSTANT: [&str; 3] = ["ps_Pa", "VW_m_s", "Ts_K"];
 
 /// The quaternion columns of an attitude, made of our angles where the file has those; `None` without an attitude.
 pub(crate) fn quaternions(columns: &mut Columns) -> Option<[&'static str; 4]> {
@@ -107,7 +89,7 @@ impl Own {
             return Ok(file);
         }
         let (mut names, mut data) = (Vec::new(), Vec::new());
-        for (ours, _) in OURS {
+        for ours in RUN_COLUMNS.map(|c| c.name) {
             let column = match self.origin(ours) {
                 Some(origin) => origin.values(&file),
                 None => file.get(ours).map(<[f64]>::to_vec),
@@ -118,7 +100,9 @@ impl Own {
             }
         }
         let used = self.used();
-        for (name, column) in file.all().filter(|(n, _)| !used.contains(&n.as_str()) && !OURS.iter().any(|(o, _)| o == n)) {
+        for (name, column) in
+            file.all().filter(|(n, _)| !used.contains(&n.as_str()) && !RUN_COLUMNS.iter().any(|c| c.name == n.as_str()))
+        {
             names.push(name.clone());
             data.push(column.clone());
         }
@@ -151,7 +135,7 @@ impl Own {
     /// Units that the file itself names below its header, where they are not those that the columns are read in.
     fn contradicted(&self, path: &Path, file: &Columns) -> Vec<Fault> {
         let mut all = Vec::new();
-        for (ours, quantity) in OURS {
+        for RunColumn { name: ours, quantity, .. } in RUN_COLUMNS {
             let (names, unit): (Vec<&str>, _) = match self.origin(ours) {
                 Some(origin @ Origin::Columns { unit, .. }) => (origin.names().collect(), *unit),
                 Some(Origin::Constant(_)) => continue,

@@ -6,9 +6,11 @@ use crate::error::{Fault, ReadError, WriteError};
 use crate::formats::read_columns;
 use crate::grid::Grid;
 use crate::own::{Own, QUATERNION};
+use crate::run_columns::{Who, is_of_tunnel, names_of};
 use crate::units;
+use std::borrow::Cow;
 use std::path::Path;
-use windfall_model::{CHANNEL_NAMES, Record, Sensors};
+use windfall_model::{CHANNEL_NAMES, POSE, Record, RunChannel, Sensors};
 
 /// Longest dropout that is bridged, s.
 pub const LONGEST_BRIDGE_S: f64 = 0.1;
@@ -18,13 +20,8 @@ pub const SHORTEST_PIECE_S: f64 = 1.0;
 pub const FEWEST_SAMPLES: usize = 30;
 /// More spikes than this fraction of the samples are no spikes.
 const MOST_SPIKES: f64 = 0.05;
-/// Needed columns, those of [`CHANNEL_NAMES`] first.
-pub(crate) const NEEDED: [&str; 9] = {
-    let [x, y, z, rx, ry, rz, wind] = CHANNEL_NAMES;
-    [x, y, z, rx, ry, rz, wind, "ps_Pa", "Ts_K"]
-};
-/// Column that may be absent.
-pub(crate) const QW: &str = "qW_Pa";
+/// Dynamic pressure, which may be absent.
+const QW: &str = "qW_Pa";
 /// Deviation of a slow channel (pressure, temperature) below which nothing is a spike, as a fraction of its value.
 const SLOW_FLOOR: f64 = 2e-4;
 
@@ -92,12 +89,12 @@ pub(crate) fn pieces_of(
 ) -> Result<Vec<Piece>, ReadError> {
     let mut columns = own.apply(path, columns)?;
     let mut notes = std::mem::take(&mut columns.notes);
-    has_columns(path, &columns, &NEEDED)?;
+    has_columns(path, &columns)?;
     let t = times(path, &mut columns, window_s, &mut notes)?;
     let grid = Grid::of(path, t, &columns.lines, &mut notes)?;
     note_unused(&columns, &mut notes);
-    let mut channels: Vec<(&str, Vec<f64>)> =
-        NEEDED.iter().chain(&[QW]).filter_map(|n| columns.get(n).map(|c| (*n, grid.spread(c)))).collect();
+    let all = names_of(Who::TunnelRun).filter(|n| *n != "t_s").chain(names_of(Who::TunnelRunMay));
+    let mut channels: Vec<(&str, Vec<f64>)> = all.filter_map(|n| columns.get(n).map(|c| (n, grid.spread(c)))).collect();
     let faults = units::faults(path, &channels, sensors);
     if !faults.is_empty() {
         return Err(ReadError::Faults(faults));
@@ -107,10 +104,8 @@ pub(crate) fn pieces_of(
     cut(path, &grid, &mut channels, &spikes, notes)
 }
 
-fn has_columns(path: &Path, columns: &Columns, needed: &[&str]) -> Result<(), ReadError> {
-    let faults: Vec<Fault> = [&["t_s"], needed]
-        .concat()
-        .iter()
+fn has_columns(path: &Path, columns: &Columns) -> Result<(), ReadError> {
+    let faults: Vec<Fault> = names_of(Who::TunnelRun)
         .filter(|n| columns.get(n).is_none())
         .map(|n| {
             let what = format!("column is missing; the file has {}", some_of(columns.names()));
@@ -126,7 +121,7 @@ fn has_columns(path: &Path, columns: &Columns, needed: &[&str]) -> Result<(), Re
 }
 
 fn note_unused(columns: &Columns, notes: &mut Vec<String>) {
-    let known = |n: &str| NEEDED.contains(&n) || n == QW || n == "t_s" || QUATERNION.contains(&n);
+    let known = |n: &str| is_of_tunnel(n) || QUATERNION.contains(&n);
     let unused: Vec<&str> = columns.names().iter().map(String::as_str).filter(|n| !known(n)).collect();
     if !unused.is_empty() {
         notes.push(format!("columns not used: {}", some_of(&unused)));
@@ -229,13 +224,14 @@ fn cut(
 ) -> Result<Vec<Piece>, ReadError> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive count of samples in 0.1 s")]
     let longest = (LONGEST_BRIDGE_S / grid.interval_s + 1e-6).floor() as usize;
-    if let Some(i) = channels.iter().position(|(n, _)| *n == QW)
-        && pieces(&[&channels[i].1], longest) != pieces(&[&grid.t_s], longest)
-    {
-        channels.remove(i);
-        notes.push(format!(
-            "{QW}: has gaps longer than {LONGEST_BRIDGE_S} s or open ends; not used (q is computed from V, p and T)"
-        ));
+    for name in names_of(Who::TunnelRunMay) {
+        if let Some(i) = channels.iter().position(|(n, _)| *n == name)
+            && pieces(&[&channels[i].1], longest) != pieces(&[&grid.t_s], longest)
+        {
+            channels.remove(i);
+            let instead = if name == QW { " (q is computed from V, p and T)" } else { "" };
+            notes.push(format!("{name}: has gaps longer than {LONGEST_BRIDGE_S} s or open ends; not used{instead}"));
+        }
     }
     let views: Vec<&[f64]> = channels.iter().map(|(_, c)| c.as_slice()).collect();
     let ranges = pieces(&views, longest);
@@ -301,25 +297,26 @@ fn bridged(channels: &[(&str, Vec<f64>)], spikes: &[bool], rows: &std::ops::Rang
     if all.contains(&true) { all } else { Vec::new() }
 }
 
-/// Writes a tunnel run in the columns of the run file; angles in degrees, roll as it is (unwrapped).
+/// A tunnel run in the columns of the run file; angles in degrees, roll as it is (unwrapped).
+#[must_use]
+pub fn record_columns(record: &Record) -> Vec<(&'static str, Cow<'_, [f64]>)> {
+    let mut columns = vec![("t_s", Cow::from(&record.t_s))];
+    for (channel, series) in RunChannel::ALL.into_iter().zip(record.channels()).take(POSE) {
+        let ours = if channel.is_angle() { series.iter().map(|x| x.to_degrees()).collect() } else { Cow::from(series) };
+        columns.push((CHANNEL_NAMES[channel.at()], ours));
+    }
+    columns.extend(record.qw_pa.as_ref().map(|q| (QW, Cow::from(q))));
+    columns.push(("ps_Pa", Cow::from(&record.ps_pa)));
+    columns.push((CHANNEL_NAMES[RunChannel::Wind.at()], Cow::from(&record.vw_m_s)));
+    columns.push(("Ts_K", Cow::from(&record.ts_k)));
+    columns
+}
+
+/// Writes a tunnel run as [`record_columns`] has it.
 ///
 /// # Errors
 /// [`WriteError`] when series differ in length or the file cannot be written.
 pub fn write_record_csv(path: &Path, record: &Record) -> Result<(), WriteError> {
-    let degrees: Vec<Vec<f64>> = record.attitude_rad.iter().map(|a| a.iter().map(|x| x.to_degrees()).collect()).collect();
-    let [x, y, z] = &record.position_m;
-    let mut columns: Vec<(&str, &[f64])> = vec![
-        ("t_s", &record.t_s),
-        ("X_m", x),
-        ("Y_m", y),
-        ("Z_m", z),
-        ("Rx_deg", &degrees[0]),
-        ("Ry_deg", &degrees[1]),
-        ("Rz_deg", &degrees[2]),
-    ];
-    if let Some(q) = &record.qw_pa {
-        columns.push((QW, q));
-    }
-    columns.extend([("ps_Pa", record.ps_pa.as_slice()), ("VW_m_s", record.vw_m_s.as_slice()), ("Ts_K", record.ts_k.as_slice())]);
-    write_columns_csv(path, &columns)
+    let columns = record_columns(record);
+    write_columns_csv(path, &columns.iter().map(|(name, series)| (*name, &**series)).collect::<Vec<_>>())
 }

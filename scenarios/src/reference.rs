@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn law_the_reference_has_columns_effects_and_variables() {
         let text = super::key_reference();
-        let columns = crate::record::NEEDED.iter().chain(&["t_s", crate::record::QW]).map(|c| (*c).to_owned());
+        let columns = crate::run_columns::RUN_COLUMNS.iter().map(|c| c.name.to_owned());
         let effects = windfall_model::CATALOGUE.iter().map(|e| e.family.to_owned());
         let variables = windfall_model::Variable::ALL.iter().map(|v| v.name().to_owned());
         let all: Vec<String> = columns.chain(effects).chain(variables).collect();

@@ -2,29 +2,10 @@
 //! axes, effects and variables of structures.
 
 use crate::planet_out::{AXES_OVER_PLANET, PLANET_COLUMNS};
+use crate::run_columns::{RUN_COLUMNS, Who};
 use crate::table::allowed_range;
 use std::fmt::Write as _;
 use windfall_model::{Acts, CATALOGUE, Effect, Parameter, Role, Variable};
-
-/// Columns of a run file: name, unit, needed, meaning.
-pub(crate) const RUN_COLUMNS: [(&str, &str, &str, &str); 11] = [
-    ("t_s", "s", "yes", "time, increasing, uniform to 1 %"),
-    ("X_m", "m", "yes", "position of the geometric origin, tunnel X (down)"),
-    ("Y_m", "m", "yes", "position, tunnel Y (horizontal)"),
-    ("Z_m", "m", "yes", "position, tunnel Z (horizontal)"),
-    (
-        "Rx_deg",
-        "deg",
-        "yes",
-        "roll: first Euler angle of x-y-z, body to tunnel T = Rx Ry Rz; may pass 180, with or without jumps of 360",
-    ),
-    ("Ry_deg", "deg", "yes", "second Euler angle"),
-    ("Rz_deg", "deg", "yes", "third Euler angle"),
-    ("VW_m_s", "m/s", "yes", "tunnel speed, upward positive"),
-    ("ps_Pa", "Pa", "yes", "static pressure"),
-    ("Ts_K", "K", "yes", "static temperature"),
-    ("qW_Pa", "Pa", "no", "dynamic pressure; absent: computed from V_W, p_s and T_s"),
-];
 
 /// Columns of the truth that `windfall simulate` writes beside a record: name, unit, meaning.
 pub(crate) const TRUTH_COLUMNS: [(&str, &str, &str); 9] = [
@@ -56,7 +37,10 @@ pub(crate) fn lists(text: &mut String) {
          fZ_m_s2 (specific force), or angle_deg (on a pivot). A rigid body in free flight (`[free_flight]`) has `t_s`, X_m, Y_m, Z_m and an attitude.\n",
     );
     text.push_str("\n| column | unit | needed | meaning |\n|---|---|---|---|\n");
-    RUN_COLUMNS.iter().for_each(|(n, u, y, m)| text.push_str(&format!("| `{n}` | {u} | {y} | {m} |\n")));
+    for c in RUN_COLUMNS.iter().filter(|c| c.who != Who::OtherBody) {
+        let needed = if c.who == Who::TunnelRun { "yes" } else { "no" };
+        let _ = writeln!(text, "| `{}` | {} | {needed} | {} |", c.name, c.quantity.ours().word, c.meaning);
+    }
     columns(text, "The truth beside it (`truth.csv`)", &TRUTH_COLUMNS);
     columns(text, "The truth over a planet (`truth.csv`)", &PLANET_COLUMNS);
     text.push_str("\n## Axes\n\n| axes | how they lie |\n|---|---|\n");

@@ -4,6 +4,7 @@
 
 use crate::columns::fault;
 use crate::error::Fault;
+use crate::run_columns::{Who, names_of};
 use std::path::Path;
 use windfall_model::frames::{Body, Vec3};
 use windfall_model::{FlowState, Plant, Record, Sensors, dynamic_pressure_pa};
@@ -32,7 +33,7 @@ pub(crate) fn faults(path: &Path, channels: &[(&str, Vec<f64>)], sensors: &Senso
         all.push(fault(path, None, key, &format!("{value:.6} (median)"), allowed, remedy));
     };
     for (name, c) in channels {
-        if *name != "qW_Pa" && !c.iter().any(|v| v.is_finite()) {
+        if !names_of(Who::TunnelRunMay).any(|n| n == *name) && !c.iter().any(|v| v.is_finite()) {
             say(name, f64::NAN, "column holds no number", "export it again");
         }
     }

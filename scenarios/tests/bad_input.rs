@@ -87,7 +87,7 @@ fn record(seconds: f64) -> Record {
         vw_m_s,
         qw_pa,
         t_s,
-        bridged: Vec::new(),
+        ..Record::default()
     }
 }
 

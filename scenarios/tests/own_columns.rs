@@ -296,7 +296,7 @@ fn law_wrong_tables_say_what_is_allowed() {
     refused("[columns]\nps_Pa = { unit = \"kpa\" }", &["must be one of Pa, hPa", "try: kPa"]);
     refused("[columns]\nX_m = { naem = \"x\" }", &["naem", "unknown key", "name"]);
     refused("[columns]\nX_m = true", &["must be a name, a number or"]);
-    refused("[columns]\nX_m = 1.0", &["only ps_Pa, VW_m_s, Ts_K"]);
+    refused("[columns]\nX_m = 1.0", &["only VW_m_s, ps_Pa, Ts_K"]);
     refused("[columns]\nTs_K = nan", &["Ts_K", "finite"]);
     refused("[columns]\nX_m = \"Z_m\"", &["is the name of another column", "Z_m = "]);
     refused("[columns]\nX_m = \"Y_m\"\nY_m = \"Y_m\"", &["read for two axes"]);

@@ -79,7 +79,8 @@ pub mod results {
 pub mod files {
     pub use windfall_scenarios::{
         BUNDLED, BUNDLED_FREE, BUNDLED_PLANETS, CampaignStore, FileSet, Piece, Store, json_text, key_reference, read_json,
-        read_runs, series_text, settle, text_atomically, write_columns_csv, write_json_atomically, write_structure,
+        read_runs, record_columns, series_text, settle, text_atomically, write_columns_csv, write_json_atomically,
+        write_structure,
     };
 }
 

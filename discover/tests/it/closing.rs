@@ -70,10 +70,7 @@ fn recover_a_drift_of_the_recorded_speed() {
     for (run, keep_s) in campaign.runs.iter_mut().zip([14.0, 9.0, 12.0]) {
         let Data::Tunnel(record) = &mut run.data else { panic!("a tunnel run") };
         let samples = record.t_s.iter().filter(|t| **t < keep_s).count();
-        let poses = record.position_m.iter_mut().chain(&mut record.attitude_rad);
-        let others = [&mut record.t_s, &mut record.vw_m_s, &mut record.ps_pa, &mut record.ts_k];
-        poses.chain(others).chain(&mut record.qw_pa).for_each(|series| series.truncate(samples));
-        record.bridged.truncate(samples);
+        *record = record.rows(&(0..samples));
         let start_s = record.t_s[0];
         record.vw_m_s.iter_mut().zip(&record.t_s).for_each(|(v, t)| *v *= 1.0 + PER_S * (t - start_s));
     }

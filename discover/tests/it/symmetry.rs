@@ -56,16 +56,13 @@ fn mirrored(mut c: Campaign) -> Campaign {
 
 /// A record whose columns are made of another's, one like the other.
 fn made(r: &Record, of: impl Fn(&[f64]) -> Vec<f64>) -> Record {
-    Record {
-        t_s: of(&r.t_s),
-        position_m: [0, 1, 2].map(|k| of(&r.position_m[k])),
-        attitude_rad: [0, 1, 2].map(|k| of(&r.attitude_rad[k])),
-        vw_m_s: of(&r.vw_m_s),
-        ps_pa: of(&r.ps_pa),
-        ts_k: of(&r.ts_k),
-        qw_pa: r.qw_pa.as_deref().map(&of),
-        bridged: Vec::new(),
-    }
+    let mut out = r.clone();
+    out.bridged.clear();
+    let change = |series: &mut Vec<f64>| *series = of(series);
+    change(&mut out.t_s);
+    out.channels_mut().into_iter().for_each(change);
+    out.slow_mut().into_iter().flatten().for_each(change);
+    out
 }
 
 /// Pairs of samples by their mean: half the rate, nearly all the information.

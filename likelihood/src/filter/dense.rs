@@ -25,8 +25,7 @@ fn record(interval_s: f64, n: usize) -> Record {
         vw_m_s: vec![7.0; n],
         ps_pa: vec![101_325.0; n],
         ts_k: vec![299.0; n],
-        qw_pa: None,
-        bridged: Vec::new(),
+        ..Record::default()
     }
 }
 

@@ -126,8 +126,7 @@ mod tests {
             vw_m_s: vec![6.0; 60],
             ps_pa: vec![1e5; 60],
             ts_k: vec![290.0; 60],
-            qw_pa: None,
-            bridged: Vec::new(),
+            ..Record::default()
         }
     }
 

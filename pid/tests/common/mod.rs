@@ -88,7 +88,7 @@ pub(crate) fn read_run(path: &Path) -> Option<Record> {
         ps_pa: take("ps_Pa")?,
         ts_k: take("Ts_K")?,
         qw_pa: take("qW_Pa"),
-        bridged: Vec::new(),
+        ..Record::default()
     })
 }
 

@@ -187,8 +187,7 @@ mod tests {
             vw_m_s: vec![7.0; 2],
             ps_pa: vec![1e5; 2],
             ts_k: vec![300.0; 2],
-            qw_pa: None,
-            bridged: Vec::new(),
+            ..Record::default()
         };
         // At any R_x and R_y a change of R_z alone turns by that angle.
         let e = Squares::new(&record(0.0, 0.1), &[[0.0; 3]; 2], &record(0.03, 0.15), &[[0.0, 0.3, 0.4]; 2]).error();

@@ -2,36 +2,33 @@
 
 use super::{Key, Kind, TableSpec, optional, other};
 use crate::own::SEQUENCES;
+use crate::run_columns::RUN_COLUMNS;
 
-/// A column of ours: where it is in the owner's file.
-const fn column(name: &'static str, unit: &'static str, meaning: &'static str) -> Key {
-    Key { unit, ..optional(other(name, Kind::Column, meaning)) }
-}
+/// Keys beside the columns.
+const BESIDE: [Key; 2] = [
+    optional(other("axes", Kind::Table, "axes of positions and attitudes, where they are not ours; not for a point mass")),
+    optional(other("attitude", Kind::Table, "quaternion or Euler angles in place of R_x, R_y, R_z")),
+];
+/// Where each column of ours is in the owner's file, and those.
+static KEYS: [Key; RUN_COLUMNS.len() + BESIDE.len()] = {
+    let mut keys = [BESIDE[0]; RUN_COLUMNS.len() + BESIDE.len()];
+    let mut i = 0;
+    while i < RUN_COLUMNS.len() {
+        let column = &RUN_COLUMNS[i];
+        keys[i] = Key { unit: column.quantity.ours().word, ..optional(other(column.name, Kind::Column, column.of_owner)) };
+        i += 1;
+    }
+    keys[i] = BESIDE[0];
+    keys[i + 1] = BESIDE[1];
+    keys
+};
 
 pub(crate) static COLUMNS: TableSpec = TableSpec {
     path: "columns",
     meaning: "How run files name and measure their columns, where that is not as in this table: the name of the file's column, or \
               `{ name = \"...\", unit = \"...\" }`. What is not named here keeps name and unit. `[run.columns]` below a `[[run]]` \
               stands in place of the whole table for that run. `docs/own-columns.md` has examples.",
-    keys: &[
-        column("t_s", "s", "time"),
-        column("X_m", "m", "position along tunnel X, or the owner's x where `axes` is given"),
-        column("Y_m", "m", "position along tunnel Y, or the owner's y"),
-        column("Z_m", "m", "position along tunnel Z, or the owner's z"),
-        column("Rx_deg", "deg", "first Euler angle of T = Rx Ry Rz"),
-        column("Ry_deg", "deg", "second Euler angle"),
-        column("Rz_deg", "deg", "third Euler angle"),
-        column("qW_Pa", "Pa", "dynamic pressure"),
-        column("ps_Pa", "Pa", "static pressure; a number where the file has none"),
-        column("VW_m_s", "m/s", "tunnel speed; a number where the file has none"),
-        column("Ts_K", "K", "static temperature; a number where the file has none"),
-        column("fX_m_s2", "m/s2", "specific force along the file's X (point mass): what an accelerometer at rest reads upward"),
-        column("fY_m_s2", "m/s2", "specific force along Y"),
-        column("fZ_m_s2", "m/s2", "specific force along Z"),
-        column("angle_deg", "deg", "angle of a body on a pivot from hanging down"),
-        optional(other("axes", Kind::Table, "axes of positions and attitudes, where they are not ours; not for a point mass")),
-        optional(other("attitude", Kind::Table, "quaternion or Euler angles in place of R_x, R_y, R_z")),
-    ],
+    keys: &KEYS,
 };
 pub(crate) static COLUMN: TableSpec = TableSpec {
     path: "columns.<column>",

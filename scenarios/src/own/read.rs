@@ -2,8 +2,9 @@
 
 use super::attitude::{Attitude, GivenAttitude, OwnAxes, SEQUENCES, determinant};
 use super::unit::{ColumnUnit, UnitQuantity};
-use super::{ANGLES, MAY_BE_CONSTANT, OURS, Origin, Own, POSITION};
+use super::{ANGLES, Origin, Own, POSITION};
 use crate::keys;
+use crate::run_columns::{RUN_COLUMNS, RunColumn};
 use crate::table::{Table, Value, number};
 
 /// `[columns]` of a campaign or `[run.columns]` of a run; nothing when it is absent. `point`: files of a body without attitude.
@@ -16,11 +17,11 @@ pub(crate) fn read(parent: &Table<'_>, point: bool) -> Option<Own> {
 
 fn own(t: &Table<'_>, point: bool) -> Own {
     let mut own = Own::default();
-    for (ours, quantity) in OURS {
-        if let Some(at) = t.has(ours).then(|| t.value(ours)).flatten()
-            && let Some(origin) = origin(t, ours, quantity, at)
+    for column in &RUN_COLUMNS {
+        if let Some(at) = t.has(column.name).then(|| t.value(column.name)).flatten()
+            && let Some(origin) = origin(t, column, at)
         {
-            own.origins.push((ours, origin));
+            own.origins.push((column.name, origin));
         }
     }
     taken_twice(t, &own);
@@ -46,7 +47,8 @@ fn own(t: &Table<'_>, point: bool) -> Own {
     own
 }
 
-fn origin(t: &Table<'_>, ours: &'static str, quantity: UnitQuantity, at: Value<'_>) -> Option<Origin> {
+fn origin(t: &Table<'_>, column: &RunColumn, at: Value<'_>) -> Option<Origin> {
+    let (ours, quantity) = (column.name, column.quantity);
     let say = |allowed: String, remedy: String| {
         t.source.fault(Some(at.span()), t.full(ours), t.source.snippet(at.span()), allowed, remedy);
         None
@@ -55,8 +57,9 @@ fn origin(t: &Table<'_>, ours: &'static str, quantity: UnitQuantity, at: Value<'
         return Some(Origin::Columns { parts: vec![(name.to_owned(), 1.0)], unit: quantity.ours() });
     }
     if let Some(value) = number(at) {
-        if !MAY_BE_CONSTANT.contains(&ours) {
-            let what = format!("must be the name of a column; only {} may be one number", MAY_BE_CONSTANT.join(", "));
+        if !column.may_be_constant {
+            let constant: Vec<&str> = RUN_COLUMNS.iter().filter(|c| c.may_be_constant).map(|c| c.name).collect();
+            let what = format!("must be the name of a column; only {} may be one number", constant.join(", "));
             return say(what, format!("{ours} = \"name of the column\""));
         }
         if !value.is_finite() {
@@ -111,7 +114,7 @@ fn unit(t: &Table<'_>, quantity: UnitQuantity) -> Option<ColumnUnit> {
 fn taken_twice(t: &Table<'_>, own: &Own) {
     for (ours, origin) in &own.origins {
         for name in origin.names() {
-            let free = OURS.iter().any(|(n, _)| *n == name) && own.origin(name).is_none() && name != *ours;
+            let free = RUN_COLUMNS.iter().any(|c| c.name == name) && own.origin(name).is_none() && name != *ours;
             if free {
                 let what = format!("is the name of another column of the run file, and {name} itself is not said");
                 t.source.fault(t.at(ours), t.full(ours), name, what, format!("{name} = \"its column\""));

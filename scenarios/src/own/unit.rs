@@ -77,7 +77,7 @@ const TEMPERATURE: &[ColumnUnit] = &[
 const ACCELERATION: &[ColumnUnit] = &[unit("m/s2", 1.0, 1.0), unit("g", 9.806_65, 1.0), unit("ft/s2", 3048.0, 1e4)];
 
 impl UnitQuantity {
-    fn units(self) -> &'static [ColumnUnit] {
+    const fn units(self) -> &'static [ColumnUnit] {
         match self {
             Self::Time => TIME,
             Self::Length => LENGTH,
@@ -89,7 +89,7 @@ impl UnitQuantity {
         }
     }
     /// The unit of our column.
-    pub(crate) fn ours(self) -> ColumnUnit {
+    pub(crate) const fn ours(self) -> ColumnUnit {
         self.units()[0]
     }
     /// All words, for messages.

@@ -12,8 +12,7 @@ pub(crate) fn waves() -> Record {
         vw_m_s: vec![7.43; t_s.len()],
         ps_pa: vec![101_325.0; t_s.len()],
         ts_k: vec![299.0; t_s.len()],
-        qw_pa: None,
-        bridged: Vec::new(),
         t_s,
+        ..Record::default()
     }
 }

@@ -93,8 +93,7 @@ impl Flown {
             vw_m_s: wind,
             ps_pa: vec![PS_PA; SAMPLES],
             ts_k: vec![TS_K; SAMPLES],
-            qw_pa: None,
-            bridged: Vec::new(),
+            ..Record::default()
         }
     }
     fn nominal(&self, run: &PreparedRun<'_>) -> Nominal {
