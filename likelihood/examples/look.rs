@@ -36,9 +36,9 @@ fn main() {
                 }
                 if let Some(c) = &d.contest {
                     println!("  contest {:?} strongest {:.1}", c.families, c.strongest);
-                    c.leads
-                        .iter()
-                        .for_each(|l| println!("    {} over {}: {:.1} {:?}", l.channel, l.variable, l.gain, l.amplitudes));
+                    c.leads.iter().flat_map(|l| std::iter::once(l).chain(&l.rivals)).for_each(|l| {
+                        println!("    {} over {}: {:.1} {:?}", l.channel, l.variable, l.gain, l.amplitudes);
+                    });
                 }
                 d.lines.iter().filter(|l| !l.of_instrument).take(2).for_each(|l| {
                     println!("    line {} {:.2} Hz {:.1} {}", l.channel, l.line_hz.unwrap_or(0.0), l.gain, l.variable)

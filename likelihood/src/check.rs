@@ -38,10 +38,14 @@ pub struct Lead {
     pub of_instrument: bool,
     /// Amplitudes of the functions, in their order.
     pub amplitudes: Vec<f64>,
+    /// What the runs cannot tell from it: in its place the set is within twenty to one as likely. Likeliest first.
+    pub rivals: Vec<Lead>,
 }
 
 /// Prior sizes of drifts, in standard deviations of a sample's noise.
 const DRIFT: f64 = 5.0;
+/// Functions of the place across the tunnel.
+const PLACE: [Basis; 5] = [Basis::Place(1, 0), Basis::Place(0, 1), Basis::Place(2, 0), Basis::Place(1, 1), Basis::Place(0, 2)];
 /// Prior size of what the tunnel speed is beyond its record, over the speed.
 const WIND: f64 = 0.01;
 
@@ -73,7 +77,11 @@ fn of_loads(runs: &[usize]) -> Vec<Alternative> {
         add(vec![Basis::Height(1), Basis::Height(2)]);
         add(vec![Basis::Roll(1, false), Basis::Roll(1, true), Basis::Roll(2, false), Basis::Roll(2, true)]);
         match place {
-            0 | 3 => add([2, 4, 6].map(Basis::TotalAngle).to_vec()),
+            0 => add([2, 4, 6].map(Basis::TotalAngle).to_vec()),
+            3 => {
+                add([2, 4, 6].map(Basis::TotalAngle).to_vec());
+                add(vec![Basis::BothAngles]);
+            }
             // Normal force and pitch moment in the plane of α, side force and yaw moment in that of β, and across.
             1 | 5 => add(vec![Basis::Angle(2, true), Basis::Angle(5, true), Basis::Angle(1, false), Basis::Angle(3, false)]),
             _ => add(vec![Basis::Angle(2, false), Basis::Angle(5, false), Basis::Angle(1, true), Basis::Angle(3, true)]),
@@ -88,8 +96,21 @@ fn of_loads(runs: &[usize]) -> Vec<Alternative> {
             add(vec![Basis::OneSided(axis, 1), Basis::OneSided(axis, 2)]);
             // The rate across: a spinning part inside turns pitching into yawing.
             add(vec![Basis::Rate(3 - axis)]);
+            // One branch while the total angle opens, another while it closes.
+            add(vec![Basis::Opening(axis)]);
         }
         add(vec![Basis::Hysteresis(axis, false), Basis::Hysteresis(axis, true)]);
+        match place {
+            // Wakes of what stands in the stream; what grows or is lost on the way.
+            0 => {
+                add(PLACE.to_vec());
+                add(vec![Basis::Elapsed(1), Basis::Elapsed(2)]);
+            }
+            // Walls.
+            1 | 2 => add(vec![Basis::Away(place, 0), Basis::Away(place, 2)]),
+            3 => {}
+            _ => add(vec![Basis::RateSquare(place - 3)]),
+        }
         // What the load is mostly made of, its angle and its rate, in proportion to a variable.
         for along in Along::ALL {
             match place {
@@ -119,7 +140,7 @@ fn of_instruments(engine: &Engine, runs: &[usize]) -> Vec<Alternative> {
     let mut add = |bases: Vec<Basis>| all.push(Alternative { site: Site::Speed, bases, prior: WIND * engine.mean_speed_m_s() });
     add(vec![Basis::Elapsed(1), Basis::Elapsed(2)]);
     // A probe that reads otherwise at other speeds.
-    add(vec![Basis::Speed(1), Basis::Speed(2)]);
+    add([0, 1, 2].map(Basis::TunnelSpeed).to_vec());
     add(vec![Basis::Height(1), Basis::Height(2)]);
     if runs.len() > 1 {
         add(runs[1..].iter().map(|r| Basis::Run(*r)).collect());
@@ -130,7 +151,15 @@ fn of_instruments(engine: &Engine, runs: &[usize]) -> Vec<Alternative> {
 impl Alternative {
     pub(crate) fn lead(&self, gain: f64, amplitudes: Vec<f64>) -> Lead {
         let variable = self.bases.first().map_or_else(String::new, |b| b.words());
-        Lead { channel: self.site.name().to_owned(), variable, gain, line_hz: None, of_instrument: false, amplitudes }
+        Lead {
+            channel: self.site.name().to_owned(),
+            variable,
+            gain,
+            line_hz: None,
+            of_instrument: false,
+            amplitudes,
+            rivals: Vec::new(),
+        }
     }
 }
 
@@ -170,6 +199,7 @@ pub(crate) fn lines(engine: &Engine, model: &Model, sum: &Summed) -> Vec<Lead> {
                         line_hz: Some(hz),
                         of_instrument: of_instrument(&plant, stream, c, hz, amplitude),
                         amplitudes: Vec::new(),
+                        rivals: Vec::new(),
                     });
                 }
             }

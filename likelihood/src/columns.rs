@@ -46,6 +46,12 @@ pub(crate) enum Basis {
     Run(usize),
     /// Power of the airspeed's excess over its mean, of a tenth of it.
     Speed(i32),
+    /// Power of the tunnel speed's excess over its mean, of a tenth of it.
+    TunnelSpeed(i32),
+    /// Powers of Y and Z, of 0.3 m.
+    Place(i32, i32),
+    /// Distance from the tunnel's axis along body y (1) or z (2), of 0.3 m, times a power of the whole distance.
+    Away(usize, i32),
     /// Power of the height X, of 0.3 m.
     Height(i32),
     /// Power of the total angle of attack, of 0.3 rad, along the plane of that angle: (power, sine of clock angle or cosine).
@@ -58,8 +64,14 @@ pub(crate) enum Basis {
     Roll(u8, bool),
     /// Sign of a body rate: 0 roll, 1 pitch, 2 yaw; and the same times the angle in its plane, of 0.3 rad.
     Hysteresis(usize, bool),
+    /// An angle (1 angle of attack, 2 sideslip), of 0.3 rad, with the sign of the total angle's rate: opening or closing.
+    Opening(usize),
+    /// Angle of attack times sideslip, of 0.3 rad each.
+    BothAngles,
     /// A body rate: 0 roll, 1 pitch, 2 yaw; rad/s.
     Rate(usize),
+    /// Its square, with its sign.
+    RateSquare(usize),
     /// Power of the time since a run began, of 10 s.
     Elapsed(i32),
     /// The slope over an angle (1 angle of attack, 2 sideslip, of 0.3 rad; 0 none) in proportion to a variable.
@@ -99,7 +111,10 @@ pub(crate) struct View {
     pub(crate) duration_s: f64,
     pub(crate) speed_m_s: f64,
     pub(crate) mean_speed_m_s: f64,
+    pub(crate) tunnel_speed_m_s: f64,
     pub(crate) height_m: f64,
+    /// Y and Z.
+    pub(crate) away_m: [f64; 2],
     pub(crate) roll_rad: f64,
     /// Angle of attack and sideslip, rad, and body rates.
     pub(crate) alpha_rad: f64,
@@ -117,7 +132,13 @@ impl Basis {
             }
             Self::Run(i) => f64::from(u8::from(i == v.run)),
             Self::Speed(n) => ((v.speed_m_s / v.mean_speed_m_s - 1.0) / 0.1).powi(n),
+            Self::TunnelSpeed(n) => ((v.tunnel_speed_m_s / v.mean_speed_m_s - 1.0) / 0.1).powi(n),
             Self::Height(n) => (v.height_m / 0.3).powi(n),
+            Self::Place(n, m) => (v.away_m[0] / 0.3).powi(n) * (v.away_m[1] / 0.3).powi(m),
+            Self::Away(axis, n) => {
+                let ([y, z], (sin, cos)) = (v.away_m.map(|a| a / 0.3), v.roll_rad.sin_cos());
+                y.hypot(z).powi(n) * if axis == 1 { y * cos + z * sin } else { z * cos - y * sin }
+            }
             Self::Angle(n, across) => {
                 let total = v.alpha_rad.hypot(v.beta_rad).max(1e-9);
                 (total / 0.3).powi(n) * if across { v.beta_rad / total } else { v.alpha_rad / total }
@@ -133,7 +154,15 @@ impl Basis {
                 let angle = if axis == 2 { v.beta_rad } else { v.alpha_rad };
                 if by_angle { sign * angle.abs() / 0.3 } else { sign }
             }
+            Self::Opening(plane) => {
+                let total = v.alpha_rad.hypot(v.beta_rad).max(1e-9);
+                // α̇ = q - p β and β̇ = p α - r: rolling does not open the total angle.
+                let opens = (v.alpha_rad * v.rates_rad_s[1] - v.beta_rad * v.rates_rad_s[2]) / total;
+                (opens / 0.1).tanh() * [v.alpha_rad, v.beta_rad][plane - 1] / 0.3
+            }
+            Self::BothAngles => v.alpha_rad * v.beta_rad / 0.09,
             Self::Rate(axis) => v.rates_rad_s[axis],
+            Self::RateSquare(axis) => v.rates_rad_s[axis] * v.rates_rad_s[axis].abs(),
             Self::Elapsed(n) => (v.t_s / 10.0).powi(n),
             Self::Slope(plane, along) => along.basis().value(v) * [1.0, v.alpha_rad / 0.3, v.beta_rad / 0.3][plane],
             Self::Damping(axis, along) => along.basis().value(v) * v.rates_rad_s[axis],
@@ -146,11 +175,16 @@ impl Basis {
             Self::Time(_) => "time".to_owned(),
             Self::Run(_) => "run".to_owned(),
             Self::Speed(_) => "airspeed".to_owned(),
+            Self::TunnelSpeed(_) => "tunnel speed".to_owned(),
+            Self::Place(..) | Self::Away(..) => "place across the tunnel (Y, Z)".to_owned(),
             Self::Height(_) => "height X".to_owned(),
             Self::Angle(..) | Self::TotalAngle(_) => "angle of attack".to_owned(),
             Self::OneSided(..) => "size of the angle of attack (to one side)".to_owned(),
             Self::Roll(..) => "roll angle".to_owned(),
             Self::Rate(_) => "body rates across".to_owned(),
+            Self::RateSquare(_) => "body rate (its square)".to_owned(),
+            Self::Opening(_) => "sign of the angle's rate (hysteresis)".to_owned(),
+            Self::BothAngles => "angle of attack and sideslip together".to_owned(),
             Self::Hysteresis(..) => "sign of the body rates (hysteresis)".to_owned(),
             Self::Elapsed(_) => "time (a drift)".to_owned(),
             Self::Slope(_, along) | Self::Damping(_, along) => along.basis().words(),

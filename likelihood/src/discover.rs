@@ -18,7 +18,7 @@ mod rivals;
 mod starts;
 mod weigh;
 
-use across::across_sets;
+use across::{across_sets, beside_what_is_missing};
 pub use contest::Contest;
 use contest::{against_alternatives, against_free_accelerations, against_gusts};
 use polish::{Scored, climb_down, declared_alone, in_other_forms, polish, polished};
@@ -69,6 +69,8 @@ pub struct Discovery {
     pub lines: Vec<Lead>,
     /// Passes over the runs at which the search ended, where those are all that it may do.
     pub unfinished_passes: Option<f64>,
+    /// Whether the errors of `after` carry what the leads may have moved its numbers by.
+    pub errors_carry_missing: bool,
     /// Innovations of each channel of the pose beyond five standard deviations.
     pub outliers: [usize; POSE],
     /// What was done, for those who look beneath.
@@ -95,15 +97,21 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let (after, weighed) = selected(engine, after, weighed, &mut log);
     let (after, weighed, contest) = against_alternatives(engine, after, weighed, &mut log);
     let (after, weighed, contest, faint) = against_gusts(engine, after, weighed, contest, &mut log);
-    let contest = against_free_accelerations(engine, &after, &faint, contest, &mut log);
+    let is_faint = !faint.is_empty();
+    let (contest, faint) = against_free_accelerations(engine, &after, faint, contest, &mut log);
     let after = engine.settle_exactly(&after);
     let before = declared_alone(engine, &declared, &after);
     let sets = named(&weighed, &after.model);
     let (random_gains, random_ranges) = (gains(engine, &after), engine.random_ranges(&after));
     let random_bounds = random_bounds(engine, &after);
-    let stands_in = |m: &&Member| !faint.is_empty() && m.random && !m.declared && engine.moves_air(m);
+    let stands_in = |m: &&Member| is_faint && m.random && !m.declared && engine.moves_air(m);
     let stand_ins = after.model.members.iter().filter(stands_in).map(|m| m.effect.family).collect();
-    let after = across_sets(engine.robust(&after), &weighed);
+    let mut after = across_sets(engine.robust(&after), &weighed);
+    let missing = contest.as_ref().filter(|c| !c.leads.is_empty());
+    let errors_carry_missing = missing.is_some();
+    if let Some(contest) = missing {
+        after = beside_what_is_missing(after, &contest.said);
+    }
     let (before, before_fault) = match before {
         Ok(fit) => (Some(engine.robust(&fit)), Ok(())),
         Err(words) => (None, Err(words)),
@@ -127,6 +135,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
         random_bounds,
         lines,
         unfinished_passes,
+        errors_carry_missing,
         outliers,
         log,
     })

@@ -50,6 +50,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         verdict,
         joined: engine.joined(campaign),
         unfinished_passes: found.unfinished_passes,
+        errors_carry_unexplained: found.errors_carry_missing,
         residual: Residuals { per_channel: channels(before) },
         residual_after: Residuals { per_channel: channels(after) },
         noise: noise(campaign, &engine, &indices, &found),
@@ -319,13 +320,16 @@ fn unexplained(found: &Discovery, engine: &Engine, options: &Options) -> Vec<Une
     let said = |l: &Lead| contested.iter().any(|c| (&c.channel, &c.variable) == (&l.channel, &l.variable));
     let faint = found.faint.iter().filter(|l| !said(l));
     let leads = contested.iter().chain(faint).chain(found.lines.iter().find(|l| !l.of_instrument));
-    let words = |l: &Lead| {
+    let entry = |l: &Lead, other: Option<&Lead>| {
         let what = match l.line_hz {
             Some(hz) => format!("{} at {hz:.2} Hz, log-likelihood {:.0} above noise", l.variable, l.gain),
             None => {
                 let sizes: Vec<String> = l.amplitudes.iter().map(|a| format!("{a:.2e}")).collect();
+                let instead =
+                    other.map_or_else(String::new, |o| format!(" in place of {} with {}, as likely", o.channel, o.variable));
                 format!(
-                    "varies with {} (a gain of {:.0} in log-likelihood beyond what any effect of the catalogue explains; amplitudes {})",
+                    "varies with {}{instead} (a gain of {:.0} in log-likelihood beyond what any effect of the catalogue explains; \
+                     amplitudes {})",
                     l.variable,
                     l.gain,
                     sizes.join(", ")
@@ -334,9 +338,10 @@ fn unexplained(found: &Discovery, engine: &Engine, options: &Options) -> Vec<Une
         };
         Unexplained { channel: l.channel.clone(), description: what }
     };
+    let words = |l: &Lead| std::iter::once(entry(l, None)).chain(l.rivals.iter().map(|r| entry(r, Some(l)))).collect::<Vec<_>>();
     // Noise alone has a line as strong with probability e^-gain.
     let enough = |l: &&Lead| l.gain > if l.line_hz.is_some() { -options.false_alarm.ln() } else { LEAD };
-    let mut all: Vec<Unexplained> = leads.filter(enough).map(words).collect();
+    let mut all: Vec<Unexplained> = leads.filter(enough).flat_map(words).collect();
     let left = found.after.chi;
     if left > LEFT && all.is_empty() {
         let worst = (0..6).max_by(|a, b| found.after.channels[*a][2].total_cmp(&found.after.channels[*b][2])).unwrap_or(0);

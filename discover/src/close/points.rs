@@ -66,6 +66,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         verdict,
         joined: Vec::new(),
         unfinished_passes: None,
+        errors_carry_unexplained: false,
         residual: result::Residuals { per_channel: residual },
         noise: noise(&found, campaign, &left),
         residual_after: result::Residuals { per_channel: left },

@@ -341,6 +341,9 @@ pub struct Closing {
     /// Where the search ended because all the work it may do was done: that, in passes over the runs. A likelier set may not have been tried.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unfinished_passes: Option<f64>,
+    /// Whether the errors of `after` carry what is unexplained: how far it may have moved a parameter.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub errors_carry_unexplained: bool,
     /// Residual of the declared model.
     pub residual: Residuals,
     /// Residual with the effects added.
@@ -389,7 +392,9 @@ impl Closing {
                  tried; with fewer runs or shorter ones it may come to its end"
             )
         };
-        self.joined.iter().map(one_flight).chain(self.unfinished_passes.map(unfinished)).collect()
+        let carry = "something is unexplained: the errors of the parameters carry how far it may have moved them".to_owned();
+        let carry = self.errors_carry_unexplained.then_some(carry);
+        self.joined.iter().map(one_flight).chain(self.unfinished_passes.map(unfinished)).chain(carry).collect()
     }
 }
 

@@ -1,5 +1,5 @@
-//! likelihood: errors of what every set has, over all sets that the runs cannot tell apart. In: a fit, the sets weighed at it. Out: the fit
-//! with errors that span them.
+//! likelihood: errors of what every set has, over all sets that the runs cannot tell apart, and beside what is known to be missing. In: a fit,
+//! the sets weighed at it. Out: the fit with errors that span them.
 //!
 //! The errors of one set take it for certain. Where a scale of the tunnel speed is as likely as none, drag is known no better than that scale,
 //! whatever one of the two says of itself (Draper 1995; Hoeting, Madigan, Raftery and Volinsky 1999).
@@ -7,14 +7,14 @@
 use super::weigh::{GENERIC, SURE, Weighed};
 use crate::engine::Fit;
 use crate::gram::Posterior;
-use crate::model::Number;
+use crate::model::{Id, Model, Number};
 use crate::search::Set;
 use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, Normal};
 use windfall_pid::NORMAL_95;
 
-/// What one set says of a number: its weight, its mean over the chosen set's, its standard deviation.
-type Said = [f64; 3];
+/// What one set says of a number: its weight, the number's mean (or that over the chosen set's), its standard deviation.
+pub(super) type Said = [f64; 3];
 
 /// A fit with the errors of declared parameters and uncertain constants widened until ± 1.96 of them hold 95 % of what all sets within twenty to
 /// one of its own say, each by its probability; as it was where its own set is not among those weighed.
@@ -30,16 +30,59 @@ pub(super) fn across_sets(fit: Fit, weighed: &Weighed) -> Fit {
     let Some(here) = posterior(own) else { return fit };
     let near = weighed.sets.iter().filter(|s| s.gain > own.gain - SURE);
     let near: Vec<(f64, Posterior)> = near.filter_map(|s| Some(((s.gain - own.gain).exp(), posterior(s)?))).collect();
-    let wider = |(i, number): (usize, &Number)| {
-        let place = weighed.base.iter().position(|&b| weighed.whole.numbers[b].id == number.id);
-        let std = fit.covariance[(i, i)].sqrt();
-        place.map_or(1.0, |at| {
-            let one = |(weight, p): &(f64, Posterior)| {
-                let share = (p.covariance[(at, at)] / here.covariance[(at, at)]).sqrt();
-                [*weight, p.mean[at] - here.mean[at], std * share]
-            };
-            (half_width(&near.iter().map(one).collect::<Vec<_>>()) / (NORMAL_95 * std)).max(1.0)
+    widened(fit, |number, std| {
+        let at = weighed.base.iter().position(|&b| weighed.whole.numbers[b].id == number.id)?;
+        let one = |(weight, p): &(f64, Posterior)| {
+            let share = (p.covariance[(at, at)] / here.covariance[(at, at)]).sqrt();
+            [*weight, p.mean[at] - here.mean[at], std * share]
+        };
+        Some(half_width(&near.iter().map(one).collect::<Vec<_>>()) / NORMAL_95)
+    })
+}
+
+/// What the best sets beside generic alternatives, weighed at `model`, say of the numbers that every set has: of each its weights, values and
+/// deviations.
+pub(super) fn said_beside(weighed: &Weighed, model: &Model) -> Vec<(Id, Vec<Said>)> {
+    let Some(best) = weighed.sets.first() else { return Vec::new() };
+    let near = weighed.sets.iter().filter(|s| s.gain > best.gain - SURE);
+    let near: Vec<(f64, Posterior)> = near
+        .filter_map(|s| {
+            let places: Vec<usize> = weighed.base.iter().copied().chain(s.columns.iter().map(|&c| weighed.others[c])).collect();
+            Some(((s.gain - best.gain).exp(), weighed.whole.posterior(&places)?))
         })
+        .collect();
+    let one = |(at, &b): (usize, &usize)| {
+        let id = weighed.whole.numbers[b].id;
+        let said = near.iter().map(|(weight, p)| [*weight, p.mean[at] + origin(model, id), p.covariance[(at, at)].sqrt()]);
+        (id, said.collect())
+    };
+    weighed.base.iter().enumerate().map(one).collect()
+}
+
+/// From where a number counts: parameters of the structure are steps from the model's own.
+fn origin(model: &Model, id: Id) -> f64 {
+    if let Id::Declared(i) = id { model.declared[i] } else { 0.0 }
+}
+
+/// A fit of a model of which something is known to be missing: the errors of the numbers that every set has, about its own estimates, are those over
+/// all that is `said` of them beside what is missing, within and between (Draper 1995). Generic alternatives have the truth's form only nearly:
+/// by what they move a number, that far it may be off, to either side.
+pub(super) fn beside_what_is_missing(fit: Fit, said: &[(Id, Vec<Said>)]) -> Fit {
+    let model = fit.model.clone();
+    widened(fit, |number, std| {
+        let (_, said) = said.iter().find(|(id, _)| *id == number.id)?;
+        let all: f64 = said.iter().map(|[weight, ..]| weight).sum();
+        let own = number.value + origin(&model, number.id);
+        let square = |[weight, value, other]: &Said| weight * (std.max(*other).powi(2) + (value - own).powi(2));
+        Some((said.iter().map(square).sum::<f64>() / all).sqrt())
+    })
+}
+
+/// The fit with the errors that `error` has for its numbers, of which it is given each with its own error; never narrowed.
+fn widened(fit: Fit, error: impl Fn(&Number, f64) -> Option<f64>) -> Fit {
+    let wider = |(i, number): (usize, &Number)| {
+        let std = fit.covariance[(i, i)].sqrt();
+        error(number, std).filter(|e| e.is_finite()).map_or(1.0, |e| (e / std).max(1.0))
     };
     let wider: Vec<f64> = fit.numbers.iter().enumerate().map(wider).collect();
     let covariance = DMatrix::from_fn(wider.len(), wider.len(), |i, k| wider[i] * fit.covariance[(i, k)] * wider[k]);

@@ -1,11 +1,13 @@
 //! likelihood: effects against generic alternatives. In: the best set. Out: what stands beside time, height, angles, lines and random air.
 
+use super::across::{Said, said_beside};
 use super::polish::{declared_alone, polish};
 use super::weigh::{GENERIC, SURE, Weighed, weigh, weigh_beside, with_set};
 use super::{describe, random_cost, score};
 use crate::check::{Alternative, Lead, alternatives};
 use crate::engine::{Engine, Fit};
-use crate::model::{Member, Model};
+use crate::model::{Id, Member, Model};
+use crate::search::Set;
 use windfall_model::{CATALOGUE, CHANNEL_NAMES, POSE, Shape};
 
 /// Outcome of a contest between effects and generic alternatives.
@@ -17,34 +19,20 @@ pub struct Contest {
     pub leads: Vec<Lead>,
     /// What the best single alternative brings beside the present members.
     pub strongest: f64,
+    /// What the best sets say of the numbers that every set has.
+    pub(super) said: Vec<(Id, Vec<Said>)>,
 }
 
 /// Effects and generic alternatives weighed together at a fitted model.
 pub(super) fn contest(engine: &Engine, model: &Model, alternatives: &[Alternative]) -> Option<Contest> {
-    outcome(&weigh_beside(engine, model, alternatives)?, alternatives)
+    outcome(&weigh_beside(engine, model, alternatives)?, model, alternatives)
 }
 
-/// What came of weighing effects beside those alternatives.
-pub(super) fn outcome(w: &Weighed, alternatives: &[Alternative]) -> Option<Contest> {
+/// What came of weighing effects beside those alternatives at a model.
+pub(super) fn outcome(w: &Weighed, model: &Model, alternatives: &[Alternative]) -> Option<Contest> {
     let best = w.sets.first()?;
     let is_generic = |u: usize| w.families[u].0 >= GENERIC;
-    let leads = best
-        .units
-        .iter()
-        .filter(|&&u| is_generic(u))
-        .map(|&u| {
-            let rest: Vec<usize> = best.units.iter().copied().filter(|&x| x != u).collect();
-            let without = crate::search::weigh(&w.gram, &w.units, &rest).map_or(0.0, |s| s.gain);
-            let amplitudes = best
-                .columns
-                .iter()
-                .zip(&best.estimates)
-                .filter(|(c, _)| w.units[u].columns.contains(c))
-                .map(|(_, e)| *e)
-                .collect();
-            alternatives[w.families[u].0 - GENERIC].lead(best.gain - without, amplitudes)
-        })
-        .collect();
+    let leads = best.units.iter().filter(|&&u| is_generic(u)).map(|&u| lead(w, best, u, alternatives)).collect();
     let families = best.units.iter().filter(|&&u| !is_generic(u)).map(|&u| CATALOGUE[w.families[u].0].family).collect();
     let present: Vec<usize> = (0..w.units.len()).filter(|&u| w.families[u].1.is_none() && !is_generic(u)).collect();
     let floor = if present.is_empty() { Some(0.0) } else { crate::search::weigh(&w.gram, &w.units, &present).map(|s| s.gain) };
@@ -56,7 +44,31 @@ pub(super) fn outcome(w: &Weighed, alternatives: &[Alternative]) -> Option<Conte
             Some(crate::search::weigh(&w.gram, &w.units, &with)?.gain - floor?)
         })
         .fold(f64::NEG_INFINITY, f64::max);
-    Some(Contest { families, leads, strongest })
+    Some(Contest { families, leads, strongest, said: said_beside(w, model) })
+}
+
+/// Rivals of a lead that are said.
+const RIVALS: usize = 3;
+
+/// A generic alternative of the best set as a lead, with those that may stand in its place.
+fn lead(w: &Weighed, best: &Set, unit: usize, alternatives: &[Alternative]) -> Lead {
+    let rest: Vec<usize> = best.units.iter().copied().filter(|&x| x != unit).collect();
+    let without = crate::search::weigh(&w.gram, &w.units, &rest).map_or(0.0, |s| s.gain);
+    let of = |set: &Set, u: usize| {
+        let columns = set.columns.iter().zip(&set.estimates).filter(|(c, _)| w.units[u].columns.contains(c));
+        alternatives[w.families[u].0 - GENERIC].lead(set.gain - without, columns.map(|(_, e)| *e).collect())
+    };
+    let others = (0..w.units.len()).filter(|u| w.families[*u].0 >= GENERIC && !best.units.contains(u));
+    let in_its_place = others.filter_map(|u| {
+        let mut members = rest.clone();
+        members.push(u);
+        members.sort_unstable();
+        Some((u, crate::search::weigh(&w.gram, &w.units, &members)?))
+    });
+    let mut near: Vec<(usize, Set)> = in_its_place.filter(|(_, s)| s.gain > best.gain - SURE).collect();
+    near.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
+    near.truncate(RIVALS);
+    Lead { rivals: near.iter().map(|(u, s)| of(s, *u)).collect(), ..of(best, unit) }
 }
 
 /// The best set held against generic alternatives: members that those make needless are taken out, and the rest fitted again.
@@ -82,7 +94,7 @@ pub(super) fn against_alternatives(
     let families: Vec<&'static str> = fit.model.members.iter().filter(|m| !m.random).map(|m| m.effect.family).collect();
     if again.leads.is_empty() && families.iter().all(|family| again.families.contains(family)) {
         log.push("  which are preferred again without it".to_owned());
-        return (fit, weighed, Some(Contest { families, leads: Vec::new(), strongest: first.strongest }));
+        return (fit, weighed, Some(Contest { families, leads: Vec::new(), strongest: first.strongest, said: Vec::new() }));
     }
     (f, w, Some(again))
 }
@@ -138,7 +150,7 @@ pub(super) fn against_gusts(
         let still = engine.climb(&model?, true, 12).ok()?;
         let beside = weigh_beside(engine, &still.model, &all)?;
         let there = beside.total - random_cost(&still.model, engine) - engine.random_price(&still.model);
-        Some(Still { there, other: outcome(&beside, &all)?, still })
+        Some(Still { there, other: outcome(&beside, &still.model, &all)?, still })
     });
     let Still { there, other, still } = match &tries {
         [Some(set), Some(alone)] if set.still.chi < NEAR && (alone.still.chi >= NEAR || set.there > alone.there + SURE) => set,
@@ -192,6 +204,7 @@ fn stand_in(engine: &Engine, fit: &Fit, still: &Fit, gusts: usize, speed_m_s: f6
         line_hz,
         of_instrument: false,
         amplitudes: Vec::new(),
+        rivals: Vec::new(),
     })
 }
 
@@ -226,7 +239,7 @@ fn freed(engine: &Engine) -> Option<Freed> {
     let w = weigh_beside(&free, &model, &all)?;
     let gain = w.sets.first()?.gain;
     let of_effects = w.sets.iter().find(|s| s.units.iter().all(|&u| w.families[u].0 < GENERIC));
-    Some(Freed { contest: outcome(&w, &all)?, gain, over: gain - of_effects.map_or(0.0, |s| s.gain) })
+    Some(Freed { contest: outcome(&w, &model, &all)?, gain, over: gain - of_effects.map_or(0.0, |s| s.gain) })
 }
 
 /// What was found held against what stands out in free accelerations: several effects may together stand for a form outside the catalogue, and
@@ -234,10 +247,10 @@ fn freed(engine: &Engine) -> Option<Freed> {
 pub(super) fn against_free_accelerations(
     engine: &Engine,
     fit: &Fit,
-    faint: &[Lead],
+    mut faint: Vec<Lead>,
     contest: Option<Contest>,
     log: &mut Vec<String>,
-) -> Option<Contest> {
+) -> (Option<Contest>, Vec<Lead>) {
     /// Nats, and share of what the best set brings, from which effects are doubted that full fits have found.
     const PLAIN: [f64; 2] = [10.0, 0.05];
     let stands_in = |m: &Member| !faint.is_empty() && !m.declared && engine.moves_air(m);
@@ -245,9 +258,9 @@ pub(super) fn against_free_accelerations(
     let is_open = !faint.is_empty() || contest.as_ref().is_some_and(|c| !c.leads.is_empty());
     let is_random = fit.model.members.iter().any(|m| m.is_local() || m.random && !stands_in(m));
     if is_random || named.is_empty() && !is_open {
-        return contest;
+        return (contest, faint);
     }
-    let Some(free) = freed(engine) else { return contest };
+    let Some(free) = freed(engine) else { return (contest, faint) };
     let stands_out = if is_open {
         free.over > SURE
     } else {
@@ -255,8 +268,9 @@ pub(super) fn against_free_accelerations(
     };
     log.push(format!("in free accelerations {:.1}, {:.1} over effects alone: {:?}", free.gain, free.over, free.contest.leads));
     if !stands_out || free.contest.leads.is_empty() {
-        return contest;
+        return (contest, faint);
     }
+    faint.retain(|l| l.line_hz.is_some());
     let strongest = contest.as_ref().map_or(free.over, |c| c.strongest.max(free.over));
-    Some(Contest { families: contest.map_or_else(Vec::new, |c| c.families), leads: free.contest.leads, strongest })
+    (Some(Contest { families: contest.map_or_else(Vec::new, |c| c.families), strongest, ..free.contest }), faint)
 }

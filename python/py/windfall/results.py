@@ -445,6 +445,7 @@ class Closing(Result):
     verdict: Literal["consistent", "effect", "unexplained"]
     joined: list[str]
     unfinished_passes: float | None
+    errors_carry_unexplained: bool
     residual: Residuals
     residual_after: Residuals
     noise: list[NoiseLine]
