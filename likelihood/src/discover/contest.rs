@@ -243,7 +243,8 @@ fn freed(engine: &Engine) -> Option<Freed> {
 }
 
 /// What was found held against what stands out in free accelerations: several effects may together stand for a form outside the catalogue, and
-/// what is said to be unexplained beside stand-ins may be what those leave. Not in random air, which free accelerations take up.
+/// what is said to be unexplained beside stand-ins may be what those leave. Not in random air, which free accelerations take up: there, and where
+/// nothing more stands out, only what is said of the declared numbers is from free accelerations, in which no stand-in moves them.
 pub(super) fn against_free_accelerations(
     engine: &Engine,
     fit: &Fit,
@@ -255,9 +256,10 @@ pub(super) fn against_free_accelerations(
     const PLAIN: [f64; 2] = [10.0, 0.05];
     let stands_in = |m: &Member| !faint.is_empty() && !m.declared && engine.moves_air(m);
     let named: Vec<&str> = fit.model.members.iter().filter(|m| !m.declared && !m.random).map(|m| m.effect.family).collect();
-    let is_open = !faint.is_empty() || contest.as_ref().is_some_and(|c| !c.leads.is_empty());
     let is_random = fit.model.members.iter().any(|m| m.is_local() || m.random && !stands_in(m));
-    if is_random || named.is_empty() && !is_open {
+    let has_leads = contest.as_ref().is_some_and(|c| !c.leads.is_empty());
+    let is_open = !faint.is_empty() || has_leads;
+    if is_random && !has_leads || named.is_empty() && !is_open {
         return (contest, faint);
     }
     let Some(free) = freed(engine) else { return (contest, faint) };
@@ -267,8 +269,8 @@ pub(super) fn against_free_accelerations(
         free.over > PLAIN[0].max(PLAIN[1] * free.gain) && !named.iter().all(|f| free.contest.families.contains(f))
     };
     log.push(format!("in free accelerations {:.1}, {:.1} over effects alone: {:?}", free.gain, free.over, free.contest.leads));
-    if !stands_out || free.contest.leads.is_empty() {
-        return (contest, faint);
+    if is_random || !stands_out || free.contest.leads.is_empty() {
+        return (contest.map(|c| Contest { said: free.contest.said, ..c }), faint);
     }
     faint.retain(|l| l.line_hz.is_some());
     let strongest = contest.as_ref().map_or(free.over, |c| c.strongest.max(free.over));
