@@ -23,13 +23,8 @@ pub(super) fn across_sets(fit: Fit, weighed: &Weighed) -> Fit {
     let is_member = |&u: &usize| weighed.families[u].1.is_none() && weighed.families[u].0 < GENERIC;
     let is_own = |s: &&Set| s.units.len() == members && s.units.iter().all(is_member);
     let Some(own) = weighed.sets.iter().find(is_own) else { return fit };
-    let posterior = |s: &Set| {
-        let places: Vec<usize> = weighed.base.iter().copied().chain(s.columns.iter().map(|&c| weighed.others[c])).collect();
-        weighed.whole.posterior(&places)
-    };
-    let Some(here) = posterior(own) else { return fit };
-    let near = weighed.sets.iter().filter(|s| s.gain > own.gain - SURE);
-    let near: Vec<(f64, Posterior)> = near.filter_map(|s| Some(((s.gain - own.gain).exp(), posterior(s)?))).collect();
+    let Some(here) = posterior(weighed, own) else { return fit };
+    let near = within_twenty_to_one(weighed, own);
     widened(fit, |number, std| {
         let at = weighed.base.iter().position(|&b| weighed.whole.numbers[b].id == number.id)?;
         let one = |(weight, p): &(f64, Posterior)| {
@@ -40,17 +35,23 @@ pub(super) fn across_sets(fit: Fit, weighed: &Weighed) -> Fit {
     })
 }
 
+/// What a set says of the numbers that every set has, the first, and of its own.
+fn posterior(weighed: &Weighed, set: &Set) -> Option<Posterior> {
+    let places: Vec<usize> = weighed.base.iter().copied().chain(set.columns.iter().map(|&c| weighed.others[c])).collect();
+    weighed.whole.posterior(&places)
+}
+
+/// Sets within twenty to one of a set, with their odds against it.
+fn within_twenty_to_one(weighed: &Weighed, of: &Set) -> Vec<(f64, Posterior)> {
+    let near = weighed.sets.iter().filter(|s| s.gain > of.gain - SURE);
+    near.filter_map(|s| Some(((s.gain - of.gain).exp(), posterior(weighed, s)?))).collect()
+}
+
 /// What the best sets beside generic alternatives, weighed at `model`, say of the numbers that every set has: of each its weights, values and
 /// deviations.
 pub(super) fn said_beside(weighed: &Weighed, model: &Model) -> Vec<(Id, Vec<Said>)> {
     let Some(best) = weighed.sets.first() else { return Vec::new() };
-    let near = weighed.sets.iter().filter(|s| s.gain > best.gain - SURE);
-    let near: Vec<(f64, Posterior)> = near
-        .filter_map(|s| {
-            let places: Vec<usize> = weighed.base.iter().copied().chain(s.columns.iter().map(|&c| weighed.others[c])).collect();
-            Some(((s.gain - best.gain).exp(), weighed.whole.posterior(&places)?))
-        })
-        .collect();
+    let near = within_twenty_to_one(weighed, best);
     let one = |(at, &b): (usize, &usize)| {
         let id = weighed.whole.numbers[b].id;
         let said = near.iter().map(|(weight, p)| [*weight, p.mean[at] + origin(model, id), p.covariance[(at, at)].sqrt()]);
@@ -71,11 +72,15 @@ pub(super) fn beside_what_is_missing(fit: Fit, said: &[(Id, Vec<Said>)]) -> Fit 
     let model = fit.model.clone();
     widened(fit, |number, std| {
         let (_, said) = said.iter().find(|(id, _)| *id == number.id)?;
-        let all: f64 = said.iter().map(|[weight, ..]| weight).sum();
-        let own = number.value + origin(&model, number.id);
-        let square = |[weight, value, other]: &Said| weight * (std.max(*other).powi(2) + (value - own).powi(2));
-        Some((said.iter().map(square).sum::<f64>() / all).sqrt())
+        Some(about(number.value + origin(&model, number.id), std, said))
     })
+}
+
+/// Root mean square about a value of what is said, each with the value's own deviation or more.
+fn about(value: f64, std: f64, said: &[Said]) -> f64 {
+    let all: f64 = said.iter().map(|[weight, ..]| weight).sum();
+    let square = |[weight, mean, other]: &Said| weight * (std.max(*other).powi(2) + (mean - value).powi(2));
+    (said.iter().map(square).sum::<f64>() / all).sqrt()
 }
 
 /// The fit with the errors that `error` has for its numbers, of which it is given each with its own error; never narrowed.
@@ -118,5 +123,18 @@ mod tests {
         assert!(faint > NORMAL_95 && faint < 1.01 * NORMAL_95, "{faint}");
         let far = half_width(&[[1.0, 0.0, 1.0], [1.0, 100.0, 2.0]]);
         assert!((far - (100.0 + 2.0 * 1.281_551_6)).abs() < 1e-3, "{far}");
+    }
+
+    /// One that agrees leaves the deviation; one apart adds its distance; two are weighed; a wider one's own deviation counts.
+    #[test]
+    fn exact_deviation_about_a_value() {
+        for (said, expected) in [
+            (vec![[0.3, 7.0, 0.1]], 2.0),
+            (vec![[1.0, 10.0, 1.0]], 13.0_f64.sqrt()),
+            (vec![[3.0, 7.0, 1.0], [1.0, 11.0, 4.0]], (0.75_f64 * 4.0 + 0.25 * (16.0 + 16.0)).sqrt()),
+        ] {
+            let found = about(7.0, 2.0, &said);
+            assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
+        }
     }
 }
