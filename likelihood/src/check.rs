@@ -59,69 +59,67 @@ pub(crate) fn alternatives(engine: &Engine) -> Vec<Alternative> {
 
 /// Functions of every load.
 fn of_loads(runs: &[usize]) -> Vec<Alternative> {
-    let mut all = Vec::new();
-    for place in 0..LOADS.len() {
-        let prior = if place < 3 {
-            FORCE
-        } else if place == 3 {
-            ROLL
-        } else {
-            MOMENT
-        };
-        let mut add = |bases: Vec<Basis>| all.push(Alternative { site: Site::Load(place), bases, prior });
-        add((1..=6).map(Basis::Time).collect());
-        if runs.len() > 1 {
-            add(runs[1..].iter().map(|r| Basis::Run(*r)).collect());
-        }
-        add(vec![Basis::Speed(1), Basis::Speed(2)]);
-        add(vec![Basis::Height(1), Basis::Height(2)]);
-        add(vec![Basis::Roll(1, false), Basis::Roll(1, true), Basis::Roll(2, false), Basis::Roll(2, true)]);
-        match place {
-            0 => add([2, 4, 6].map(Basis::TotalAngle).to_vec()),
-            3 => {
-                add([2, 4, 6].map(Basis::TotalAngle).to_vec());
-                add(vec![Basis::BothAngles]);
-            }
-            // Normal force and pitch moment in the plane of α, side force and yaw moment in that of β, and across.
-            1 | 5 => add(vec![Basis::Angle(2, true), Basis::Angle(5, true), Basis::Angle(1, false), Basis::Angle(3, false)]),
-            _ => add(vec![Basis::Angle(2, false), Basis::Angle(5, false), Basis::Angle(1, true), Basis::Angle(3, true)]),
-        }
-        let axis = match place {
-            0 | 3 => 0,
-            1 | 5 => 2,
-            _ => 1,
-        };
-        if axis > 0 {
-            // Even in the angle: no body of revolution pushes to one side, a part on one of its sides does.
-            add(vec![Basis::OneSided(axis, 1), Basis::OneSided(axis, 2)]);
-            // The rate across: a spinning part inside turns pitching into yawing.
-            add(vec![Basis::Rate(3 - axis)]);
-            // One branch while the total angle opens, another while it closes.
-            add(vec![Basis::Opening(axis)]);
-        }
-        add(vec![Basis::Hysteresis(axis, false), Basis::Hysteresis(axis, true)]);
-        match place {
-            // Wakes of what stands in the stream; what grows or is lost on the way.
-            0 => {
-                add(PLACE.to_vec());
-                add(vec![Basis::Elapsed(1), Basis::Elapsed(2)]);
-            }
-            // Walls.
-            1 | 2 => add(vec![Basis::Away(place, 0), Basis::Away(place, 2)]),
-            3 => {}
-            _ => add(vec![Basis::RateSquare(place - 3)]),
-        }
-        // What the load is mostly made of, its angle and its rate, in proportion to a variable.
-        for along in Along::ALL {
-            match place {
-                0 => {}
-                1 | 2 => add(vec![Basis::Slope(3 - place, along)]),
-                3 => add(vec![Basis::Damping(0, along)]),
-                _ => add(vec![Basis::Slope(place - 3, along), Basis::Damping(place - 3, along)]),
-            }
-        }
+    let of = |place: usize| {
+        let prior = [FORCE, FORCE, FORCE, ROLL, MOMENT, MOMENT][place];
+        let all = over_time_and_place(runs).into_iter().chain(over_motion(place)).chain(in_proportion(place));
+        all.map(move |bases| Alternative { site: Site::Load(place), bases, prior })
+    };
+    (0..LOADS.len()).flat_map(of).collect()
+}
+
+/// What any load may vary with.
+fn over_time_and_place(runs: &[usize]) -> Vec<Vec<Basis>> {
+    let mut all = vec![(1..=6).map(Basis::Time).collect()];
+    if runs.len() > 1 {
+        all.push(runs[1..].iter().map(|r| Basis::Run(*r)).collect());
+    }
+    all.push(vec![Basis::Speed(1), Basis::Speed(2)]);
+    all.push(vec![Basis::Height(1), Basis::Height(2)]);
+    all.push(vec![Basis::Roll(1, false), Basis::Roll(1, true), Basis::Roll(2, false), Basis::Roll(2, true)]);
+    all
+}
+
+/// Functions of angles, rates and the place across the tunnel that suit a load.
+fn over_motion(place: usize) -> Vec<Vec<Basis>> {
+    // Normal force and pitch moment in the plane of α, side force and yaw moment in that of β, and across.
+    let axis = [0, 2, 1, 0, 1, 2][place];
+    let mut all = match axis {
+        0 => vec![[2, 4, 6].map(Basis::TotalAngle).to_vec()],
+        1 => vec![vec![Basis::Angle(2, false), Basis::Angle(5, false), Basis::Angle(1, true), Basis::Angle(3, true)]],
+        _ => vec![vec![Basis::Angle(2, true), Basis::Angle(5, true), Basis::Angle(1, false), Basis::Angle(3, false)]],
+    };
+    if place == 3 {
+        all.push(vec![Basis::BothAngles]);
+    }
+    if axis > 0 {
+        // Even in the angle: no body of revolution pushes to one side, a part on one of its sides does.
+        all.push(vec![Basis::OneSided(axis, 1), Basis::OneSided(axis, 2)]);
+        // The rate across: a spinning part inside turns pitching into yawing.
+        all.push(vec![Basis::Rate(3 - axis)]);
+        // One branch while the total angle opens, another while it closes.
+        all.push(vec![Basis::Opening(axis)]);
+    }
+    all.push(vec![Basis::Hysteresis(axis, false), Basis::Hysteresis(axis, true)]);
+    match place {
+        // Wakes of what stands in the stream; what grows or is lost on the way.
+        0 => all.extend([PLACE.to_vec(), vec![Basis::Elapsed(1), Basis::Elapsed(2)]]),
+        // Walls.
+        1 | 2 => all.push(vec![Basis::Away(place, 0), Basis::Away(place, 2)]),
+        3 => {}
+        _ => all.push(vec![Basis::RateSquare(place - 3)]),
     }
     all
+}
+
+/// What a load is mostly made of, its angle and its rate, in proportion to a variable.
+fn in_proportion(place: usize) -> Vec<Vec<Basis>> {
+    let of = |along| match place {
+        0 => None,
+        1 | 2 => Some(vec![Basis::Slope(3 - place, along)]),
+        3 => Some(vec![Basis::Damping(0, along)]),
+        _ => Some(vec![Basis::Slope(place - 3, along), Basis::Damping(place - 3, along)]),
+    };
+    Along::ALL.into_iter().filter_map(of).collect()
 }
 
 /// Drifts of every channel of the pose, and what the tunnel speed is beyond its record.

@@ -7,6 +7,7 @@ mod bundled;
 mod campaign;
 mod campaign_store;
 mod clean;
+mod column_unit;
 mod columns;
 mod dispersions;
 mod error;

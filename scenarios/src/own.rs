@@ -3,14 +3,12 @@
 
 mod attitude;
 mod read;
-mod unit;
 
 pub(crate) use attitude::SEQUENCES;
 use attitude::{Attitude, OwnAxes, Turned};
 pub(crate) use read::read;
-use unit::ColumnUnit;
-pub(crate) use unit::UnitQuantity;
 
+use crate::column_unit::ColumnUnit;
 use crate::columns::{Columns, fault, some_of};
 use crate::error::{Fault, ReadError};
 use crate::run_columns::{RUN_COLUMNS, RunColumn};

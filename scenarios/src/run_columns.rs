@@ -1,6 +1,6 @@
 //! scenarios: the columns of a run file, each once. In: nothing. Out: name, what it measures, who needs it, what it means.
 
-use crate::own::UnitQuantity;
+use crate::column_unit::UnitQuantity;
 
 /// Who has a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

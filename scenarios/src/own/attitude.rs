@@ -2,7 +2,7 @@
 //!
 //! A rotation matrix here takes components in body axes to components in the axes of the room: v_room = R v_body. Ours is T = Rx Ry Rz.
 
-use super::unit::ColumnUnit;
+use crate::column_unit::ColumnUnit;
 use crate::columns::Columns;
 use windfall_model::frames::{Body, Rotation, Tunnel};
 

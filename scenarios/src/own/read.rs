@@ -1,8 +1,8 @@
 //! scenarios: the table `[columns]`. In: the table as it stands. Out: what it says, or faults by line.
 
 use super::attitude::{Attitude, GivenAttitude, OwnAxes, SEQUENCES, determinant};
-use super::unit::{ColumnUnit, UnitQuantity};
 use super::{ANGLES, Origin, Own, POSITION};
+use crate::column_unit::{ColumnUnit, UnitQuantity};
 use crate::keys;
 use crate::run_columns::{RUN_COLUMNS, RunColumn};
 use crate::table::{Table, Value, number};
