@@ -1,8 +1,8 @@
 //! likelihood: what would say that a form is wrong. In: a fitted model. Out: what generic alternatives would still gain, beside the effects of
 //! the catalogue in one contest, and lines in the innovations' spectra.
 //!
-//! Generic alternatives are smooth functions of time, run, speed, height, angle, roll angle, the rate across and the sign of rates in every force and moment
-//! coefficient, drifts of every channel of the pose, and what the tunnel speed may be beyond its record. They have priors and cost like effects; one that is in the best set says that no
+//! Generic alternatives are functions of time, run, speed, place, angles and rates in every force and moment coefficient (`of_loads` has which), drifts of
+//! every channel of the pose, and what the tunnel speed may be beyond its record. They have priors and cost like effects; one that is in the best set says that no
 //! effect of the catalogue accounts for what it does.
 
 use crate::columns::{Along, Basis, LOADS, Site};
@@ -24,7 +24,7 @@ pub(crate) struct Alternative {
 }
 
 /// Something that nothing in the catalogue accounts for.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lead {
     /// Coefficient or channel.
     pub channel: String,
@@ -149,15 +149,7 @@ fn of_instruments(engine: &Engine, runs: &[usize]) -> Vec<Alternative> {
 impl Alternative {
     pub(crate) fn lead(&self, gain: f64, amplitudes: Vec<f64>) -> Lead {
         let variable = self.bases.first().map_or_else(String::new, |b| b.words());
-        Lead {
-            channel: self.site.name().to_owned(),
-            variable,
-            gain,
-            line_hz: None,
-            of_instrument: false,
-            amplitudes,
-            rivals: Vec::new(),
-        }
+        Lead { channel: self.site.name().to_owned(), variable, gain, amplitudes, ..Lead::default() }
     }
 }
 
@@ -196,8 +188,7 @@ pub(crate) fn lines(engine: &Engine, model: &Model, sum: &Summed) -> Vec<Lead> {
                         gain,
                         line_hz: Some(hz),
                         of_instrument: of_instrument(&plant, stream, c, hz, amplitude),
-                        amplitudes: Vec::new(),
-                        rivals: Vec::new(),
+                        ..Lead::default()
                     });
                 }
             }

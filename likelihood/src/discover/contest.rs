@@ -202,9 +202,7 @@ fn stand_in(engine: &Engine, fit: &Fit, still: &Fit, gusts: usize, speed_m_s: f6
         variable,
         gain: fit.log_likelihood - still.log_likelihood,
         line_hz,
-        of_instrument: false,
-        amplitudes: Vec::new(),
-        rivals: Vec::new(),
+        ..Lead::default()
     })
 }
 
