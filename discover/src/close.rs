@@ -21,6 +21,7 @@ mod points;
 mod pose_rates;
 mod poses;
 mod result;
+mod sets;
 mod settings;
 mod sides;
 mod signals;

@@ -16,7 +16,7 @@ use crate::columns::{Basis, SensitivityColumn, Shown, Site, View, body_to_tunnel
 use crate::noise::{ChannelNoise, MeanNoise};
 use crate::random::{Input, ORDER, Spectra, inputs};
 use crate::run::Prepared;
-use crate::shock::{GustNoise, Taken, Trace};
+use crate::shock::{Blowing, GustNoise, Taken, Trace};
 use beside::Beside;
 pub(crate) use beside::NodeInnovations;
 use nalgebra::{DMatrix, DVector};
@@ -263,7 +263,8 @@ impl<'a> Filter<'a> {
             let rate = self.rates(&z, k, Stage::Now, [0.0; 3], &mut work.terms).ok_or(departed)?;
             let view = self.view(&z, k);
             if matches!(self.keep, Keep::Trace | Keep::Gusts) {
-                seen.trace.nodes.push(Taken { t_s: self.run.nodes[k].t_s, ..Taken::default() });
+                let blowing = if self.keep == Keep::Gusts { self.blowing(k, &z, &p) } else { Vec::new() };
+                seen.trace.nodes.push(Taken { t_s: self.run.nodes[k].t_s, blowing, ..Taken::default() });
             }
             self.update(k, &mut z, &mut p, &mut s, &rate, &columns, &view, &mut seen, &mut rows, &mut beside, &mut work);
             seen.views.push(view);
@@ -404,6 +405,17 @@ impl<'a> Filter<'a> {
         let s = &plant.sensors;
         let [speed, rate] = self.run.speed.at(t_s + lag_s(s));
         [speed / (1.0 + s.wind_scale), rate * (1.0 + s.time_base) / (1.0 + s.wind_scale)]
+    }
+
+    /// What is known of the gusts at a node.
+    fn blowing(&self, k: usize, z: &[f64], p: &[f64]) -> Vec<Blowing> {
+        let one = |(place, input): (usize, &Input)| {
+            let Entry::AirVelocity(axis) = input.entry else { return None };
+            let covariance = p[place * self.n..(place + 1) * self.n].to_vec();
+            let expected = self.intensity(input, k) * input.stationary[0][0];
+            Some(Blowing { axis, place, value: z[place], covariance, expected })
+        };
+        self.inputs().filter_map(one).collect()
     }
 
     fn motion(&self, z: &[f64]) -> [f64; MOTION] {

@@ -8,6 +8,7 @@
 //! Sources: Klein and Morelli, Aircraft System Identification, 2006, ch. 6; Durbin and Koopman, Time Series Analysis by State Space
 //! Methods, 2012; Bishop, Pattern Recognition and Machine Learning, 2006, §3.5.
 
+mod blown;
 mod bursts;
 mod check;
 mod columns;

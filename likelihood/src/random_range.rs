@@ -5,7 +5,12 @@
 //! posterior is walked along its ridge (profile likelihood: Pawitan, In All Likelihood, 2001, §3.4), flat beforehand in the logarithm.
 //! Dryden's gusts and von Kármán's of another size and length move a model alike: intervals are the average's over both forms, by
 //! their likelihoods (Hoeting et al., Bayesian model averaging, Statistical Science 14, 1999).
+//!
+//! No filter's spectrum ends like a band's. The likeliest size follows what the record shows best, the lower edge: bands came out a twentieth to a
+//! third too weak. A band's size is therefore the mean square of the smoothed gusts (`blown.rs`), and where its upper edge lies beyond what is seen
+//! only the form says so: the part that is not seen may be twice as large.
 
+use crate::blown::Blown;
 use crate::engine::{Engine, Fit};
 use crate::model::Model;
 use crate::random_fit::{log_range, random_numbers};
@@ -17,6 +22,8 @@ use windfall_model::{Role, Shape};
 pub struct RandomRange {
     /// Member of the model and its number.
     pub place: (usize, usize),
+    /// Its estimate: the model's own, but of a band's size that of the gusts that blew.
+    pub value: f64,
     /// Root mean square departure from the estimate.
     pub std: f64,
     /// 95 % interval.
@@ -50,7 +57,21 @@ fn log_normal(value: f64, s: f64, [low, high]: [f64; 2]) -> [f64; 2] {
 impl Engine {
     /// Of every number of a fit's random members; none where a model departs.
     pub(crate) fn random_ranges(&self, fit: &Fit) -> Vec<RandomRange> {
-        self.over_forms(fit).into_iter().map(|range| self.within(&fit.model, range)).collect()
+        let ranges = self.over_forms(fit).into_iter();
+        let has_band = fit.model.members.iter().any(|m| m.random && self.moves_air(m)) && self.has_band(&fit.model);
+        let blown = if has_band { self.blown(&fit.model) } else { None }.unwrap_or_default();
+        ranges.map(|range| self.within(&fit.model, self.as_blown(&fit.model, range, &blown))).collect()
+    }
+
+    /// A size as the gusts that blew have it, where they are known.
+    fn as_blown(&self, model: &Model, range: RandomRange, blown: &[Option<Blown>; 2]) -> RandomRange {
+        let (m, i) = range.place;
+        let member = &model.members[m];
+        let axis = (member.parameters[i].role == Role::Strength).then(|| self.axis_of(member, i)).flatten();
+        match axis.and_then(|axis| blown[axis.min(1)]) {
+            Some(blown) => sized(range, blown),
+            None => range,
+        }
     }
 
     /// The same, averaged over the forms of the gusts' spectrum.
@@ -69,9 +90,8 @@ impl Engine {
         let end = other.settle_random(&start, STEPS);
         let ranges = other.ranges_in(&end.model);
         let odds = (end.total - fit.total).exp();
-        let value = |model: &Model, (m, i): (usize, usize)| model.members[m].values[i];
         let with_other = |one: RandomRange| match ranges.iter().find(|r| r.place == one.place) {
-            Some(two) => averaged(one, value(&fit.model, one.place), *two, value(&end.model, one.place), odds),
+            Some(two) => averaged(one, *two, odds),
             None => one,
         };
         own.into_iter().map(with_other).collect()
@@ -80,7 +100,7 @@ impl Engine {
     /// A range with what bursts leave of a size, within what is plausible.
     fn within(&self, model: &Model, range: RandomRange) -> RandomRange {
         let (m, i) = range.place;
-        let (member, value) = (&model.members[m], model.members[m].values[i]);
+        let (member, value) = (&model.members[m], range.value);
         let p = &member.parameters[i];
         let axis = if p.role == Role::Strength { self.axis_of(member, i) } else { None };
         let bursts = axis.map_or(0.0, |axis| self.bursts_std[axis.min(1)]);
@@ -108,7 +128,7 @@ impl Engine {
                 let member = &model.members[place.0];
                 let (value, p) = (member.values[place.1], &member.parameters[place.1]);
                 let s = covariance[(j, j)].max(0.0).sqrt();
-                RandomRange { place, std: value * s, ci95: log_normal(value, s, [p.low, p.high]) }
+                RandomRange { place, value, std: value * s, ci95: log_normal(value, s, [p.low, p.high]) }
             })
             .collect();
         for (w, &place) in places.iter().enumerate() {
@@ -123,8 +143,8 @@ impl Engine {
             let ridge = self.ridge(model, [place, places[size]], covariance[(w, w)].sqrt(), slope, steep);
             let of = |j: usize| model.members[places[j].0].values[places[j].1];
             if let Some((shape, strength)) = ranges(&ridge, [of(w), of(size)]) {
-                all[w] = RandomRange { place, ..shape };
-                all[size] = RandomRange { place: places[size], ..strength };
+                all[w] = RandomRange { place, value: of(w), ..shape };
+                all[size] = RandomRange { place: places[size], value: of(size), ..strength };
             }
         }
         all
@@ -178,8 +198,23 @@ impl Engine {
     }
 }
 
-/// What is known of a number whose estimate is `at` by one model and `away` by another that is `odds` times as likely; departures from `at`.
-fn averaged(one: RandomRange, at: f64, two: RandomRange, away: f64, odds: f64) -> RandomRange {
+/// A size by the gusts that blew: what is not seen of them may be twice as large as the form says.
+fn sized(range: RandomRange, blown: Blown) -> RandomRange {
+    let by = blown.square.sqrt();
+    let value = range.value * by;
+    let unseen = 0.5 * (3.0 * blown.unseen / blown.square).ln_1p();
+    let above = (range.ci95[1] / range.value).ln().max(0.0).hypot(1.96 * unseen);
+    RandomRange {
+        value,
+        std: (range.std * by).hypot(value * unseen.exp_m1()),
+        ci95: [range.ci95[0] * by, value * above.exp()],
+        ..range
+    }
+}
+
+/// What is known of a number by one model and by another that is `odds` times as likely; departures from the first one's estimate.
+fn averaged(one: RandomRange, two: RandomRange, odds: f64) -> RandomRange {
+    let (at, away) = (one.value, two.value);
     let share = if odds.is_finite() { odds / (1.0 + odds) } else { 1.0 };
     // Each side of a number's logarithm is a normal one's, as wide as its interval says.
     let below = |r: &RandomRange, centre: f64, x: f64| {
@@ -242,7 +277,7 @@ fn ranges(ridge: &[RidgePoint], estimates: [f64; 2]) -> Option<(RandomRange, Ran
         };
         let ci95 = [quantile(0.025)?.0, quantile(0.975)?.0];
         let square = all.iter().map(|v| v.1 * (v.0 - estimate).powi(2)).sum::<f64>() / sum;
-        Some(RandomRange { place, std: square.sqrt(), ci95 })
+        Some(RandomRange { place, value: estimate, std: square.sqrt(), ci95 })
     };
     Some((range(&mut shapes, estimates[0])?, range(&mut sizes, estimates[1])?))
 }
@@ -264,14 +299,29 @@ mod tests {
     /// other opens it to both.
     #[test]
     fn exact_average_over_two_models() {
-        let range = |value: f64| RandomRange { place: (0, 0), std: 0.1 * value, ci95: log_normal(value, 0.1, [0.0, 10.0]) };
+        let range =
+            |value: f64| RandomRange { place: (0, 0), value, std: 0.1 * value, ci95: log_normal(value, 0.1, [0.0, 10.0]) };
         let close = |a: RandomRange, b: RandomRange| a.ci95.iter().zip(&b.ci95).all(|(x, y)| (x / y - 1.0).abs() < 1e-5);
-        assert!(close(averaged(range(1.0), 1.0, range(1.0), 1.0, 1.0), range(1.0)));
-        assert!(close(averaged(range(1.0), 1.0, range(2.0), 2.0, 1e12), range(2.0)));
-        let both = averaged(range(1.0), 1.0, range(2.0), 2.0, 1.0);
+        assert!(close(averaged(range(1.0), range(1.0), 1.0), range(1.0)));
+        assert!(close(averaged(range(1.0), range(2.0), 1e12), range(2.0)));
+        let both = averaged(range(1.0), range(2.0), 1.0);
         // Five per cent of each lie outside: Φ(-1.645) on its outer side.
         assert!((both.ci95[0].ln() + 0.1645).abs() < 1e-3 && ((both.ci95[1] / 2.0).ln() - 0.1645).abs() < 1e-3, "{both:?}");
         assert!((both.std - (0.5 * (0.01 + 0.04 + 1.0_f64)).sqrt()).abs() < 1e-12);
+    }
+
+    /// A band that is seen whole keeps its interval about the size that blew; of one half of which is not seen the size may be as much larger as
+    /// twice that half's is.
+    #[test]
+    fn exact_size_that_blew() {
+        let range = RandomRange { place: (0, 0), value: 0.1, std: 0.005, ci95: log_normal(0.1, 0.05, [0.0, 1.0]) };
+        let whole = sized(range, Blown { square: 1.21, unseen: 0.0 });
+        assert!((whole.value - 0.11).abs() < 1e-15 && (whole.std - 0.0055).abs() < 1e-15);
+        assert!(whole.ci95.iter().zip(range.ci95).all(|(a, b)| (a / b - 1.1).abs() < 1e-12));
+        let half = sized(range, Blown { square: 1.0, unseen: 0.5 });
+        // √(½ + 4/2) of it.
+        assert!((half.std.powi(2) - 0.005_f64.powi(2) - (0.1 * (2.5_f64.sqrt() - 1.0)).powi(2)).abs() < 1e-15);
+        assert!((half.ci95[0] - range.ci95[0]).abs() < 1e-15 && half.ci95[1] > 0.1 * 2.5_f64.powf(0.98));
     }
 
     /// Points of a Gaussian ridge in logarithms: the shape's interval is that Gaussian's, the size's has the ridge's slope.

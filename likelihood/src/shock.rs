@@ -29,6 +29,20 @@ pub(crate) struct Taken {
     pub(crate) phi: Vec<f64>,
     /// What gusts add on the way to the next node, where asked for.
     pub(crate) gusts: Vec<GustNoise>,
+    /// What was known of the gusts before the node, where asked for.
+    pub(crate) blowing: Vec<Blowing>,
+}
+
+/// What a filter knew of one axis' gust before a node: its value, and its covariance with all states.
+#[derive(Clone, Debug)]
+pub(crate) struct Blowing {
+    pub(crate) axis: usize,
+    /// Its place among the states.
+    pub(crate) place: usize,
+    pub(crate) value: f64,
+    pub(crate) covariance: Vec<f64>,
+    /// Its variance in the long run at the node's time.
+    pub(crate) expected: f64,
 }
 
 /// What one axis' gust adds to the states' covariance over a step.

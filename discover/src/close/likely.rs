@@ -1,15 +1,16 @@
 //! discover: closing on the one likelihood of tunnel runs. In: a campaign. Out: the closing, from what the search over sets of effects found.
 
 use super::chance::p_value;
-use super::result::{ConstantLine, Form, FormCheck, NoiseLine, Residuals, SetLine};
+use super::result::{ConstantLine, Form, FormCheck, NoiseLine, Residuals};
+use super::sets::{contradicted, probability, rivals, sets, unsettled};
 use super::{
     After, CandidateLine, ChannelResidual, Closing, EffectBound, EffectLine, HeldOut, Options, ParameterLine, Shift, Unexplained,
     Verdict, runs_of,
 };
 use crate::DiscoverError;
 use statrs::distribution::{ContinuousCDF, Normal};
-use windfall_likelihood::{Discovery, Engine, FamilySet, Fit, Id, Lead, Member, discover};
-use windfall_model::{CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, Role, Use};
+use windfall_likelihood::{Discovery, Engine, Fit, Id, Lead, Member, discover};
+use windfall_model::{CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, POSE, Role, Use};
 use windfall_replay::{ReplayError, hold_out};
 
 /// Gain, in nats beyond its cost, from which a generic alternative says that something is unexplained, and from which a line of the
@@ -30,13 +31,17 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
     let found = discover(&mut engine).map_err(|words| DiscoverError::NoEnd { campaign: campaign.name.clone(), words })?;
     let held = runs_of(campaign, Use::HoldOut);
     let after = &found.after;
-    let unexplained = unexplained(&found, &engine, options);
+    let contradicted = contradicted(&found);
+    let mut unexplained = unexplained(&found, &engine, options);
+    if !contradicted.is_empty() && unexplained.is_empty() {
+        unexplained.push(Unexplained { channel: worst_channel(&found).to_owned(), description: unsettled(&contradicted) });
+    }
     let effects: Vec<EffectLine> = after
         .model
         .members
         .iter()
         .enumerate()
-        .filter(|(_, m)| !m.declared && !found.stand_ins.contains(&m.effect.family))
+        .filter(|(_, m)| !m.declared && !found.stand_ins.contains(&m.effect.family) && !contradicted.contains(&m.effect.family))
         .map(|(k, m)| effect_line(k, m, &found, &engine, &unexplained))
         .collect();
     let verdict = match (effects.is_empty(), unexplained.is_empty()) {
@@ -148,26 +153,10 @@ fn error_of(fit: &Fit, id: Id) -> Option<f64> {
     Some(fit.covariance[(place, place)].sqrt()).filter(|s| s.is_finite())
 }
 
-/// Sets with their probabilities, down to a thousandth; what only stands for something else is in none.
-fn sets(found: &Discovery) -> Vec<SetLine> {
-    let mut all: Vec<SetLine> = Vec::new();
-    for (set, probability) in found.sets.iter().zip(weights(found)) {
-        let named = set.families.iter().filter(|f| !found.stand_ins.contains(f));
-        let families: Vec<String> = named.map(|f| (*f).to_owned()).collect();
-        match all.iter_mut().find(|line| line.families == families) {
-            Some(line) => line.probability += probability,
-            None => all.push(SetLine { families, probability }),
-        }
-    }
-    all.retain(|line| line.probability > 1e-3);
-    all
-}
-
-fn weights(found: &Discovery) -> Vec<f64> {
-    let top = found.sets.first().map_or(0.0, |s| s.gain);
-    let all: Vec<f64> = found.sets.iter().map(|s| (s.gain - top).exp()).collect();
-    let sum: f64 = all.iter().sum();
-    all.iter().map(|w| w / sum).collect()
+/// Channel of the pose whose innovations are left largest over noise.
+fn worst_channel(found: &Discovery) -> &'static str {
+    let channels = &found.after.channels;
+    CHANNEL_NAMES[(0..POSE).max_by(|a, b| channels[*a][2].total_cmp(&channels[*b][2])).unwrap_or(0)]
 }
 
 fn effect_line(k: usize, m: &Member, found: &Discovery, engine: &Engine, unexplained: &[Unexplained]) -> EffectLine {
@@ -180,11 +169,12 @@ fn effect_line(k: usize, m: &Member, found: &Discovery, engine: &Engine, unexpla
         .map(|(i, p)| {
             let random = found.random_ranges.iter().find(|range| range.place == (k, i));
             let std = random.map(|range| range.std).or_else(|| error_of(fit, Id::Member(k, i)));
-            let line = ParameterLine::new("", &p.name, m.values[i], std.unwrap_or(f64::NAN), p.unit);
+            let value = random.map_or(m.values[i], |range| range.value);
+            let line = ParameterLine::new("", &p.name, value, std.unwrap_or(f64::NAN), p.unit);
             ParameterLine { ci95: random.map(|range| range.ci95).or(line.ci95), ..line }
         })
         .collect();
-    let probability = found.sets.iter().zip(weights(found)).filter(|(s, _)| s.families.contains(&family)).map(|(_, w)| w).sum();
+    let probability = probability(&found.sets, family);
     let gust = m.random && engine.moves_air(m);
     let strongest = found.contest.as_ref().map_or(f64::NEG_INFINITY, |c| c.strongest);
     EffectLine {
@@ -227,27 +217,6 @@ fn p_of(k: usize, m: &Member, found: &Discovery) -> f64 {
     let statistic = covariance.cholesky().map_or(0.0, |c| values.dot(&c.solve(&values)));
     p_value(statistic, n, families)
 }
-
-/// Families that take this one's place at odds of less than twenty, or whose best fit is less than that from the best set's: how plausible a
-/// size was beforehand does not say that the runs tell two families apart.
-fn rivals(found: &Discovery, family: &str) -> Vec<String> {
-    let Some(best) = found.sets.first() else { return Vec::new() };
-    let rest: Vec<&str> = best.families.iter().copied().filter(|f| *f != family).collect();
-    let in_its_place = |s: &&FamilySet| {
-        s.families.len() == best.families.len() && !s.families.contains(&family) && rest.iter().all(|r| s.families.contains(r))
-    };
-    let near = |s: &&FamilySet| best.gain - s.gain < RIVAL.ln() || best.fit - s.fit < RIVAL.ln();
-    let mut all: Vec<String> = Vec::new();
-    for other in found.sets.iter().filter(in_its_place).filter(near).flat_map(|s| &s.families).filter(|f| !rest.contains(f)) {
-        if !all.iter().any(|f| f == other) {
-            all.push((*other).to_owned());
-        }
-    }
-    all
-}
-
-/// Odds below which another family is a rival.
-const RIVAL: f64 = 20.0;
 
 /// What every family alone would bring beside what all sets have.
 fn candidates(found: &Discovery) -> Vec<CandidateLine> {
@@ -344,9 +313,8 @@ fn unexplained(found: &Discovery, engine: &Engine, options: &Options) -> Vec<Une
     let mut all: Vec<Unexplained> = leads.filter(enough).flat_map(words).collect();
     let left = found.after.chi;
     if left > LEFT && all.is_empty() {
-        let worst = (0..6).max_by(|a, b| found.after.channels[*a][2].total_cmp(&found.after.channels[*b][2])).unwrap_or(0);
         all.push(Unexplained {
-            channel: CHANNEL_NAMES[worst].to_owned(),
+            channel: worst_channel(found).to_owned(),
             description: format!(
                 "the innovations' mean square is {left:.2} of what noise leaves; no variable or line accounts for it"
             ),

@@ -7,11 +7,16 @@ use windfall_model::{CATALOGUE, Campaign, Data, Plant, Record, Use};
 use windfall_replay::campaign_of;
 use windfall_sim::{Seed, fly};
 
-/// Three runs of a lander, each of which flies a plant of its own that is not declared.
+/// Three runs of a lander of at most 14 s, each of which flies a plant of its own that is not declared.
 pub(crate) fn flown(seed: u64, plant_of: impl Fn(&Plant, usize) -> Plant) -> Campaign {
+    flown_for(14.0, seed, plant_of)
+}
+
+/// The same of at most `most_s`.
+fn flown_for(most_s: f64, seed: u64, plant_of: impl Fn(&Plant, usize) -> Plant) -> Campaign {
     let scenario = bundled("sage-combined");
     let mut flights = scenario.flights[..3].to_vec();
-    flights.iter_mut().for_each(|f| f.duration_s = f.duration_s.min(14.0));
+    flights.iter_mut().for_each(|f| f.duration_s = f.duration_s.min(most_s));
     let fly_one = |(k, flight)| {
         let plant = plant_of(&scenario.plant, k);
         fly(&plant.for_run(k, &[]), flight, Seed { campaign: seed, run: k as u64 }).expect("flies").record
@@ -43,6 +48,19 @@ fn recover_a_touch() {
     assert!((middle - start_s - 0.5 * duration_s).abs() < 0.05, "{middle}");
     let turn = of("angular_z_n_m_s");
     assert!((turn.estimate - 0.004).abs() < 4.0 * turn.std_error.expect("an error"), "{turn:?}");
+}
+
+/// An apparent mass of 3 % in gusts moves the model far more than weak gusts would, and columns there promise four effects: a search that took
+/// them all at once went from one four to the next until it might no more, and named three that are not there.
+#[test]
+fn recover_an_apparent_mass_in_gusts() {
+    let masses = [0.0247, 0.0155, 3.5e-4, 0.0, 1.0];
+    let plant = |plant: &Plant, _| with(&with(plant, "turbulence", &[0.084, 0.085, 0.6, 0.6, 0.0]), "apparent-mass", &masses);
+    let closing = close(&flown_for(f64::INFINITY, 6, plant), &Options::default()).expect("closes");
+    assert_eq!((families(&closing), closing.unfinished_passes), (vec!["turbulence", "apparent-mass"], None));
+    for (p, mass) in closing.effects[1].parameters.iter().zip(masses).take(3) {
+        assert!((p.estimate - mass).abs() < 4.0 * p.std_error.expect("an error"), "{p:?} for {mass}");
+    }
 }
 
 /// An effect that acts in the runs to identify on, and not in the run that chooses, is not taken.
