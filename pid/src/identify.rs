@@ -1,16 +1,13 @@
-//! pid: from a campaign to its parameters. In: records and a declared plant. Out: estimates per data set, with warnings.
+//! pid: the methods of identification, each once. In: a campaign and a method. Out: its declared parameters, per data set, with warnings.
 
 use crate::PidError;
-use crate::coefficients::{CoefficientRow, coefficients_of};
-use crate::identification::{ALL_RUNS, CoefficientFit, DataSet, Estimate, Identification};
-use crate::interval::relative_percent;
+use crate::equation_error::{EquationError, JOINT, THESIS};
+use crate::identification::Identification;
 use crate::output_error::EstimateOptions;
-use crate::regress::{Colour, PreparedColumns, RegressionFit, RegressionOutcome, RegressionSeries, fit};
-use crate::smooth::{Smoother, TABLE_3_1_HZ, smooth};
+use crate::smooth::{Smoother, TABLE_3_1_HZ};
 use crate::{filter_error, output_error};
 use serde::{Deserialize, Serialize};
-use std::cell::OnceCell;
-use windfall_model::{Campaign, Coefficient, Data, Factor, Plant, Record, Term, Use, VARIABLES, Variable};
+use windfall_model::Campaign;
 
 /// How to identify.
 ///
@@ -33,8 +30,8 @@ pub enum Method {
     FilterError,
 }
 
-/// All that there is to say of one method; the table of them is what is iterated. A method more is a variant, a row and a module;
-/// `just stubs` and the lists that `law_lists_of_methods_are_whole` names say it to the users.
+/// All that there is to say of one method; the table of them is what is iterated. A method more is a variant, a row and, where it is no
+/// setting of another, a module; `just references` says it to the users.
 struct Estimator {
     method: Method,
     name: &'static str,
@@ -47,17 +44,17 @@ struct Estimator {
 const ESTIMATORS: &[Estimator] = &[
     Estimator {
         method: Method::Thesis,
-        name: "thesis",
+        name: THESIS.name,
         help: "The thesis to the letter, its errors included",
         smoother: Smoother::Thesis { cutoffs_hz: TABLE_3_1_HZ },
-        identify: |campaign, options| regression(campaign, Method::Thesis, options),
+        identify: |campaign, options| regressed(campaign, Method::Thesis, options),
     },
     Estimator {
         method: Method::EquationError,
-        name: "equation-error",
+        name: JOINT.name,
         help: "Joint side and normal force, ends handled, errors for coloured residuals",
         smoother: Smoother::Auto,
-        identify: |campaign, options| regression(campaign, Method::EquationError, options),
+        identify: |campaign, options| regressed(campaign, Method::EquationError, options),
     },
     Estimator {
         method: Method::OutputError,
@@ -111,34 +108,6 @@ impl Method {
     }
 }
 
-/// One run, ready for regression.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RunRows {
-    /// Run name.
-    pub name: String,
-    /// Kind of run.
-    pub kind: String,
-    /// Coefficients and flow variables.
-    pub rows: Vec<CoefficientRow>,
-    /// Factor of each row.
-    pub weight: Vec<f64>,
-    /// Sample interval, s.
-    pub interval_s: f64,
-    /// Bandwidth of the smoothing, Hz: the largest of the channels'.
-    pub bandwidth_hz: f64,
-}
-
-/// A record through smoothing, states and coefficients, for the plant as it acts in this run.
-///
-/// # Errors
-/// As [`smooth`] and [`states`].
-pub fn process(name: &str, kind: &str, record: &Record, plant: &Plant, smoother: &Smoother) -> Result<RunRows, PidError> {
-    let s = smooth(record, smoother)?;
-    let rows = coefficients_of(&s, plant)?;
-    let bandwidth_hz = s.bandwidth_hz.iter().fold(0.0, |a: f64, b| a.max(*b));
-    Ok(RunRows { name: name.to_owned(), kind: kind.to_owned(), rows, weight: s.weight, interval_s: s.interval_s, bandwidth_hz })
-}
-
 /// Identifies a campaign's declared parameters on the runs it has for that: on each kind of run alone and on all, `combined`.
 ///
 /// # Errors
@@ -157,9 +126,9 @@ pub fn identify_by(campaign: &Campaign, method: Method, options: &EstimateOption
 }
 
 /// Each coefficient by itself.
-fn regression(campaign: &Campaign, method: Method, options: &EstimateOptions) -> Result<Identification, PidError> {
+fn regressed(campaign: &Campaign, method: Method, options: &EstimateOptions) -> Result<Identification, PidError> {
     if options.handling.is_empty() && options.priors.is_empty() {
-        regressed(campaign, method, &method.smoother(), options.combined_only)
+        equation_error(method).identify(campaign, &method.smoother(), options.combined_only)
     } else {
         Err(PidError::NoPlace { method: method.name() })
     }
@@ -170,326 +139,11 @@ fn regression(campaign: &Campaign, method: Method, options: &EstimateOptions) ->
 /// # Errors
 /// As [`identify`].
 pub fn identify_with(campaign: &Campaign, method: Method, smoother: &Smoother) -> Result<Identification, PidError> {
-    regressed(campaign, method, smoother, false)
+    equation_error(method).identify(campaign, smoother, false)
 }
 
-fn regressed(campaign: &Campaign, method: Method, smoother: &Smoother, combined_only: bool) -> Result<Identification, PidError> {
-    let runs = processed(campaign, smoother)?;
-    let flows: Vec<FlowSeries<'_>> = runs.iter().map(FlowSeries::new).collect();
-    let prepared: Vec<Group> =
-        groups(&campaign.plant, &campaign.declared).into_iter().map(|g| g.prepared(&flows, campaign, method)).collect();
-    let mut warnings = Vec::new();
-    let mut sets = sets(&runs);
-    if combined_only {
-        sets.drain(..sets.len() - 1);
-    }
-    let data_sets = sets
-        .into_iter()
-        .map(|(name, members)| {
-            DataSetWork { name: &name, members: &members, runs: &runs, campaign }.solve(&prepared, &mut warnings)
-        })
-        .collect::<Result<_, _>>()?;
-    Ok(Identification {
-        method: method.name().to_owned(),
-        data_sets,
-        warnings,
-        reason: None,
-        identifiability: None,
-        compatibility: None,
-    })
-}
-
-/// Every run to identify on, ready for regression.
-pub(crate) fn processed(campaign: &Campaign, smoother: &Smoother) -> Result<Vec<RunRows>, PidError> {
-    let mut runs = Vec::new();
-    for (i, run) in campaign.runs.iter().enumerate().filter(|(_, r)| r.used == Use::Identify) {
-        let Data::Tunnel(record) = &run.data else {
-            return Err(PidError::PointMass { campaign: campaign.name.clone(), run: run.name.clone() });
-        };
-        let plant = campaign.plant_for(&campaign.plant, i);
-        runs.push(process(&run.name, &run.kind, record, &plant, smoother)?);
-    }
-    if runs.is_empty() {
-        return Err(PidError::NoRuns { campaign: campaign.name.clone() });
-    }
-    Ok(runs)
-}
-
-/// Indices of runs: each kind in order of appearance, then all.
-fn sets(runs: &[RunRows]) -> Vec<(String, Vec<usize>)> {
-    let mut sets: Vec<(String, Vec<usize>)> = Vec::new();
-    for (i, run) in runs.iter().enumerate() {
-        match sets.iter_mut().find(|(kind, _)| *kind == run.kind) {
-            Some((_, members)) => members.push(i),
-            None => sets.push((run.kind.clone(), vec![i])),
-        }
-    }
-    sets.push((ALL_RUNS.to_owned(), (0..runs.len()).collect()));
-    sets
-}
-
-/// Coefficients that share all their parameters, and those parameters: what one regression is about.
-#[derive(Clone, Debug)]
-struct Group {
-    coefficients: Vec<Coefficient>,
-    parameters: Vec<usize>,
-    /// For each run, the series that it contributes.
-    series: Vec<Vec<PreparedColumns>>,
-}
-
-impl Group {
-    fn label(&self) -> &'static str {
-        self.coefficients.last().map_or("", |c| c.name())
-    }
-    fn prepared(mut self, flows: &[FlowSeries<'_>], campaign: &Campaign, method: Method) -> Self {
-        let one = |flow| run_series(&self, flow, campaign, method).into_iter().map(PreparedColumns::new).collect();
-        self.series = flows.iter().map(one).collect();
-        self
-    }
-}
-
-/// Coefficient (as in results) and name of each parameter that an identification of this plant looks for.
-#[must_use]
-pub fn estimated(plant: &Plant, declared: &[bool]) -> Vec<(&'static str, String)> {
-    let name = |g: &Group, p: &usize| (g.label(), plant.aero.structure.parameters[*p].clone());
-    groups(plant, declared).iter().flat_map(|g| g.parameters.iter().map(|p| name(g, p)).collect::<Vec<_>>()).collect()
-}
-
-fn groups(plant: &Plant, declared: &[bool]) -> Vec<Group> {
-    let mut groups: Vec<Group> = Vec::new();
-    for coefficient in Coefficient::ALL {
-        let mut parameters: Vec<usize> = plant
-            .aero
-            .structure
-            .contributions
-            .iter()
-            .filter(|k| k.coefficient == coefficient && declared[k.parameter])
-            .map(|k| k.parameter)
-            .collect();
-        parameters.sort_unstable();
-        parameters.dedup();
-        if parameters.is_empty() {
-            continue;
-        }
-        match groups.iter_mut().find(|g| g.parameters == parameters) {
-            Some(g) => g.coefficients.push(coefficient),
-            None => groups.push(Group { coefficients: vec![coefficient], parameters, series: Vec::new() }),
-        }
-    }
-    groups
-}
-
-/// One data set on its way to a result.
-#[derive(Clone, Copy)]
-struct DataSetWork<'a> {
-    name: &'a str,
-    members: &'a [usize],
-    runs: &'a [RunRows],
-    campaign: &'a Campaign,
-}
-
-impl<'a> DataSetWork<'a> {
-    fn solve(self, groups: &[Group], warnings: &mut Vec<String>) -> Result<DataSet, PidError> {
-        let mut set = DataSet {
-            name: self.name.to_owned(),
-            runs: self.members.iter().map(|&i| self.runs[i].name.clone()).collect(),
-            parameters: Vec::new(),
-            fits: Vec::new(),
-            condition_number: 1.0,
-            n_samples: self.members.iter().map(|&i| self.runs[i].rows.len()).sum(),
-            covariance: Vec::new(),
-            curves: Vec::new(),
-            held: Vec::new(),
-        };
-        for group in groups {
-            if let Some((columns, fit)) = self.regress(group, warnings)? {
-                self.report(&mut set, group, &columns, &fit, warnings);
-            }
-        }
-        if set.parameters.is_empty() {
-            return Err(PidError::NothingToEstimate { campaign: self.campaign.name.clone() });
-        }
-        Ok(set)
-    }
-
-    fn parameter(self, group: &Group, column: usize) -> &'a str {
-        &self.campaign.plant.aero.structure.parameters[group.parameters[column]]
-    }
-
-    /// Fits a group, leaving out what the data do not determine; which columns are left, and their fit.
-    fn regress(self, group: &Group, warnings: &mut Vec<String>) -> Result<Option<(Vec<usize>, RegressionFit)>, PidError> {
-        let series: Vec<&PreparedColumns> = self.members.iter().flat_map(|&i| &group.series[i]).collect();
-        let mut columns: Vec<usize> = (0..group.parameters.len()).collect();
-        while !columns.is_empty() {
-            let outcome = fit(&series, &columns).map_err(|e| match e {
-                PidError::TooFewSamples { samples, needed, .. } => PidError::TooFewSamples {
-                    what: format!("data set {}, coefficient {}", self.name, group.label()),
-                    samples,
-                    needed,
-                },
-                other => other,
-            })?;
-            match outcome {
-                RegressionOutcome::Fit(fit) => return Ok(Some((columns, *fit))),
-                RegressionOutcome::Deficient { column, rank } => {
-                    warnings.push(format!(
-                        "data set {}, coefficient {}: {} is not excited (rank {rank} of {}); it is left out: add a run with larger \
-                         angles or rates, or do not declare it",
-                        self.name,
-                        group.label(),
-                        self.parameter(group, columns[column]),
-                        columns.len(),
-                    ));
-                    columns.remove(column);
-                }
-            }
-        }
-        Ok(None)
-    }
-
-    fn report(self, set: &mut DataSet, group: &Group, columns: &[usize], fit: &RegressionFit, warnings: &mut Vec<String>) {
-        let white = RegressionFit::std_errors(&fit.covariance_white);
-        let honest = RegressionFit::std_errors(&fit.covariance);
-        let half = fit.t95();
-        let before = set.parameters.len();
-        for row in &mut set.covariance {
-            row.extend(columns.iter().map(|_| 0.0));
-        }
-        for i in 0..columns.len() {
-            let own = (0..columns.len()).map(|j| fit.covariance[(i, j)]);
-            set.covariance.push(std::iter::repeat_n(0.0, before).chain(own).collect());
-        }
-        for (i, &column) in columns.iter().enumerate() {
-            let (estimate, std_error) = (fit.estimate[i], honest[i]);
-            let name = self.parameter(group, column);
-            if std_error > estimate.abs() {
-                warnings.push(format!(
-                    "data set {}, coefficient {}: {name} = {estimate:.3e} has a standard error of {std_error:.3e}, more than itself: \
-                     these runs hardly excite it; use runs with larger angles or rates, or do not declare it",
-                    self.name,
-                    group.label()
-                ));
-            }
-            set.parameters.push(Estimate {
-                coefficient: group.label().to_owned(),
-                name: name.to_owned(),
-                estimate,
-                std_error,
-                rse_percent: relative_percent(std_error, estimate),
-                ci95: [estimate - half * std_error, estimate + half * std_error],
-                std_error_white: white[i],
-            });
-        }
-        set.fits.push(CoefficientFit {
-            coefficient: group.label().to_owned(),
-            r2: fit.r2,
-            residual_std: fit.s2.sqrt(),
-            residual_whiteness_p: fit.whiteness_p,
-        });
-        set.condition_number = set.condition_number.max(fit.condition);
-    }
-}
-
-/// What one run adds to a group's regression.
-fn run_series(group: &Group, flow: &FlowSeries<'_>, campaign: &Campaign, method: Method) -> Vec<RegressionSeries> {
-    let run = flow.run;
-    let parts: Vec<RegressionSeries> = group.coefficients.iter().map(|&c| series(group, flow, campaign, c)).collect();
-    if method == Method::Thesis {
-        return vec![total(&parts)];
-    }
-    let (weight, residuals) = (faded(run), Colour::Weighted(cosines(run)));
-    parts.into_iter().map(|s| RegressionSeries { weight: weight.clone(), residuals, ..s }).collect()
-}
-
-/// Cosines up to the bandwidth of the smoothing: beyond it the rows carry nothing.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive number, clamped to the samples")]
-pub(crate) fn cosines(run: &RunRows) -> usize {
-    let n = run.rows.len();
-    ((2.0 * run.interval_s * n as f64 * run.bandwidth_hz) as usize).clamp(1, n)
-}
-
-/// Fade of the rows at both ends, in periods of the smoothing's bandwidth (4 knot intervals): there the noise of derivatives is
-/// largest and does not cancel between neighbours.
-const FADE_PERIODS: f64 = 3.0;
-
-/// Row factors of a run, faded in and out as sin².
-pub(crate) fn faded(run: &RunRows) -> Vec<f64> {
-    let n = run.rows.len();
-    let fade = (FADE_PERIODS / (run.bandwidth_hz * run.interval_s)).min(0.5 * n as f64);
-    let factor = |i: usize| ((i.min(n - 1 - i) as f64 + 0.5) / fade).min(1.0);
-    let faded = |(i, w): (usize, &f64)| match factor(i) {
-        1.0 => *w,
-        x => w * (std::f64::consts::FRAC_PI_2 * x).sin().powi(2),
-    };
-    run.weight.iter().enumerate().map(faded).collect()
-}
-
-/// A run and its flow variables, each in a series of its own where a term asks for it.
-struct FlowSeries<'a> {
-    run: &'a RunRows,
-    variables: [OnceCell<Vec<f64>>; VARIABLES],
-}
-
-impl<'a> FlowSeries<'a> {
-    fn new(run: &'a RunRows) -> Self {
-        Self { run, variables: [const { OnceCell::new() }; VARIABLES] }
-    }
-    fn variable(&self, v: Variable) -> &[f64] {
-        self.variables[v as usize].get_or_init(|| self.run.rows.iter().map(|row| row.flow.get(v)).collect())
-    }
-    /// A term at every sample.
-    fn term(&self, term: &Term) -> Vec<f64> {
-        let mut products = vec![term.scale; self.run.rows.len()];
-        for factor in &term.factors {
-            match *factor {
-                Factor::Power(v, 1) => products.iter_mut().zip(self.variable(v)).for_each(|(p, x)| *p *= x),
-                Factor::Power(v, 2) => products.iter_mut().zip(self.variable(v)).for_each(|(p, x)| *p *= x * x),
-                Factor::Power(v, 3) => products.iter_mut().zip(self.variable(v)).for_each(|(p, x)| *p *= x * x * x),
-                other => products.iter_mut().zip(&self.run.rows).for_each(|(p, row)| *p *= other.value(&row.flow)),
-            }
-        }
-        products
-    }
-    /// Sum of terms, each times a number.
-    fn sum<'t>(&self, terms: impl Iterator<Item = (f64, &'t Term)>) -> Vec<f64> {
-        let mut sums = vec![0.0; self.run.rows.len()];
-        for (k, term) in terms {
-            sums.iter_mut().zip(self.term(term)).for_each(|(sum, x)| *sum += k * x);
-        }
-        sums
-    }
-}
-
-/// One coefficient of one run; what effects add to the plant and what undeclared parameters hold is taken off the response.
-fn series(group: &Group, flow: &FlowSeries<'_>, campaign: &Campaign, coefficient: Coefficient) -> RegressionSeries {
-    let aero = &campaign.plant.aero;
-    let mine: Vec<_> = aero.structure.contributions.iter().filter(|k| k.coefficient == coefficient).collect();
-    let held = mine.iter().filter(|k| !campaign.declared[k.parameter]).map(|k| (aero.values[k.parameter], &k.term));
-    let extra = aero.extra.iter().filter(|(c, _, _)| *c == coefficient).map(|(_, v, t)| (*v, t));
-    let fixed = flow.sum(held.chain(extra).filter(|(v, _)| *v != 0.0));
-    let regressor = |p: &usize| flow.sum(mine.iter().filter(|k| k.parameter == *p).map(|k| (1.0, &k.term)));
-    RegressionSeries {
-        regressors: group.parameters.iter().map(regressor).collect(),
-        response: flow.run.rows.iter().zip(fixed).map(|(row, fixed)| row.exp_origin[coefficient as usize] - fixed).collect(),
-        ..RegressionSeries::default()
-    }
-}
-
-/// Root of the sum of squares over a group's coefficients, of response and of each regressor: for C_Y and C_N that is C_N,T on
-/// sin α_T and sin³ α_T (eqs 4.2, 4.5). A single coefficient stays as it is.
-fn total(parts: &[RegressionSeries]) -> RegressionSeries {
-    if let [only] = parts {
-        return only.clone();
-    }
-    let root = |columns: Vec<&[f64]>| -> Vec<f64> {
-        (0..columns[0].len()).map(|i| columns.iter().map(|c| c[i] * c[i]).sum::<f64>().sqrt()).collect()
-    };
-    let parameters = parts[0].regressors.len();
-    RegressionSeries {
-        regressors: (0..parameters).map(|p| root(parts.iter().map(|s| s.regressors[p].as_slice()).collect())).collect(),
-        response: root(parts.iter().map(|s| s.response.as_slice()).collect()),
-        ..RegressionSeries::default()
-    }
+fn equation_error(method: Method) -> EquationError {
+    EquationError { name: method.name(), ..if method == Method::Thesis { THESIS } else { JOINT } }
 }
 
 #[cfg(test)]

@@ -77,7 +77,6 @@ fn crowded() -> Plant {
     plant.tether = Some(Tether {
         line_rate_n_s_m: 0.4,
         length_per_m: 3.0,
-        pull_excess: 0.2,
         ring_shift_m: [0.15, -0.1],
         swivel_n_m: 0.02,
         swivel_rate_rad_s: 0.7,

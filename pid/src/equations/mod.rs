@@ -387,7 +387,7 @@ impl<'a> Craft<'a> {
         let per_length = length.recip();
         let nominal_m = tether.p_tunnel_ring.norm() - tether.p_origin_hook.norm();
         let steady = q_pa * tether.drag_area_m2 + -tether.weight_n;
-        let mut pull = steady * (1.0 + tether.pull_excess);
+        let mut pull = steady;
         if tether.length_per_m != 0.0 {
             pull = pull + steady * (length + -nominal_m) * tether.length_per_m;
         }

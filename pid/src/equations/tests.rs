@@ -13,7 +13,6 @@ pub(crate) fn plant() -> Plant {
     let mut tether = Tether::declared(Vec3::new(-0.25, 0.01, 0.02), Vec3::new(-3.0, 0.1, 0.0), 0.0013, 0.0165);
     tether.line_rate_n_s_m = 0.05;
     tether.length_per_m = 0.1;
-    tether.pull_excess = 0.2;
     Plant {
         vehicle: Vehicle {
             mass_kg: 0.7873,

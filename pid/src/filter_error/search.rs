@@ -90,7 +90,7 @@ pub fn identify(campaign: &Campaign, options: &EstimateOptions) -> Result<Identi
 /// Unknowns where regression says; where it cannot, at the declared values.
 pub(super) fn started(campaign: &Campaign, options: &EstimateOptions) -> Result<Unknowns, PidError> {
     let mut unknowns = unknowns(campaign, options)?;
-    if let Ok(first) = crate::identify::identify_with(campaign, crate::Method::EquationError, &crate::smooth::Smoother::Auto)
+    if let Ok(first) = crate::equation_error::JOINT.identify(campaign, &crate::smooth::Smoother::Auto, false)
         && let Some(set) = first.of_all_runs()
     {
         unknowns.start(&set.values(&campaign.plant.aero.structure, &unknowns.parameters()));

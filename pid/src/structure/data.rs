@@ -2,7 +2,7 @@
 
 use super::pool::{Candidate, Pool};
 use super::select::{Reduced, SelectionRows};
-use crate::identify::{RunRows, cosines, faded};
+use crate::equation_error::{RunRows, cosines, faded};
 use crate::regress::{Colour, PreparedColumns, RegressionSeries, spectra, whitened};
 use nalgebra::{DMatrix, DVector};
 use windfall_model::{Aero, Campaign, Coefficient, Contribution, Factor, Structure, Term};

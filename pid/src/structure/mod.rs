@@ -21,7 +21,7 @@ pub use select::FAMILY_ERROR;
 pub use shape::{ShapeFit, ShapeSearch, Shaped};
 
 use crate::PidError;
-use crate::identify::{RunRows, processed};
+use crate::equation_error::{RunRows, processed};
 use crate::interval::NORMAL_95;
 use crate::smooth::Smoother;
 use data::{PoolData, plain};
