@@ -2,13 +2,11 @@
 check:
     .ci/run
 
-# Key reference of the files, after a change of keys.
-keys:
-    WINDFALL_WRITE_REFERENCE=1 cargo test -p windfall-scenarios reference
-
-# Python's keywords and types and the lists of flags, after a change of a request or a result.
-stubs:
-    WINDFALL_WRITE_REFERENCE=1 cargo test -p windfall-cli --lib stubs
+# All that is written from the code: keys of files, Python's keywords and types, flags, answers to wrong inputs. After a change of a key, a request, a
+# result, an effect, a method or a format. The last step needs the Python package.
+references:
+    WINDFALL_WRITE_REFERENCE=1 cargo test --workspace --lib -- reference stubs
+    WINDFALL_WRITE_REFERENCE=1 cargo test --workspace --test end_to_end -- law_every_wrong_input_is_answered
     scripts/result-types
     cd python && WINDFALL_WRITE_REFERENCE=1 pytest -q tests/test_program.py -k every_verb_and_flag
 

@@ -1,16 +1,17 @@
 //! cli: planet scenarios in words. In: a planet scenario. Out: its truths and the resolved scenario; what `windfall check` says of it.
 
 use crate::session::{Failure, Session};
+use windfall::Fly;
 use windfall::planet::{self, Atmosphere, Dispersions, Gravity, PlanetFile, PlanetScenario, Winds};
 
-pub(crate) fn simulate(file: &PlanetFile, session: &mut Session<'_>) -> Result<bool, Failure> {
+pub(crate) fn simulate(file: &PlanetFile, request: &Fly, session: &mut Session<'_>) -> Result<bool, Failure> {
     let outputs = planet::files(file);
     let names: Vec<&str> = outputs.iter().map(String::as_str).collect();
     let folder = session.outputs(&names)?;
     if file.scenario.dispersions != Dispersions::default() {
         session.say("turbulence and [uncertainty] are for windfall descend: this flight has even air and an exact start");
     }
-    let flown = session.pool()?.install(|| planet::fly(file))?;
+    let flown = session.pool()?.install(|| planet::fly(file, request))?;
     session.write(folder.as_deref(), |stage| planet::write(stage, file, &flown))?;
     let simulation = planet::summary(file, &flown, folder.is_some());
     for (r, f) in simulation.flights.iter().zip(&file.scenario.flights) {

@@ -6,7 +6,7 @@ use windfall::Scenario;
 
 pub(crate) fn run(args: &SimulateArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
     if let Some(file) = windfall::planet::find(&args.scenario)? {
-        return crate::planet::simulate(&file, session);
+        return crate::planet::simulate(&file, &args.request, session);
     }
     if let Some(file) = windfall::free::find(&args.scenario)? {
         return crate::free::simulate(file, args, session);

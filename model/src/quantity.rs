@@ -164,7 +164,6 @@ plant_numbers! {
     tether "tether.effective_weight_n" "", "N" FORCE [0.0, 1e6], Declared "weight of the line that the model carries", t => &mut t.weight_n;
     tether "tether.line_rate_n_s_m" "", "N s/m" MASS_RATE ANY, Effect "pull per rate of lengthening", t => &mut t.line_rate_n_s_m;
     tether "tether.length_per_m" "", "1/m" PER_LENGTH ANY, Effect "relative change of the pull per metre of line", t => &mut t.length_per_m;
-    tether "tether.pull_excess" "", "-" PURE ANY, Effect "relative error of the pull", t => &mut t.pull_excess;
     tether "tether.ring_shift_m" "Y", "m" LENGTH ANY, Effect "lateral displacement of the ring", t => &mut t.ring_shift_m[0];
     tether "tether.ring_shift_m" "Z", "m" LENGTH ANY, Effect "lateral displacement of the ring", t => &mut t.ring_shift_m[1];
     tether "tether.swivel_n_m" "", "N m" MOMENT ANY, Effect "Coulomb torque of the swivel", t => &mut t.swivel_n_m;

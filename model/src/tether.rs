@@ -19,8 +19,6 @@ pub struct Tether {
     pub line_rate_n_s_m: f64,
     /// Relative change of the pull per metre of line between hook and ring beyond its length at the tunnel origin, 1/m.
     pub length_per_m: f64,
-    /// Relative error of the pull's size.
-    pub pull_excess: f64,
     /// Lateral displacement of the ring from where it is declared, m along tunnel Y and Z.
     pub ring_shift_m: [f64; 2],
     /// Largest torque with which the swivel resists roll, N m (0: declared). Coulomb friction opposes the roll rate p about body
@@ -58,7 +56,6 @@ impl Tether {
             weight_n,
             line_rate_n_s_m: 0.0,
             length_per_m: 0.0,
-            pull_excess: 0.0,
             ring_shift_m: [0.0; 2],
             swivel_n_m: 0.0,
             swivel_rate_rad_s: SWIVEL_RATE_RAD_S,
@@ -76,7 +73,7 @@ impl Tether {
     pub fn pull_n(&self, q_pa: f64, length_m: f64, length_rate_m_s: f64) -> f64 {
         let steady = q_pa * self.drag_area_m2 - self.weight_n;
         let nominal_m = self.p_tunnel_ring.norm() - self.p_origin_hook.norm();
-        let pull = steady * (1.0 + self.pull_excess + self.length_per_m * (length_m - nominal_m));
+        let pull = steady * (1.0 + self.length_per_m * (length_m - nominal_m));
         (pull + self.line_rate_n_s_m * length_rate_m_s).max(pull.min(0.0))
     }
     /// Geometry of the line (eqs B.33-B.36) for the c.m. at `p`, moving with `v`, attitude `r`, body rates `w`.

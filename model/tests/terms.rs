@@ -79,7 +79,6 @@ fn tether() -> Tether {
     Tether {
         line_rate_n_s_m: 0.05,
         length_per_m: 0.3,
-        pull_excess: 0.1,
         ring_shift_m: [0.04, -0.06],
         swivel_n_m: 0.03,
         swivel_rate_rad_s: 0.4,
@@ -235,7 +234,7 @@ fn exact_tether_line_pull_and_moment_b_27_to_b_36() {
     close(line.length_rate_m_s, difference(|t| [length(t); 3])[0], 1e-7);
     same((m.r_tunnel_body * line.direction).to_array(), to_ring(0.0).map(|x| x / length(0.0)), 1e-12);
     let nominal = (9.0_f64 + 0.01 + 0.04).sqrt() - (0.0625_f64 + 0.0004 + 0.0009).sqrt();
-    let pull = (30.0 * 0.0013 - 0.0165) * (1.1 + 0.3 * (line.length_m - nominal)) + 0.05 * line.length_rate_m_s;
+    let pull = (30.0 * 0.0013 - 0.0165) * (1.0 + 0.3 * (line.length_m - nominal)) + 0.05 * line.length_rate_m_s;
     close(k.pull_n(30.0, line.length_m, line.length_rate_m_s), pull, 1e-12);
     let w = k.wrench(&line, 30.0, p_cm);
     same(w.f.to_array(), line.direction.to_array().map(|x| x * pull), 1e-12);

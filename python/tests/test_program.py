@@ -121,7 +121,7 @@ def test_law_python_has_every_verb_and_flag():
     now = parity()
     if os.environ.get("WINDFALL_WRITE_REFERENCE"):
         path.write_text(now)
-    assert path.read_text() == now, "run `just stubs`"
+    assert path.read_text() == now, "run `just references`"
 
 
 def test_law_absurd_threads_are_refused():

@@ -38,11 +38,11 @@ def found(tmp_path_factory):
 
 
 def test_law_the_types_are_the_programs():
-    """The stored types are those of the structs; after a change: `just stubs`."""
+    """The stored types are those of the structs; after a change: `just references`."""
     now = subprocess.run(
         [sys.executable, ROOT / "scripts/result-types", "--print"], capture_output=True, text=True, check=True
     ).stdout
-    assert (ROOT / "python/py/windfall/results.py").read_text() == now, "run `just stubs`"
+    assert (ROOT / "python/py/windfall/results.py").read_text() == now, "run `just references`"
     exported = {name for name in vars(results) if isinstance(vars(results)[name], type) and issubclass(vars(results)[name], dict)}
     assert exported == set(results.__all__)
 

@@ -611,7 +611,11 @@ pub(crate) static DO: TableSpec = TableSpec {
     path: "do",
     meaning: "What is done to each draw after it is flown.",
     keys: &[
-        optional(other("identify", Kind::Words, "methods to identify with: thesis, equation-error, output-error, filter-error")),
+        optional(other(
+            "identify",
+            Kind::Words,
+            "methods to identify with, as equation-error; `windfall identify --help` has all",
+        )),
         optional(other(
             "resimulate",
             Kind::Bool,

@@ -110,9 +110,6 @@ mod tests {
             crate::text_atomically(&path, &super::key_reference()).expect("the folder of the reference is writable");
         }
         let stored = std::fs::read_to_string(&path).unwrap_or_default();
-        assert!(
-            stored == super::key_reference(),
-            "docs/reference/keys.md is old: run the tests once with WINDFALL_WRITE_REFERENCE=1"
-        );
+        assert!(stored == super::key_reference(), "docs/reference/keys.md is old: run `just references`");
     }
 }

@@ -95,6 +95,19 @@ proptest! {
     }
 }
 
+/// What is recorded beside the motion signals is in the file that is written, and is read from it.
+#[test]
+fn law_slow_channels() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let path = dir.path().join("run.csv");
+    let mut made = common::waves();
+    made.qw_pa = Some(made.vw_m_s.iter().zip(&made.ts_k).map(|(v, t)| 0.5 * 101_325.0 / (287.05 * t) * v * v).collect());
+    assert!(made.slow().iter().all(Option::is_some), "give this record every slow channel");
+    write_record_csv(&path, &made).expect("writable");
+    let again = read_record_csv(&path).expect("what was written");
+    assert_eq!(again.slow(), made.slow());
+}
+
 /// The bundled campaign of a flight and every planet scenario, resolved, read and resolved again.
 #[test]
 fn law_bundled_files() {

@@ -156,10 +156,7 @@ fn mean_airspeed(plant: &Plant, flight: &Flight, density_kg_m3: f64) -> f64 {
 #[must_use]
 pub fn trim_speed(plant: &Plant, density_kg_m3: f64) -> f64 {
     let v = &plant.vehicle;
-    let (weight_n, drag_area_m2) = plant.tether.as_ref().map_or((0.0, 0.0), |t| {
-        let size = 1.0 + t.pull_excess;
-        (t.weight_n * size, t.drag_area_m2 * size)
-    });
+    let (weight_n, drag_area_m2) = plant.tether.as_ref().map_or((0.0, 0.0), |t| (t.weight_n, t.drag_area_m2));
     let weight = v.mass_kg * plant.environment.gravity_m_s2 + weight_n;
     let balance = |speed: f64| {
         let flow = FlowState::new(Vec3::new(speed, 0.0, 0.0), Vec3::zero(), Vec3::zero(), v.diameter_m);

@@ -299,5 +299,5 @@ fn law_every_wrong_input_is_answered() {
     }
     let stored = fs::read_to_string(&path).unwrap_or_default();
     let differs = now.lines().zip(stored.lines()).find(|(a, b)| a != b);
-    assert!(now == stored, "bad-input.md is old, run this test once with WINDFALL_WRITE_REFERENCE=1; first: {differs:?}");
+    assert!(now == stored, "bad-input.md is old, run `just references`; first: {differs:?}");
 }

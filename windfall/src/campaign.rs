@@ -79,9 +79,11 @@ impl Campaign {
     /// # Errors
     /// Every fault of the file, a flight that failed, a seed for runs that were measured.
     pub fn find(word: &Path, request: &Fly) -> Result<Self> {
+        // Every field is named, so that a new one is asked for here.
+        let Fly { seed } = request;
         match CampaignSource::find(word)? {
             CampaignSource::Scenario(scenario) => Ok(scenario.fly(request)?.campaign()),
-            CampaignSource::Campaign(_) if request.seed.is_some() => {
+            CampaignSource::Campaign(_) if seed.is_some() => {
                 Err(Error::Request("seed is for scenarios; a campaign file has its runs".to_owned()))
             }
             CampaignSource::Campaign(campaign) => Ok(*campaign),

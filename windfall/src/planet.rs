@@ -1,7 +1,7 @@
 //! windfall: flights over a planet. In: a planet scenario. Out: truths, their files, each flight in short.
 
 use crate::scenario::is_bundled;
-use crate::{Error, Result};
+use crate::{Error, Fly, Result};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;
@@ -35,7 +35,7 @@ pub struct PlanetSimulation {
 /// ```no_run
 /// use windfall::planet;
 /// let file = planet::read_planet("scenarios/planet/venus-dispersions.toml".as_ref())?;
-/// let said = planet::summary(&file, &planet::fly(&file)?, false);
+/// let said = planet::summary(&file, &planet::fly(&file, &windfall::Fly::default())?, false);
 /// println!("{} after {} s", said.flights[0].end, said.flights[0].end_t_s);
 /// # Ok::<(), windfall::Error>(())
 /// ```
@@ -86,8 +86,16 @@ pub fn files(file: &PlanetFile) -> Vec<String> {
 /// Flies every flight, on the threads of the current rayon pool.
 ///
 /// # Errors
-/// [`Error::Flight`]: a body that cannot be flown, an atmosphere that ends too soon, a flight that failed.
-pub fn fly(file: &PlanetFile) -> Result<Vec<PlanetFlown>> {
+/// [`Error::Flight`]: a body that cannot be flown, an atmosphere that ends too soon, a flight that failed. [`Error::Request`] for a seed: such
+/// a flight has even air and an exact start.
+pub fn fly(file: &PlanetFile, request: &Fly) -> Result<Vec<PlanetFlown>> {
+    // Every field is named, so that a new one is asked for here.
+    let Fly { seed } = request;
+    if seed.is_some() {
+        let what =
+            "seed: a flight over a planet has even air and an exact start, no chance; many with chance are windfall descend's";
+        return Err(Error::Request(what.to_owned()));
+    }
     let s = &file.scenario;
     let one = |f: &PlanetFlight| fly_planet(s, f).map_err(|error| Error::Flight { name: f.name.clone(), error });
     // All are flown before the first error is taken: which one that is does not depend on threads.

@@ -144,7 +144,7 @@ def _campaign(source: Campaign | Document) -> Campaign:
 def identify(campaign: Campaign | Document, *, threads: int = 0, **request: Unpack[_requests.Identify]) -> results.Identification:
     """Parameters with intervals: the content of identification.json, as `windfall identify` writes it.
 
-    Methods: thesis, equation-error, output-error, filter-error; without one, the one that is right for these data, with the reason.
+    Without a `method`, the one that is right for these data, with the reason.
     `combined=True`: only all runs together. `hold={"Cl_0": 0.0125}` keeps a parameter at a value, `tie={"Cn_1": "Cm_1"}` makes one equal
     to another, `prior={"Cl_p": (-5.7, 0.3)}` is a mean and a standard deviation from elsewhere. `bootstrap=40` checks the stated errors
     by so many copies.

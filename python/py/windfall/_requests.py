@@ -1,4 +1,4 @@
-"""What each verb takes by keyword. Written by `just stubs` from windfall/src/requests.rs; do not edit."""
+"""What each verb takes by keyword. Written by `just references` from windfall/src/requests.rs; do not edit."""
 
 from __future__ import annotations
 

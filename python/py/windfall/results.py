@@ -1,4 +1,4 @@
-"""Results by type, field by field as in the program's JSON files. Written by `just stubs` from the program; do not edit.
+"""Results by type, field by field as in the program's JSON files. Written by `just references` from the program; do not edit.
 
 A number that is not finite is None, as it is null in the files.
 """

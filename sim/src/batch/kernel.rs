@@ -499,7 +499,7 @@ impl<S: Simd> Constants<S> {
             ring: three(&|s| s.plant.tether.as_ref().map_or([0.0; 3], |t| t.ring().to_array())),
             drag_area: tether(&|t| t.drag_area_m2),
             weight: tether(&|t| t.weight_n),
-            size: tether(&|t| 1.0 + t.pull_excess - t.length_per_m * (t.p_tunnel_ring.norm() - t.p_origin_hook.norm())),
+            size: tether(&|t| 1.0 - t.length_per_m * (t.p_tunnel_ring.norm() - t.p_origin_hook.norm())),
             size_per_m: tether(&|t| t.length_per_m),
             line_rate: tether(&|t| t.line_rate_n_s_m),
             swivel: tether(&|t| t.swivel_n_m),

@@ -45,7 +45,6 @@ fn crowded() -> Plant {
     let tether = plant.tether.as_mut().expect("a tether");
     tether.line_rate_n_s_m = 0.02;
     tether.length_per_m = 0.1;
-    tether.pull_excess = 0.2;
     tether.ring_shift_m = [0.05, -0.1];
     tether.swivel_n_m = 0.002;
     tether.swivel_rate_rad_s = 0.3;

@@ -36,7 +36,8 @@ fn exact_trim_speed_with_coefficient_of_speed() {
     let q = (0.7873 * 9.80665 + 0.016_458_42) / (6.6620 * s + 0.001_300_642_6);
     assert!((trim_speed(&plant, DENSITY) - (2.0 * q / DENSITY).sqrt()).abs() < 1e-13);
     // A tether whose pull is 2.5 times as large.
-    plant.tether.as_mut().expect("a tether").pull_excess = 1.5;
+    let tether = plant.tether.as_mut().expect("a tether");
+    (tether.weight_n, tether.drag_area_m2) = (2.5 * tether.weight_n, 2.5 * tether.drag_area_m2);
     let q = (0.7873 * 9.80665 + 2.5 * 0.016_458_42) / (6.6620 * s + 2.5 * 0.001_300_642_6);
     assert!((trim_speed(&plant, DENSITY) - (2.0 * q / DENSITY).sqrt()).abs() < 1e-13);
     plant.tether = None;

@@ -88,7 +88,6 @@ fn law_dimensionless_histories_coincide_with_every_effect() {
     if let Some(t) = &mut plant.tether {
         t.line_rate_n_s_m = 0.03;
         t.length_per_m = 0.5;
-        t.pull_excess = 0.2;
         t.ring_shift_m = [0.2, -0.1];
         t.swivel_n_m = 0.001;
     }
