@@ -57,21 +57,17 @@ fn log_normal(value: f64, s: f64, [low, high]: [f64; 2]) -> [f64; 2] {
 impl Engine {
     /// Of every number of a fit's random members; none where a model departs.
     pub(crate) fn random_ranges(&self, fit: &Fit) -> Vec<RandomRange> {
-        let ranges = self.over_forms(fit).into_iter();
-        let has_band = fit.model.members.iter().any(|m| m.random && self.moves_air(m)) && self.has_band(&fit.model);
-        let blown = if has_band { self.blown(&fit.model) } else { None }.unwrap_or_default();
-        ranges.map(|range| self.within(&fit.model, self.as_blown(&fit.model, range, &blown))).collect()
-    }
-
-    /// A size as the gusts that blew have it, where they are known.
-    fn as_blown(&self, model: &Model, range: RandomRange, blown: &[Option<Blown>; 2]) -> RandomRange {
-        let (m, i) = range.place;
-        let member = &model.members[m];
-        let axis = (member.parameters[i].role == Role::Strength).then(|| self.axis_of(member, i)).flatten();
-        match axis.and_then(|axis| blown[axis.min(1)]) {
-            Some(blown) => sized(range, blown),
-            None => range,
-        }
+        let blown = if self.has_band(&fit.model) { self.blown(&fit.model) } else { None }.unwrap_or_default();
+        let one = |range: RandomRange| {
+            let (m, i) = range.place;
+            let (member, p) = (&fit.model.members[m], &fit.model.members[m].parameters[i]);
+            let axis = if p.role == Role::Strength { self.axis_of(member, i) } else { None };
+            // Along the stream or across it.
+            let direction = axis.map(|axis| axis.min(1));
+            let range = direction.and_then(|d| blown[d]).map_or(range, |blown| sized(range, blown));
+            within(range, [p.low, p.high], direction.map_or(0.0, |d| self.bursts_std[d]))
+        };
+        self.over_forms(fit).into_iter().map(one).collect()
     }
 
     /// The same, averaged over the forms of the gusts' spectrum.
@@ -95,23 +91,6 @@ impl Engine {
             None => one,
         };
         own.into_iter().map(with_other).collect()
-    }
-
-    /// A range with what bursts leave of a size, within what is plausible.
-    fn within(&self, model: &Model, range: RandomRange) -> RandomRange {
-        let (m, i) = range.place;
-        let (member, value) = (&model.members[m], range.value);
-        let p = &member.parameters[i];
-        let axis = if p.role == Role::Strength { self.axis_of(member, i) } else { None };
-        let bursts = axis.map_or(0.0, |axis| self.bursts_std[axis.min(1)]);
-        let ends = range.ci95.map(|end| end.clamp(p.low, p.high));
-        let half = (ends[1] / ends[0].max(1e-12)).ln() / (2.0 * 1.96);
-        let wider = (1.96 * (half.hypot(bursts) - half)).exp();
-        RandomRange {
-            std: range.std.hypot(value * bursts).min(p.high - p.low),
-            ci95: [ends[0] / wider, (ends[1] * wider).min(p.high)],
-            ..range
-        }
     }
 
     /// The same in one form of the gusts' spectrum.
@@ -195,6 +174,18 @@ impl Engine {
         let by = (slope / bend).clamp(-FARTHEST, FARTHEST);
         let top = middle + slope * by - 0.5 * bend * by * by;
         Some(RidgePoint { shape: at, height: top / steep, size: guess + by, spread: (steep / bend).sqrt() })
+    }
+}
+
+/// A range with what `bursts` leave of its logarithm, within what is plausible.
+fn within(range: RandomRange, [low, high]: [f64; 2], bursts: f64) -> RandomRange {
+    let ends = range.ci95.map(|end| end.clamp(low, high));
+    let half = (ends[1] / ends[0].max(1e-12)).ln() / (2.0 * 1.96);
+    let wider = (1.96 * (half.hypot(bursts) - half)).exp();
+    RandomRange {
+        std: range.std.hypot(range.value * bursts).min(high - low),
+        ci95: [ends[0] / wider, (ends[1] * wider).min(high)],
+        ..range
     }
 }
 

@@ -32,10 +32,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
     let held = runs_of(campaign, Use::HoldOut);
     let after = &found.after;
     let contradicted = contradicted(&found);
-    let mut unexplained = unexplained(&found, &engine, options);
-    if !contradicted.is_empty() && unexplained.is_empty() {
-        unexplained.push(Unexplained { channel: worst_channel(&found).to_owned(), description: unsettled(&contradicted) });
-    }
+    let unexplained = unexplained(&found, &contradicted, &engine, options);
     let effects: Vec<EffectLine> = after
         .model
         .members
@@ -283,7 +280,7 @@ fn bounds(found: &Discovery) -> Vec<EffectBound> {
 }
 
 /// Generic alternatives that are in the best set, lines in the innovations, and what is left whatever it varies with.
-fn unexplained(found: &Discovery, engine: &Engine, options: &Options) -> Vec<Unexplained> {
+fn unexplained(found: &Discovery, contradicted: &[&str], engine: &Engine, options: &Options) -> Vec<Unexplained> {
     let contested: &[Lead] = found.contest.as_ref().map_or(&[], |c| &c.leads);
     // Without faint gusts the same may stand out again.
     let said = |l: &Lead| contested.iter().any(|c| (&c.channel, &c.variable) == (&l.channel, &l.variable));
@@ -319,6 +316,9 @@ fn unexplained(found: &Discovery, engine: &Engine, options: &Options) -> Vec<Une
                 "the innovations' mean square is {left:.2} of what noise leaves; no variable or line accounts for it"
             ),
         });
+    }
+    if !contradicted.is_empty() && all.is_empty() {
+        all.push(Unexplained { channel: worst_channel(found).to_owned(), description: unsettled(contradicted) });
     }
     if let Err(words) = &found.before_fault
         && all.is_empty()

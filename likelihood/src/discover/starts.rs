@@ -65,11 +65,10 @@ pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -
     for fit in fits.iter_mut().take(STARTS).filter(|fit| fit.chi > LEFT) {
         *fit = engine.settle_random(fit, SETTLING);
     }
-    let best = fits.iter().max_by(|a, b| a.total.total_cmp(&b.total)).filter(|fit| fit.chi > LEFT);
+    let best = likeliest(fits.iter()).filter(|fit| fit.chi > LEFT);
     fits.extend(best.and_then(|fit| grown(engine, fit, log)));
     // Poor fits are struck everywhere: only the best is asked.
-    let best = fits.iter().max_by(|a, b| a.total.total_cmp(&b.total));
-    fits.extend(best.and_then(|fit| struck(engine, fit)));
+    fits.extend(likeliest(fits.iter()).and_then(|fit| struck(engine, fit)));
     let mut all: Vec<Start> = fits.into_iter().filter_map(|fit| start(engine, fit, log)).collect();
     all.sort_by(|a, b| b.total.total_cmp(&a.total));
     let mut distinct: Vec<Start> = Vec::new();
@@ -110,7 +109,7 @@ pub(super) fn in_gusts(engine: &Engine, declared: &Model, air: &Member, fits: &m
                 // Very wide gusts only lead the parameters near.
                 if k > 0 {
                     let others = forms.iter().filter_map(|form| engine.climb(&with(&fit.model, *level, form), false, 0).ok());
-                    let best = others.max_by(|a, b| a.total.total_cmp(&b.total));
+                    let best = likeliest(others);
                     fits.push(best.filter(|b| b.total > fit.total).unwrap_or(fit));
                 }
             }
@@ -118,6 +117,10 @@ pub(super) fn in_gusts(engine: &Engine, declared: &Model, air: &Member, fits: &m
         }
     }
     without(followed)
+}
+
+fn likeliest<F: std::borrow::Borrow<Fit>>(fits: impl Iterator<Item = F>) -> Option<F> {
+    fits.max_by(|a, b| a.borrow().total.total_cmp(&b.borrow().total))
 }
 
 /// A fit with the effects that bring most, one at a time, until no more than noise is left: far from the runs, columns promise strengths several times too
@@ -139,8 +142,7 @@ fn grown(engine: &Engine, fit: &Fit, log: &mut Vec<String>) -> Option<Fit> {
             let fit = climb_down(engine, &with_set(&here.model, &w, set, engine))?;
             Some(engine.settle_random(&fit, SETTLING))
         });
-        let best = fits.max_by(|a, b| a.total.total_cmp(&b.total)).filter(|best| best.total > here.total + SURE);
-        let Some(best) = best else { break };
+        let Some(best) = likeliest(fits).filter(|best| best.total > here.total + SURE) else { break };
         log.push(format!("  grown ({:.0}): {:.1} chi {:.3} {}", engine.passes(), best.total, best.chi, describe(&best.model)));
         grown = Some(best);
     }
@@ -287,7 +289,7 @@ pub(super) fn struck(engine: &Engine, fit: &Fit) -> Option<Fit> {
         model.members.push(member);
         engine.climb(&model, false, 2).ok()
     });
-    let best = fits.max_by(|a, b| a.total.total_cmp(&b.total))?;
+    let best = likeliest(fits)?;
     let best = engine.climb(&best.model, true, 4).ok()?;
     if best.model.members.iter().any(|m| m.random) {
         // In a model without random air what strikes is felt at all later instants; there are no others to compare with.
