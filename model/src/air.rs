@@ -1,6 +1,16 @@
 //! model: air and gravity. In: static pressure and temperature. Out: density and dynamic pressure.
 
 /// Surroundings that the record does not carry.
+///
+/// ```
+/// use windfall_model::{Environment, dynamic_pressure_pa};
+///
+/// // Dry air at sea level of the US Standard Atmosphere 1976: 1.225 kg/m³; at 7.5 m/s 34.45 Pa.
+/// let tunnel = Environment { gravity_m_s2: 9.80665, gas_constant_j_kg_k: 287.05287 };
+/// let density = tunnel.density_kg_m3(101_325.0, 288.15);
+/// assert!((density - 1.225).abs() < 1e-6);
+/// assert!((dynamic_pressure_pa(density, 7.5) - 34.453_125).abs() < 1e-4);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Environment {
     /// Acceleration of gravity, m/s², along tunnel +X.

@@ -33,6 +33,14 @@ impl Axes for Ned {}
 impl Axes for Inertial {}
 
 /// A vector with its axes in the type; the unit is in the name of the variable that holds it (SI).
+///
+/// ```
+/// use windfall_model::frames::{Body, Vec3};
+///
+/// let arm: Vec3<Body> = Vec3::new(0.0, 0.0, 0.1);
+/// let force: Vec3<Body> = Vec3::new(2.0, 0.0, 0.0);
+/// assert_eq!(arm.cross(force).to_array(), [0.0, 0.2, 0.0]);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Vec3<A: Axes> {
     /// Components along the axes' x, y and z.
@@ -134,6 +142,18 @@ impl<A: Axes> Mul<f64> for Vec3<A> {
 }
 
 /// Proper rotation that maps components in `From` axes to components in `To` axes.
+///
+/// ```
+/// use windfall_model::frames::{Body, Rotation, Tunnel, Vec3};
+///
+/// // A quarter turn about x takes body y to tunnel Z, and its inverse takes it back.
+/// let half = std::f64::consts::FRAC_1_SQRT_2;
+/// let r_tunnel_body: Rotation<Tunnel, Body> = Rotation::from_quaternion([half, half, 0.0, 0.0]);
+/// let y_body: Vec3<Body> = Vec3::new(0.0, 1.0, 0.0);
+/// let y_tunnel: Vec3<Tunnel> = r_tunnel_body * y_body;
+/// assert!((y_tunnel - Vec3::new(0.0, 0.0, 1.0)).norm() < 1e-15);
+/// assert!((r_tunnel_body.inverse() * y_tunnel - y_body).norm() < 1e-15);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rotation<To: Axes, From: Axes> {
     /// Direction cosine matrix.
@@ -218,6 +238,16 @@ impl<To: Axes, Mid: Axes, From: Axes> Mul<Rotation<Mid, From>> for Rotation<To, 
 
 /// Euler angles of the tunnel's motion capture, rad: sequence x-y-z, `T = Rx·Ry·Rz`, body to tunnel (thesis eqs B.13-B.14).
 /// Roll `rx` may pass ±π (unwrapped in records); `ry` in [−π/2, π/2].
+///
+/// ```
+/// use windfall_model::frames::{EulerXyz, Vec3};
+///
+/// // Pitched by 10° alone, the nose leans against tunnel Z.
+/// let attitude = EulerXyz { ry_rad: 10_f64.to_radians(), ..EulerXyz::default() };
+/// let nose_tunnel = attitude.r_tunnel_body() * Vec3::new(1.0, 0.0, 0.0);
+/// assert!((nose_tunnel.z() + 10_f64.to_radians().sin()).abs() < 1e-15);
+/// assert!((attitude.off_vertical_rad().to_degrees() - 10.0).abs() < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EulerXyz {
     /// Roll R_x.
@@ -261,6 +291,16 @@ impl EulerXyz {
 }
 
 /// Standard aerospace Euler angles (yaw-pitch-roll) from the north-east-down axes of eq. B.67, rad.
+///
+/// ```
+/// use windfall_model::frames::{EulerNed, EulerXyz};
+///
+/// // Pitched by 10° from nose down, the aerospace pitch is −80°; back again it is the same attitude.
+/// let e = EulerXyz { ry_rad: 10_f64.to_radians(), ..EulerXyz::default() };
+/// let ned = EulerNed::from_xyz(e);
+/// assert!((ned.theta_rad.to_degrees() + 80.0).abs() < 1e-12);
+/// assert!(ned.to_xyz().r_tunnel_body().angle_to(e.r_tunnel_body()) < 1e-7);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EulerNed {
     /// Yaw ψ in (−π, π].

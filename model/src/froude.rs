@@ -7,6 +7,14 @@ use crate::quantity::{Dimension, PLANT_NUMBERS};
 use crate::scenario::{Flight, Operator, Release, TestSection, TunnelSpeed};
 
 /// Ratios full scale over model that keep Froude number V²/(g L), mass ratio m/(ρ L³) and inertia ratio I/(ρ L⁵).
+///
+/// ```
+/// use windfall_model::FroudeScale;
+///
+/// // A quarter-scale model in air of full-scale density and gravity: half the speed and the time, a 64th of the mass.
+/// let scale = FroudeScale { length: 4.0, density: 1.0, gravity: 1.0 };
+/// assert_eq!([scale.speed(), scale.time(), scale.mass(), scale.inertia()], [2.0, 2.0, 64.0, 1024.0]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FroudeScale {
     /// Length ratio (4 for a 25 % model).

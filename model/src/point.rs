@@ -6,6 +6,15 @@ use crate::frames::{Tunnel, Vec3};
 use crate::planet::Atmosphere;
 
 /// A coefficient over one variable: linear between its points, held beyond their ends.
+///
+/// ```
+/// use windfall_model::CoefficientTable;
+///
+/// let drag = CoefficientTable::new(vec![0.0, 0.8, 1.2], vec![0.4, 0.5, 0.9]).expect("ascends");
+/// assert!((drag.value(0.4) - 0.45).abs() < 1e-15);
+/// assert_eq!(drag.value(3.0), 0.9);
+/// assert!(CoefficientTable::new(vec![1.0, 0.0], vec![0.4, 0.5]).is_none());
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoefficientTable {
     at: Vec<f64>,

@@ -4,6 +4,19 @@ use crate::aero::Wrench;
 use crate::frames::{Body, Rotation, Tunnel, Vec3};
 
 /// Tether as a pull toward the centering ring, of magnitude q_∞ (C_D S)_tr − W_tr, and what effects add to it.
+///
+/// ```
+/// use windfall_model::frames::{EulerXyz, Vec3};
+/// use windfall_model::Tether;
+///
+/// // Hook 0.2 m above the model, ring 3 m above it, 0.1 m² of drag area and 1 N of weight: at 30 Pa the line pulls 2 N straight up.
+/// let tether = Tether::declared(Vec3::new(-0.2, 0.0, 0.0), Vec3::new(-3.0, 0.0, 0.0), 0.1, 1.0);
+/// let upright = EulerXyz::default().r_tunnel_body();
+/// let line = tether.line(Vec3::zero(), Vec3::zero(), upright, Vec3::zero(), Vec3::zero());
+/// assert!((line.length_m - 2.8).abs() < 1e-15);
+/// let wrench = tether.wrench(&line, 30.0, Vec3::zero());
+/// assert!((wrench.f.x() + 2.0).abs() < 1e-15 && wrench.m.norm() == 0.0);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tether {
     /// Attachment point from the geometric origin, m, body axes (thesis r_t,o).

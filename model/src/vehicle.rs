@@ -7,6 +7,15 @@ use serde::{Deserialize, Serialize};
 
 /// Moments and products of inertia about the c.m., kg m², body axes. Products are the positive integrals
 /// `I_xy = ∫ x y dm`, which enter the inertia matrix with a minus sign (thesis eqs B.8-B.10).
+///
+/// ```
+/// use windfall_model::Inertia;
+///
+/// let rod = Inertia { xx: 0.001, yy: 0.1, zz: 0.1, ..Inertia::default() };
+/// assert!(rod.is_positive() && rod.is_physical());
+/// // No body resists one axis more than the other two together.
+/// assert!(!Inertia { xx: 0.3, ..rod }.is_physical());
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Inertia {

@@ -22,6 +22,14 @@ impl Air {
 }
 
 /// Which air.
+///
+/// ```
+/// use windfall_model::planet::Atmosphere;
+///
+/// // Table I of the US Standard Atmosphere 1976: 0.41351 kg/m³ at 10 km.
+/// assert!((Atmosphere::Us1976.at(10_000.0).density_kg_m3() - 0.413_51).abs() < 5e-6);
+/// assert!(Atmosphere::Venus.at(0.0).density_kg_m3() > 60.0);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Atmosphere {
     /// The US Standard Atmosphere 1976, −5 to 86 km.
