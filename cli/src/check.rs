@@ -101,7 +101,7 @@ fn campaign_lines(campaign: &Campaign) -> Vec<String> {
         format!("wind tunnel {}: {} points of {} up to {end:.1} deg", s.test, s.points.len(), s.coefficient.name())
     }));
     if let Some(p) = campaign.pressure() {
-        summary.push(crate::agreement::pressure(&p, FALSE_ALARM_RATE));
+        summary.push(windfall::report::pressure_agreement(&p, FALSE_ALARM_RATE));
     }
     summary
 }

@@ -81,7 +81,7 @@ fn story(c: &Closing) -> String {
     if let (Some(b), Some(a)) = (&c.before.hold_out, &c.after.hold_out) {
         held_out(&mut text, b, a);
     }
-    text += &crate::agreement::wind_tunnel(&c.wind_tunnel);
+    text += &crate::wind_tunnel::lines(&c.wind_tunnel);
     for note in c.notes() {
         let _ = writeln!(text, "\n{}", folded(&note, 0));
     }

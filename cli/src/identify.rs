@@ -6,7 +6,8 @@ use crate::session::{Failure, Session};
 use std::fmt::Write as _;
 use windfall::Method;
 use windfall::files::series_text;
-use windfall::results::{Bootstrap, DataSet, Estimate, Identifiability, Identification, SignalTracks, SmoothingTracks};
+use windfall::report;
+use windfall::results::{Bootstrap, DataSet, Estimate, Identification, SignalTracks, SmoothingTracks};
 
 /// Names of the result files.
 const FILES: [&str; 3] = ["identification.json", "coefficients.json", "records.json"];
@@ -32,7 +33,7 @@ pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool
     session.warn_all(&result.found.warnings[campaign.warnings.len()..]);
     let beside = [series_text(&tracks)?, series_text(&records)?];
     session.deliver_with(folder.as_deref(), &FILES, (&result, &beside), || {
-        let curves = crate::agreement::wind_tunnel(&result.wind_tunnel);
+        let curves = crate::wind_tunnel::lines(&result.wind_tunnel);
         table(&campaign.data.name, &result.found) + &curves + &result.bootstrap.as_ref().map_or_else(String::new, bootstrap_table)
     })?;
     Ok(true)
@@ -67,32 +68,13 @@ fn bootstrap_table(b: &Bootstrap) -> String {
 
 fn table(campaign: &str, found: &Identification) -> String {
     let mut text = format!("{campaign}, method {}\n", found.method);
-    if let Some(c) = &found.compatibility {
-        crate::agreement::lines(c).iter().for_each(|l| {
-            let _ = writeln!(text, "{l}");
-        });
-    }
-    if let Some(seen) = &found.identifiability {
-        excitation(&mut text, seen);
+    let agreement = found.compatibility.iter().flat_map(report::agreement);
+    let told = found.identifiability.iter().flat_map(report::identifiable);
+    for line in agreement.chain(told) {
+        let _ = writeln!(text, "{line}");
     }
     found.data_sets.iter().for_each(|d| data_set(&mut text, d));
     text
-}
-
-/// What the runs can tell.
-fn excitation(text: &mut String, seen: &Identifiability) {
-    let _ = writeln!(
-        text,
-        "these runs tell {} of {} parameters apart (condition number {:.3e})",
-        seen.rank, seen.free, seen.condition
-    );
-    for c in &seen.correlations {
-        let _ = writeln!(text, "  {} and {}: errors correlated by {:+.4}", c.first, c.second, c.correlation);
-    }
-    for set in &seen.inseparable {
-        let _ =
-            writeln!(text, "  not separable by these runs: {}: hold one, or add a run that excites them apart", set.join(", "));
-    }
 }
 
 fn data_set(text: &mut String, d: &DataSet) {

@@ -3,7 +3,6 @@
 //! Nothing is decided here: commands read their input, open their outputs, call `windfall` and print what it returns.
 //! Exit codes: 0 done; 1 done, and the verdict is no; 2 bad input or usage; 3 numerical failure; 130 interrupted.
 
-mod agreement;
 mod args;
 mod check;
 mod close;
@@ -24,6 +23,7 @@ mod structure;
 mod stubs;
 mod study;
 mod verify;
+mod wind_tunnel;
 
 use anyhow::Context as _;
 use args::{Cli, Command};

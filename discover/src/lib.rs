@@ -14,4 +14,5 @@ pub use error::DiscoverError;
 pub use identify::{Identified, IdentifyOrder, Tie, identify};
 pub use wind_tunnel::{WindTunnelLine, WindTunnelModel};
 // What `Identified` is made of.
-pub use windfall_pid::{DataSet, Estimate, Identification};
+pub use windfall_pid::compatibility::{Compatibility, InstrumentError, Instruments, Pressure};
+pub use windfall_pid::{Correlation, DataSet, Estimate, Identifiability, Identification};

@@ -3,8 +3,8 @@
 
 use crate::chart::Range;
 use crate::draw::Look;
+use crate::examined::{agreement_section, told};
 use crate::html::{Cell, escape, section, table};
-use crate::laid_out::laid_out;
 use crate::legend::key;
 use crate::plot::{Plot, Plots};
 use crate::shape::warnings;
@@ -13,7 +13,7 @@ use crate::words::{number, p_value, with_interval};
 use serde_json::Value;
 use windfall_discover::close::{Figure, Role, Series, Topic};
 use windfall_discover::{DataSet, Identification, Identified, WindTunnelLine};
-use windfall_replay::{Resimulation, RunComparison};
+use windfall_replay::{Bootstrap, Resimulation, RunComparison};
 
 /// The body of an identification; none for what is none.
 pub(crate) fn identification(value: &Value, plots: &mut Plots) -> Option<String> {
@@ -62,14 +62,14 @@ pub(crate) fn identification(value: &Value, plots: &mut Plots) -> Option<String>
                 balance. Nothing was fitted to them. Static coefficients about the geometric origin.";
     out += &section("Against the wind tunnel", note, &differences(&found.wind_tunnel, |m| format!("{m} runs")));
     out += &fits(combined);
-    let more = [
-        ("identifiability", "What the runs can tell", "Full rank means that every parameter is told apart from the others."),
-        ("compatibility", "Whether the instruments agree", "Speed against dynamic pressure, and motion against itself."),
-        ("bootstrap", "Stated errors against copies", "Look for ratios near one: scatter over stated error."),
-    ];
-    for (key, title, note) in more {
-        out += &value.get(key).map_or_else(String::new, |v| section(title, note, &laid_out(v, 3)));
-    }
+    let note = "Look for as many combinations as parameters. Pairs of correlated errors are known only together.";
+    out +=
+        &section("What the runs can tell", note, &all.identifiability.as_ref().map_or_else(String::new, |i| told(i, combined)));
+    let note = "Speed against dynamic pressure, and motion against itself.";
+    out +=
+        &section("Whether the instruments agree", note, &all.compatibility.as_ref().map_or_else(String::new, agreement_section));
+    let note = "Look for ratios near one: scatter of the estimates over copies of the campaign, over the stated error.";
+    out += &section("Stated errors against copies", note, &found.bootstrap.as_ref().map_or_else(String::new, copies));
     Some(out + &warnings(&all.warnings))
 }
 
@@ -91,6 +91,37 @@ fn fits(set: &DataSet) -> String {
         "Look for p-values that are not small: then what a fit leaves is white. R²: share of the variance that is explained.";
     let heads = ["channel", "R²", "residual std", "p (white)"];
     section("Fits", note, &if fits.is_empty() { String::new() } else { table(&heads, &fits) })
+}
+
+/// Scatter over copies beside the stated errors.
+fn copies(b: &Bootstrap) -> String {
+    let rows: Vec<Vec<Cell>> = b
+        .parameters
+        .iter()
+        .map(|p| {
+            vec![
+                Cell::text(&p.coefficient),
+                Cell::text(&p.name),
+                Cell::number(p.std_error),
+                Cell::number(p.scatter),
+                Cell::Number(format!("{:.2} ± {:.2}", p.ratio, 1.96 * b.ratio_std_error)),
+                Cell::Number(format!("{:+.2}", p.bias_over_std_error)),
+                Cell::Number(format!("{:.0} %", 100.0 * p.covered)),
+            ]
+        })
+        .collect();
+    let failed = b.failed.iter().map(|f| format!("<li>{}</li>", escape(f))).collect::<String>();
+    let failed = if failed.is_empty() { failed } else { format!("<ul>{failed}</ul>\n") };
+    let heads = [
+        "coefficient",
+        "parameter",
+        "stated std error",
+        "scatter",
+        "ratio ± 95 %",
+        "bias / std error",
+        "95 % intervals that hold",
+    ];
+    format!("<p>{} copies, {} without an answer.</p>\n", b.draws, b.failed.len()) + &table(&heads, &rows) + &failed
 }
 
 fn grid(drawn: &str) -> String {

@@ -8,6 +8,7 @@ mod cut;
 mod data;
 mod descent;
 mod draw;
+mod examined;
 mod folder;
 mod held_out;
 mod html;
@@ -34,6 +35,7 @@ mod wind_tunnel;
 mod words;
 
 pub use closing::closing_page;
+pub use examined::{agreement, identifiable, pressure_agreement};
 pub use folder::{FolderResults, campaign_page, folder_figures, folder_page};
 pub use many::many_page;
 pub use paper::{PaperFigure, WIDTH_MM};

@@ -1,6 +1,7 @@
 // Frame rate of the interaction with 16,000 samples of 12 channels, three curves and a residual each, in a headless Chromium: cursor, drag,
-// zoom, pan. Held, since they do not hang on the machine: plots drawn a frame, and processor time of the page's main thread a frame against
-// that of a peer in the same run, bare lines moving over the same plots. Rates by the clock are printed beside it.
+// zoom, pan. Held: no plot is drawn while the cursor moves and none out of sight while the range does (how many of those in sight fit into a
+// frame's time is the machine's); and processor time of the page's main thread a frame, which is that of a frame or, where the machine is
+// slow, a multiple of a peer's in the same run, bare lines moving over the same plots. Rates by the clock are printed beside it.
 // Usage: node frames.mjs CLOSING_PAGE.html [--size WIDTHxHEIGHT]
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -14,10 +15,11 @@ if (!chromium) skip("no Chromium");
 let playwright;
 try { playwright = require("playwright-core"); } catch { skip("playwright-core is not installed: npm ci in tests/browser"); }
 
-/** Processor time a frame, as a multiple of the peer's; 1.2 to 2.3 are measured. */
+/** Processor time a frame, ms: of 60 frames a second, or as a multiple of the peer's; 1.2 to 2.3 are measured. */
+const FRAME_MS = 1000 / 60;
 const PEER = 4;
-/** Plots drawn a frame, of 18 in sight: none while the cursor moves, a few while the range does. */
-const DRAWN = { cursor: 0.1, drag: 0.1, zoom: 9, pan: 9 };
+/** Plots drawn a frame while only the cursor moves. */
+const STILL = 0.1;
 const [SAMPLES, CHANNELS, SPAN_S] = [16000, 12, 109];
 
 const words = process.argv.slice(2);
@@ -122,8 +124,10 @@ try {
   all.push(await measured(page, session, "pan", 90, (k, n) => zoom((60 * k) / n, 40 + (60 * k) / n)));
   const hold = (ok, words) => { if (!ok) { failed += 1; console.log(`FAIL ${words}`); } };
   for (const m of all) {
-    hold(m.busy <= PEER * peer.busy, `${m.name}: ${(m.busy / peer.busy).toFixed(1)} times the peer's processor time a frame, at most ${PEER}`);
-    hold(m.drawn <= DRAWN[m.name], `${m.name}: ${m.drawn.toFixed(1)} plots drawn a frame, at most ${DRAWN[m.name]}`);
+    const times = (m.busy / peer.busy).toFixed(1);
+    hold(m.busy <= Math.max(FRAME_MS, PEER * peer.busy), `${m.name}: ${m.busy.toFixed(1)} ms of processor a frame, ${times} times the peer's; at most a frame's or ${PEER} times`);
+    const most = ["cursor", "drag"].includes(m.name) ? STILL : seen;
+    hold(m.drawn <= most, `${m.name}: ${m.drawn.toFixed(1)} plots drawn a frame, at most ${most}`);
   }
 } finally {
   await browser.close();
