@@ -160,7 +160,8 @@ fn exact_strengths_add_to_the_numbers_of_the_plant() {
             }
         }
     }
-    assert_eq!(added.len(), 56, "numbers to which strengths are added: {added:?}");
+    let why = "numbers to which strengths are added; an effect on one that none was added to before raises their count here";
+    assert_eq!(added.len(), 56, "{why}: {added:?}");
     let apparent = ["x", "y", "z"].map(|axis| format!("free_flight.apparent_kg.{axis}"));
     let others = ["free_flight.buoyancy_kg", "tether.drag_area_m2", "tether.effective_weight_n"].map(str::to_owned);
     assert_eq!(multiplied, [&apparent[..], &others[..]].concat());

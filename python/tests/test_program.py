@@ -110,7 +110,8 @@ def parity() -> str:
                 if request is None or common
                 else {**request.__annotations__, **(_requests.Many.__annotations__ if verb.startswith("many") else {})}
             )
-            here = f"`{flag}`" if flag in fields else IN_PLACE.get(flag)
+            field = flag.replace("-", "_")
+            here = f"`{field}`" if field in fields else IN_PLACE.get(flag)
             assert here is not None, f"windfall {verb} --{flag}: Python lacks it"
             lines.append(f"| {'every verb' if common else verb} `--{flag}` | {here} |")
     return "\n".join(lines) + "\n"

@@ -48,7 +48,9 @@ pub fn files(file: &FreeFile) -> Vec<String> {
 /// # Errors
 /// [`Error::Flight`]: a body that cannot be flown, or a flight that failed.
 pub fn fly(file: &mut FreeFile, request: &Fly) -> Result<Vec<FreeFlown>> {
-    file.seed = request.seed.unwrap_or(file.seed);
+    // Every field is named, so that a new one is asked for here.
+    let Fly { seed } = request;
+    file.seed = seed.unwrap_or(file.seed);
     let one = |(i, f): (usize, &FreeOrder)| {
         let noise = f.sensor_noise.then_some(Seed { campaign: file.seed, run: i as u64 });
         let flown = record_free(&file.plant.for_run(i, &f.inputs), f.duration_s, f.rate_hz, &f.start, noise);

@@ -110,7 +110,9 @@ impl Scenario {
     pub fn fly_seen(&self, request: &Fly, seen: impl Fn() + Sync) -> Result<Flights> {
         let mut scenario = self.clone();
         let s = &mut scenario.file.scenario;
-        s.seed = request.seed.unwrap_or(s.seed);
+        // Every field is named, so that a new one is asked for here.
+        let Fly { seed } = request;
+        s.seed = seed.unwrap_or(s.seed);
         let one = |(i, flight): (usize, &Flight)| {
             let flown = fly(&s.plant.for_run(i, &[]), flight, Seed { campaign: s.seed, run: i as u64 });
             seen();
