@@ -82,9 +82,14 @@ fn instruments(i: &Instruments, limit: f64, all: &mut Vec<String>) {
     }
 }
 
+/// Lines for the terminal as paragraphs, without their indents.
+fn paragraphs(lines: &[String]) -> String {
+    lines.iter().map(|l| format!("<p>{}</p>\n", escape(l.trim()))).collect()
+}
+
 /// The same for the page: lines, and each error of the instruments with its interval.
 pub(crate) fn agreement_section(c: &Compatibility) -> String {
-    let lines: String = agreement(c).iter().map(|l| format!("<p>{}</p>\n", escape(l.trim()))).collect();
+    let lines = paragraphs(&agreement(c));
     let row = |e: &InstrumentError| {
         let half = 0.5 * (e.ci95[1] - e.ci95[0]);
         let (estimate, half) = with_interval(e.estimate, Some(half));
@@ -109,17 +114,17 @@ pub fn identifiable(seen: &Identifiability) -> Vec<String> {
 
 /// The same for the page, and the error that the sensors' noise alone would leave beside the stated one.
 pub(crate) fn told(seen: &Identifiability, set: &DataSet) -> String {
-    let lines: String = identifiable(seen).iter().map(|l| format!("<p>{}</p>\n", escape(l.trim()))).collect();
+    let lines = paragraphs(&identifiable(seen));
     let rows: Vec<Vec<Cell>> = seen
         .expected
         .iter()
         .map(|(name, expected)| {
-            let stated = set.parameters.iter().find(|p| &p.name == name);
-            vec![
-                Cell::text(name),
-                Cell::number(*expected),
-                stated.map_or(Cell::Number("–".to_owned()), |p| Cell::number(p.std_error)),
-            ]
+            // Regression has a parameter of two coefficients twice, each with its own error.
+            let mut stated: Vec<String> =
+                set.parameters.iter().filter(|p| &p.name == name).map(|p| crate::number(p.std_error)).collect();
+            stated.dedup();
+            let stated = if stated.is_empty() { "–".to_owned() } else { stated.join(", ") };
+            vec![Cell::text(name), Cell::number(*expected), Cell::Number(stated)]
         })
         .collect();
     let heads = ["parameter", "std error from sensors' noise alone", "std error stated"];
