@@ -84,7 +84,12 @@ impl Method {
         all
     };
     const fn row(self) -> &'static Estimator {
-        &ESTIMATORS[self as usize]
+        let at = self as usize;
+        assert!(
+            at < ESTIMATORS.len() && ESTIMATORS[at].method as usize == at,
+            "ESTIMATORS has a row for each method, in the order of `Method`"
+        );
+        &ESTIMATORS[at]
     }
     /// The method of this name.
     #[must_use]

@@ -230,10 +230,21 @@ fn common(s: &Suspect, determined: &[Determined], offset: bool) -> Option<(f64, 
     let counted: Vec<&Determined> = determined.iter().filter(|t| !reached(t)).collect();
     let worst = counted.iter().map(|t| off(t)).fold(0.0, f64::max);
     // What must stay as declared must be there to be seen, and so must enough of what moves.
-    let seen = determined.iter().filter(|t| t.leading).count() >= 4 && determined.iter().any(|t| t.makes == Makes::Force);
+    // Damping alone does not say that inertia is off.
+    let seen = determined.iter().filter(|t| t.leading).count() >= 4
+        && determined.iter().any(|t| t.makes == Makes::Force)
+        && (s.power[0].abs() > 0.0 || determined.iter().any(|t| t.leading && t.makes == Makes::Moment));
     let large = beyond || factor.abs() > s.least;
     let misfit = determined.iter().map(|t| (t.log - power(t) * factor).abs()).sum::<f64>();
     (seen && large && worst < 1.0).then_some((factor, misfit))
+}
+
+/// What to declare where the constant is right: the leading aerodynamics as the runs give them.
+fn starting(campaign: &Campaign, found: &Balance) -> String {
+    let aero = &campaign.plant.aero;
+    let leading = found.ratio.iter().filter(|r| makes(&campaign.plant, r.parameter).is_some_and(|(_, leading)| leading));
+    let one = |r: &Ratio| format!("{} = {}", aero.structure.parameters[r.parameter], short(r.value * aero.values[r.parameter]));
+    format!("; if it is as measured, begin with {}", leading.map(one).collect::<Vec<_>>().join(", "))
 }
 
 fn suspect(campaign: &Campaign, found: &Balance) -> Option<GrossFault> {
@@ -253,6 +264,8 @@ fn suspect(campaign: &Campaign, found: &Balance) -> Option<GrossFault> {
         Some((f, _)) => format!("with {} divided by {} the record makes sense", s.key, short(f)),
         None => format!("with {} about {} times what it is the record makes sense", s.key, short(1.0 / by)),
     };
+    // Starting values may themselves be a factor off, all those of a kind by chance.
+    let begin = if factor.abs() < BEYOND { starting(campaign, found) } else { String::new() };
     let moved = |k: Makes| {
         let logs: Vec<f64> = determined.iter().filter(|t| t.makes == k && t.leading).map(|t| t.log).collect();
         if logs.is_empty() { "-".to_owned() } else { short(median(&logs).exp()) }
@@ -266,6 +279,6 @@ fn suspect(campaign: &Campaign, found: &Balance) -> Option<GrossFault> {
             moved(Makes::Moment),
             moved(Makes::Damping)
         ),
-        change,
+        change: change + &begin,
     })
 }

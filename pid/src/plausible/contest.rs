@@ -22,7 +22,7 @@ const ALIKE: f64 = 8.0;
 /// The same as a share of their lead.
 const ALIKE_SHARE: f64 = 0.05;
 /// What another reading must leave of the group that it improves most, over what the record leaves as it stands.
-const IMPROVED: f64 = 0.7;
+const IMPROVED: f64 = 0.6;
 /// Share of that group that another reading may leave at most: one that explains less than three quarters of its variance explains nothing.
 const CLOSED: f64 = 0.5;
 /// Share that is left of that group from which on the record as it stands is in doubt.
