@@ -21,7 +21,7 @@ mod weigh;
 use across::{across_sets, beside_what_is_missing};
 pub use contest::Contest;
 use contest::{against_alternatives, against_free_accelerations, against_gusts};
-use polish::{Scored, climb_down, declared_alone, in_other_forms, polish, polished};
+use polish::{Scored, alone, climb_down, declared_alone, in_other_forms, names, polish, polished};
 pub use rivals::{RivalPair, Rivals, Unseen, log_odds};
 use starts::{LEVELS, Start, ladder, lead_in, sized, struck, with_random};
 pub use weigh::FamilySet;
@@ -147,6 +147,9 @@ fn searched(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Res
     let noise = engine.noise.map(|n| format!("{:.3e}/{:.2}", n.std(), if n.coloured > 0.0 { n.correlation } else { 0.0 }));
     log.push(format!("noise {}", noise.join(" ")));
     let Some(best) = from_starts(engine, declared, log)? else { return Ok(None) };
+    // In a wrong form, what is left over looks like gusts.
+    let best = alone(engine, in_other_forms(engine, best, log), log);
+    let tried = names(&best.1.model);
     let mut best = in_bursts(engine, best, log);
     if !engine.is_exhausted()
         && let Some(more) = with_random(engine, &best.1)
@@ -162,7 +165,7 @@ fn searched(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Res
     if !engine.campaign.knowledge.exact_noise && !engine.is_exhausted() {
         best = in_own_noise(engine, best, log);
     }
-    if !engine.is_exhausted() {
+    if !engine.is_exhausted() && names(&best.1.model) != tried {
         best = in_other_forms(engine, best, log);
     }
     // Something that struck once, beside what was found.
@@ -187,14 +190,35 @@ fn in_bursts(engine: &mut Engine, best: Scored, log: &mut Vec<String>) -> Scored
         model
     };
     let calm = without(&best.1.model);
-    let tries = [Some(best.1.model.clone()), (calm.members.len() < best.1.model.members.len()).then_some(calm)];
-    let ends = tries.into_iter().flatten().filter_map(|model| {
-        let bursty = engine.in_bursts(&model)?;
+    let tries = [
+        in_dryden_alone(engine, &best.1.model),
+        Some(best.1.model.clone()),
+        (calm.members.len() < best.1.model.members.len()).then_some(calm),
+    ];
+    let ends = tries.into_iter().flatten().enumerate().filter_map(|(k, model)| {
+        let is_allowed = k == 0 || !engine.is_exhausted();
+        let bursty = is_allowed.then(|| engine.in_bursts(&model))??;
         log.push(format!("bursts, {:.1} for knowing them ({:.0})", bursty.bursts_price, bursty.passes()));
         let end = polished(&bursty, model, f64::NEG_INFINITY, false, log)?;
         Some((bursty, end))
     });
     surely_likelier(engine, best, ends.max_by(|a, b| a.1.0.total_cmp(&b.1.0)))
+}
+
+/// Gusts of Dryden's form in the place of all random inputs, fitted, where a model has others or gusts of a band: with one size all along,
+/// gusts that come in bursts look like a second random input or a band far from theirs.
+fn in_dryden_alone(engine: &Engine, model: &Model) -> Option<Model> {
+    let gusts = model.members.iter().find(|m| m.random && engine.moves_air(m) && !m.declared)?;
+    let is_other = |m: &Member| m.random && !m.declared && !engine.moves_air(m);
+    if !engine.has_band(model) && !model.members.iter().any(is_other) {
+        return None;
+    }
+    let forms = gusts.forms();
+    let mut alone = model.clone();
+    alone.members.retain(|m| !m.random || m.declared);
+    alone.members.push(sized(&Member::null(gusts.effect, &engine.campaign), LEVELS[1], &forms[forms.len() / 2]));
+    let fit = engine.climb(&alone, false, 6).ok()?;
+    Some(engine.settle_random(&fit, 5).model)
 }
 
 /// The end of a search by another engine, which takes this one's place, where it is surely likelier; the best otherwise.

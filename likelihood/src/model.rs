@@ -3,7 +3,7 @@
 
 use crate::columns::{Basis, SensitivityColumn, Site};
 use std::collections::BTreeMap;
-use windfall_model::{Acts, CATALOGUE, Campaign, Effect, Parameter, Plant, Role};
+use windfall_model::{Acts, CATALOGUE, Campaign, Effect, Parameter, Plant, Role, trim_speed};
 
 /// An effect that is part of a model.
 #[derive(Clone, Debug)]
@@ -77,11 +77,15 @@ impl Number {
 const PLAUSIBLE: f64 = 0.1;
 
 impl Member {
-    /// Null instance of an effect.
+    /// Null instance of an effect; strengths that are stated at a tunnel speed are at the runs' mean.
     #[must_use]
     pub fn null(effect: &'static Effect, campaign: &Campaign) -> Self {
         let parameters = (effect.parameters)(&campaign.inputs);
-        let values: Vec<f64> = parameters.iter().map(|p| p.null).collect();
+        let value = |p: &Parameter| {
+            let mean = if p.role == Role::Reference { campaign.tunnel_means() } else { None };
+            mean.map_or(p.null, |[speed_m_s, _]| speed_m_s.clamp(p.low, p.high))
+        };
+        let values: Vec<f64> = parameters.iter().map(value).collect();
         let random = parameters.iter().enumerate().any(|(i, p)| {
             let mut v = values.clone();
             v[i] = 1.0;
@@ -176,6 +180,20 @@ impl Model {
             (m.effect.apply)(&mut plant, &m.values);
         }
         plant
+    }
+
+    /// The same effects with strengths stated at the trim speed of the model, where a tunnel speed is theirs to be stated at and the campaign does
+    /// not declare it.
+    #[must_use]
+    pub(crate) fn at_trim(mut self, campaign: &Campaign) -> Self {
+        let Some([_, density_kg_m3]) = campaign.tunnel_means() else { return self };
+        let trim = trim_speed(&self.plant(campaign), density_kg_m3);
+        for m in self.members.iter_mut().filter(|m| !m.declared) {
+            for (p, v) in m.parameters.iter().zip(&mut m.values).filter(|(p, _)| p.role == Role::Reference && trim.is_finite()) {
+                *v = trim.clamp(p.low, p.high);
+            }
+        }
+        self
     }
 
     /// Changes a number by `by`, within its range.

@@ -32,8 +32,10 @@ pub struct RandomRange {
 
 /// Standard error of a shape's logarithm beyond which its posterior is walked.
 const WIDE: f64 = 0.15;
-/// Growth of the walk's steps, of which the first is that standard error; most steps to a side; the fall of the log posterior at which it ends.
+/// Growth of the walk's steps, of which the first is that standard error or, where the top is flat or an end of the range, less; most steps to a
+/// side; the fall of the log posterior at which it ends.
 const GROWTH: f64 = 1.5;
+const LONGEST_FIRST: f64 = 0.5;
 const MOST: usize = 12;
 const FALLEN: f64 = 6.0;
 /// Step in the logarithm of the size for the parabola across the ridge, and the farthest that its top is believed.
@@ -136,7 +138,7 @@ impl Engine {
         let Some(top) = self.across(model, [shape, size], [log(shape), log(size)], steep) else { return Vec::new() };
         let mut all = vec![top];
         for way in [-1.0, 1.0] {
-            let (mut last, mut stride) = (top, way * first);
+            let (mut last, mut stride) = (top, way * first.min(LONGEST_FIRST));
             for _ in 0..MOST {
                 let next = (last.shape + stride).clamp(low, high);
                 stride *= GROWTH;

@@ -79,6 +79,20 @@ impl Campaign {
             knowledge: knowledge.clone(),
         }
     }
+    /// Means over the tunnel runs that are identified on: tunnel speed, m/s, and density, kg/m³; none where there is no such run.
+    #[must_use]
+    pub fn tunnel_means(&self) -> Option<[f64; 2]> {
+        let (mut sums, mut samples) = ([0.0; 2], 0.0);
+        for run in self.runs.iter().filter(|r| r.used == Use::Identify) {
+            let Data::Tunnel(r) = &run.data else { continue };
+            for ((vw_m_s, ps_pa), ts_k) in r.vw_m_s.iter().zip(&r.ps_pa).zip(&r.ts_k) {
+                sums[0] += vw_m_s;
+                sums[1] += self.plant.environment.density_kg_m3(*ps_pa, *ts_k);
+                samples += 1.0;
+            }
+        }
+        (samples > 0.0).then(|| sums.map(|s| s / samples))
+    }
     /// True when its runs are tracks: of a body without attitude, or of a rigid one in free flight through air at rest.
     #[must_use]
     pub fn has_tracks(&self) -> bool {

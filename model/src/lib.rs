@@ -43,7 +43,7 @@ pub use free_body::{FreeBody, FreeState};
 pub use free_flight::{FreeFlight, MovedPart, Setting, Thrust};
 pub use froude::FroudeScale;
 pub use knowledge::{Constant, Knowledge};
-pub use plant::{AirState, Contact, Motion, Plant};
+pub use plant::{AirState, Contact, Motion, Plant, trim_speed};
 pub use point::{CoefficientTable, Pivot, PointAir, PointMass};
 pub use quantity::{Dimension, Given, PLANT_NUMBERS, PlantNumber};
 pub use record::{Measured, PointRecord, Record};

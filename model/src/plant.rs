@@ -38,6 +38,30 @@ pub struct Plant {
     pub free_flight: Option<FreeFlight>,
 }
 
+/// Speed (m/s) at which drag and tether carry the weight at zero angle: `q = (m g + W_tr)/(C_A S + (C_D S)_tr)`, in air of
+/// the given density (kg/m³). Where C_A depends on speed the balance is iterated.
+#[must_use]
+pub fn trim_speed(plant: &Plant, density_kg_m3: f64) -> f64 {
+    let v = &plant.vehicle;
+    let (weight_n, drag_area_m2) = plant.tether.as_ref().map_or((0.0, 0.0), |t| (t.weight_n, t.drag_area_m2));
+    let weight = v.mass_kg * plant.environment.gravity_m_s2 + weight_n;
+    let balance = |speed: f64| {
+        let flow = FlowState::new(Vec3::new(speed, 0.0, 0.0), Vec3::zero(), Vec3::zero(), v.diameter_m);
+        let drag = plant.aero.coefficients(&flow)[0] * v.area_m2() + drag_area_m2;
+        (2.0 * weight / (drag * density_kg_m3)).sqrt()
+    };
+    // A fixed point with slope −½ V C_A'/C_A: damped by half it converges for any plausible dependence on speed.
+    let mut speed = balance(1.0);
+    for _ in 0..200 {
+        let next = 0.5 * (speed + balance(speed));
+        if (next - speed).abs() <= 1e-15 * speed {
+            break;
+        }
+        speed = next;
+    }
+    balance(speed)
+}
+
 /// A smooth pulse of force and moment inside a run: `sin²(π (t − start)/duration)` in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {

@@ -5,7 +5,7 @@ use windfall_model::{
     Acts, Aero, ApparentMass, CATALOGUE, Coefficient, Contact, Environment, Factor, Flight, FlowState, FreeFlight, FroudeScale,
     Given, Inertia, LooseMass, MeanFlow, Numerics, Operator, PLANT_NUMBERS, Pivot, Plant, PlantNumber, PointMass, PointRecord,
     Record, Release, Sensors, Structure, Term, TestSection, Tether, TunnelSpeed, Turbulence, Use, Variable, Vehicle,
-    WakeShedding, effects,
+    WakeShedding, effects, trim_speed,
 };
 
 /// A plant that has every part.
@@ -317,17 +317,47 @@ fn exact_intervals_and_departures_of_records() {
     assert!((run.plant(&plant(), 0, &[]).vehicle.mass_kg - 1.05).abs() < 1e-15);
 }
 
-/// k (V/7.5 m/s − 1) cos α_T on top of C_A, and nothing else.
+/// k (V/8 m/s − 1) cos α_T on top of C_A, and nothing else.
 #[test]
 fn exact_axial_speed_by_hand() {
     let mut plant = plant();
-    (effects::find("axial-speed", Acts::Lander).expect("of the catalogue").apply)(&mut plant, &[0.5]);
+    (effects::find("axial-speed", Acts::Lander).expect("of the catalogue").apply)(&mut plant, &[0.5, 8.0]);
     for (speed, angle) in [(7.5, 0.2_f64), (9.0, 0.4), (3.0, 0.0)] {
         let u = Vec3::new(angle.cos(), angle.sin(), 0.0) * speed;
         let c = plant.aero.coefficients(&FlowState::new(u, Vec3::zero(), Vec3::zero(), 0.2));
-        let expected = 0.5 * (speed / 7.5 - 1.0) * angle.cos();
+        let expected = 0.5 * (speed / 8.0 - 1.0) * angle.cos();
         assert!((c[0] - expected).abs() < 1e-14 && c[1..].iter().all(|c| c.abs() < 1e-14), "{c:?} {expected}");
     }
+}
+
+/// Effects whose strengths are stated at no speed of their own are at the trim speed of the plant with all others, whatever their order: there
+/// C_A is the declared one, and a steady stream across is what is declared of that speed.
+#[test]
+fn exact_effects_are_stated_at_the_trim_speed() {
+    const DENSITY: f64 = 1.2;
+    let mut declared = plant();
+    declared.aero.values[0] = 6.0;
+    let named = |family: &str| effects::find(family, Acts::Lander).expect("of the catalogue");
+    let (mut slower, mut across, mut heavier) = ([0.5, 0.0], [0.01, 0.02, 1.0, 0.0], [0.1]);
+    let all = [
+        (named("axial-speed"), slower.as_mut_slice()),
+        (named("cross-flow"), across.as_mut_slice()),
+        (named("mass"), heavier.as_mut_slice()),
+    ];
+    let mut with = declared.clone();
+    effects::act(&mut with, all.into_iter(), DENSITY);
+    let mut heavy = declared.clone();
+    heavy.vehicle.mass_kg += 0.1;
+    let trim = trim_speed(&heavy, DENSITY);
+    assert!(
+        (with.flow.steady_at_m_s - trim).abs() < 1e-12
+            && (slower[1], across[3]) == (with.flow.steady_at_m_s, with.flow.steady_at_m_s)
+    );
+    assert!((trim_speed(&with, DENSITY) / trim - 1.0).abs() < 1e-9, "C_A at the trim speed is the declared one");
+    let mut ordered = declared;
+    let mut at = [0.5, 9.0];
+    effects::act(&mut ordered, std::iter::once((named("axial-speed"), at.as_mut_slice())), DENSITY);
+    assert!((at[1] - 9.0).abs() < 1e-15, "a speed that is ordered stays");
 }
 
 /// Coefficients that follow inputs are added to those that are there, in lists just long enough.

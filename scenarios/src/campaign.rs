@@ -15,7 +15,7 @@ use crate::table::{Source, Table, number};
 use crate::wind_tunnel;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use windfall_model::{Acts, Campaign, Data, Effect, Knowledge, Measured, Role, Run, Use};
+use windfall_model::{Acts, Campaign, Data, Effect, Knowledge, Measured, Role, Run, Use, effects};
 
 /// What `[[run]]` says, before its file is read.
 struct RunEntry {
@@ -84,7 +84,7 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
     enough_samples(&source, &declared, &runs);
     let wind_tunnel = wind_tunnel::tests(&file, &declared);
     effects_in_runs(&source, &effects, &inputs, runs.len());
-    let campaign = Campaign {
+    let mut campaign = Campaign {
         name: name.unwrap_or_default(),
         declared: declared.free_parameters(),
         plant: declared.plant,
@@ -92,6 +92,10 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
         runs,
         knowledge: Knowledge { effects, wind_tunnel, ..declared.knowledge },
     };
+    if let Some([_, density_kg_m3]) = campaign.tunnel_means() {
+        let declared = campaign.knowledge.effects.iter_mut().map(|(effect, values)| (*effect, values.as_mut_slice()));
+        effects::act(&mut campaign.plant.clone(), declared, density_kg_m3);
+    }
     source.finish(Some((campaign, warnings)))
 }
 

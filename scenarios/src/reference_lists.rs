@@ -79,6 +79,7 @@ fn parameter(text: &mut String, p: &Parameter) {
         Role::Shape(_) => "shape",
         Role::Instant => "instant",
         Role::Run => "number of a run, from 0",
+        Role::Reference => "speed at which strengths are stated; the trim speed where it is 0 or left out",
     };
     let range = allowed_range([p.low, p.high], "-").replace("must be a finite number", "finite");
     let _ = writeln!(text, "| `{}` | {} | {range} | {kind} |", p.name, p.unit);

@@ -107,11 +107,14 @@ fn parse(path: &Path, text: &str, input: &str) -> Result<ScenarioFile, ReadError
     let built = declared.zip(head).filter(|_| !source.has_faults()).map(|(declared, (name, note))| {
         let Declared { plant: declared_plant, declared, knowledge, structure_file, .. } = declared;
         let mut plant = declared_plant.clone();
-        for e in &effects {
-            if let Some(effect) = effects::find(&e.family, Acts::Lander) {
-                (effect.apply)(&mut plant, &e.values.iter().map(|v| v.1).collect::<Vec<_>>());
-            }
-        }
+        let mut values: Vec<Vec<f64>> = effects.iter().map(|e| e.values.iter().map(|v| v.1).collect()).collect();
+        let found = effects
+            .iter()
+            .zip(&mut values)
+            .filter_map(|(e, v)| Some((effects::find(&e.family, Acts::Lander)?, v.as_mut_slice())));
+        let density = |f: &Flight| plant.environment.density_kg_m3(f.ps_pa, f.ts_k);
+        let density_kg_m3 = flights.first().map_or(f64::NAN, density);
+        effects::act(&mut plant, found, density_kg_m3);
         let families = effects.iter().map(|e| e.family.clone()).collect();
         ScenarioFile {
             scenario: Scenario { name, plant, effects: families, flights, seed },
@@ -198,7 +201,11 @@ fn effect_values(t: &Table<'_>, table: &DeTable<'_>, parameters: &[effects::Para
                 f64::NAN
             }
         },
-        None if p.role == Role::Strength || (matches!(p.role, Role::Shape(_)) && (starting || p.null <= p.low)) => p.null,
+        None if matches!(p.role, Role::Strength | Role::Reference)
+            || (matches!(p.role, Role::Shape(_)) && (starting || p.null <= p.low)) =>
+        {
+            p.left_out()
+        }
         None => {
             let what = format!(
                 "is missing ({}); only strengths and shapes whose absence is zero may be left out",

@@ -32,6 +32,6 @@ pub use planet::{PlanetEnd, PlanetFlown, PlanetTruth, fly_planet};
 pub use point::{PointState, fly_point, fly_point_states};
 pub use record::record;
 pub use seed::{Channel, Seed};
-pub use setup::trim_speed;
 pub use smooth::Smooth;
 pub use truth::{End, Flown, Truth};
+pub use windfall_model::trim_speed;

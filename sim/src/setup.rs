@@ -8,8 +8,7 @@ use crate::smooth::Smooth;
 use crate::state::BASE;
 use nalgebra::{Matrix3, Matrix6};
 use std::sync::OnceLock;
-use windfall_model::frames::Vec3;
-use windfall_model::{AeroProgram, Entry, Flight, FlowState, Operator, Plant, TunnelSpeed};
+use windfall_model::{AeroProgram, Entry, Flight, Operator, Plant, TunnelSpeed, trim_speed};
 
 /// Points at most of a grid on which an input is drawn beforehand: a third of a gigabyte.
 const GRID_POINTS: f64 = 2e7;
@@ -149,30 +148,6 @@ fn mean_airspeed(plant: &Plant, flight: &Flight, density_kg_m3: f64) -> f64 {
         TunnelSpeed::Operator(Operator { trim_m_s, .. }) => trim_m_s.unwrap_or(0.0),
     };
     if mean > 0.0 { mean } else { trim_speed(plant, density_kg_m3) }
-}
-
-/// Speed (m/s) at which drag and tether carry the weight at zero angle: `q = (m g + W_tr)/(C_A S + (C_D S)_tr)`, in air of
-/// the given density (kg/m³). Where C_A depends on speed the balance is iterated.
-#[must_use]
-pub fn trim_speed(plant: &Plant, density_kg_m3: f64) -> f64 {
-    let v = &plant.vehicle;
-    let (weight_n, drag_area_m2) = plant.tether.as_ref().map_or((0.0, 0.0), |t| (t.weight_n, t.drag_area_m2));
-    let weight = v.mass_kg * plant.environment.gravity_m_s2 + weight_n;
-    let balance = |speed: f64| {
-        let flow = FlowState::new(Vec3::new(speed, 0.0, 0.0), Vec3::zero(), Vec3::zero(), v.diameter_m);
-        let drag = plant.aero.coefficients(&flow)[0] * v.area_m2() + drag_area_m2;
-        (2.0 * weight / (drag * density_kg_m3)).sqrt()
-    };
-    // A fixed point with slope −½ V C_A'/C_A: damped by half it converges for any plausible dependence on speed.
-    let mut speed = balance(1.0);
-    for _ in 0..200 {
-        let next = 0.5 * (speed + balance(speed));
-        if (next - speed).abs() <= 1e-15 * speed {
-            break;
-        }
-        speed = next;
-    }
-    balance(speed)
 }
 
 fn check(plant: &Plant, flight: &Flight) -> Result<(), SimError> {

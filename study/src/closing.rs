@@ -61,7 +61,7 @@ fn true_families<'s>(study: &'s StudyOrder, setting: &DrawnSetup) -> Vec<&'s str
 /// An effect's numbers where it was found, their bounds where it was not.
 fn effect(family: &str, parameters: &[windfall_model::Parameter], truth: &[f64], closing: &Closing, out: &mut Cells<'_>) {
     let found = closing.effects.iter().find(|e| e.family == family);
-    for (p, &truth) in parameters.iter().zip(truth) {
+    for (p, &truth) in parameters.iter().zip(truth).filter(|(p, _)| p.role != Role::Reference) {
         let stem = format!("close.{family}.{}", p.name);
         if let Some(line) = found.and_then(|e| e.parameters.iter().find(|l| l.name == p.name)) {
             out.estimate(&stem, line.estimate, line.std_error, line.ci95, truth);

@@ -72,7 +72,7 @@ impl Scenario {
             wrong(format!("is not in the catalogue; families: {}", known.join(", ")))
         })?;
         let parameters = (effect.parameters)(&[]);
-        let mut values: Vec<(String, f64)> = parameters.iter().map(|p| (p.name.clone(), p.null)).collect();
+        let mut values: Vec<(String, f64)> = parameters.iter().map(|p| (p.name.clone(), p.left_out())).collect();
         for (name, value) in given {
             let i = values.iter().position(|(n, _)| n == name).ok_or_else(|| {
                 let known: Vec<&str> = parameters.iter().map(|p| p.name.as_str()).collect();
@@ -84,7 +84,11 @@ impl Scenario {
             }
             values[i].1 = value;
         }
-        (effect.apply)(&mut self.file.scenario.plant, &values.iter().map(|v| v.1).collect::<Vec<_>>());
+        let scenario = &mut self.file.scenario;
+        let mut given: Vec<f64> = values.iter().map(|v| v.1).collect();
+        let density_kg_m3 =
+            scenario.flights.first().map_or(f64::NAN, |f| scenario.plant.environment.density_kg_m3(f.ps_pa, f.ts_k));
+        effects::act(&mut scenario.plant, std::iter::once((effect, given.as_mut_slice())), density_kg_m3);
         self.file.scenario.effects.push(family.to_owned());
         self.file.effects.push(EffectValues { family: family.to_owned(), values });
         Ok(self)

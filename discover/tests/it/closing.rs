@@ -3,7 +3,7 @@
 use super::common::{bundled, families};
 use windfall_discover::close::{Options, Verdict, close};
 use windfall_likelihood::{Engine, Fit, Id, identify};
-use windfall_model::{CATALOGUE, Campaign, Data, Plant, Record, Use};
+use windfall_model::{CATALOGUE, Campaign, Data, Plant, Record, Use, trim_speed};
 use windfall_replay::campaign_of;
 use windfall_sim::{Seed, fly};
 
@@ -64,11 +64,32 @@ fn recover_an_apparent_mass_in_gusts() {
     }
 }
 
+/// Drag that grows with the speed, ordered at 9 m/s: found at the trim speed of the model, C_A with it.
+#[test]
+fn recover_drag_by_speed_at_the_trim_speed() {
+    let ordered = [-3.0, 9.0];
+    let campaign = flown(13, |plant, _| with(plant, "axial-speed", &ordered));
+    let truth = with(&bundled("sage-combined").plant, "axial-speed", &ordered);
+    let [_, density_kg_m3] = campaign.tunnel_means().expect("tunnel runs");
+    let trim = trim_speed(&truth, density_kg_m3);
+    let closing = close(&campaign, &Options::default()).expect("closes");
+    assert_eq!(families(&closing), ["axial-speed"]);
+    let [strength, at] = &closing.effects[0].parameters[..] else { panic!("{:?}", closing.effects) };
+    assert!((at.estimate / trim - 1.0).abs() < 2e-4, "{at:?} for {trim}");
+    let within = |estimate: f64, std: f64, expected: f64| {
+        assert!((estimate - expected).abs() < 4.0 * std, "{estimate} ± {std} for {expected}")
+    };
+    within(strength.estimate, strength.std_error.expect("an error"), ordered[0] * trim / ordered[1]);
+    let axial = closing.after.parameters.iter().find(|p| p.name == "CA_T0").expect("declared");
+    let expected = truth.aero.value("CA_T0").expect("declared") + ordered[0] * (at.estimate / ordered[1] - 1.0);
+    within(axial.estimate, axial.std_error.expect("an error"), expected);
+}
+
 /// An effect that acts in the runs to identify on, and not in the run that chooses, is not taken.
 #[test]
 fn law_runs_that_choose_may_refuse() {
     let swirling = |plant: &Plant, k: usize, last: bool| {
-        if k < 2 || last { with(plant, "swirl", &[0.02, 0.0]) } else { plant.clone() }
+        if k < 2 || last { with(plant, "swirl", &[0.02, 0.0, 7.5]) } else { plant.clone() }
     };
     let choose = |last: bool| {
         let mut campaign = flown(11, |plant, k| swirling(plant, k, last));

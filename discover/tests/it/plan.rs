@@ -61,7 +61,7 @@ fn recover_the_odds_that_were_expected() {
     let mut scenario = read_bundled("sage-combined").expect("bundled").scenario;
     let declared = scenario.plant.clone();
     let effect = find("axial-speed", Acts::Lander).expect("of the catalogue");
-    (effect.apply)(&mut scenario.plant, &[0.1]);
+    (effect.apply)(&mut scenario.plant, &[0.1, 7.5]);
     let runs = (0..2).map(|k| {
         let flight = Flight { duration_s: 8.0, ..scenario.flights[k].clone() };
         Run {

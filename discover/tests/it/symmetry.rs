@@ -12,7 +12,7 @@ use windfall_model::{Campaign, Data, Record, Run, Use};
 
 /// Three runs of a lander with a swirling flow that its model does not declare.
 fn campaign() -> Campaign {
-    flown(5, |plant, _| with(plant, "swirl", &[0.02, 0.0]))
+    flown(5, |plant, _| with(plant, "swirl", &[0.02, 0.0, 7.5]))
 }
 
 fn each(mut c: Campaign, change: impl Fn(&mut Record)) -> Campaign {

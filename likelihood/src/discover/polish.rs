@@ -3,7 +3,7 @@
 use super::weigh::{SURE, Weighed, weigh, with_set};
 use super::{describe, score};
 use crate::engine::{Engine, Fit};
-use crate::model::Model;
+use crate::model::{Member, Model};
 use windfall_model::Role;
 use windfall_pid::{SearchKind, StopReason};
 
@@ -102,7 +102,7 @@ fn fitted(engine: &Engine, model: &Model, open: bool) -> Option<Fit> {
             fit = without_idle(engine, in_likelier_form(engine, engine.settle_random(&fit, STEPS)));
         }
     }
-    engine.climb(&fit.model, true, 10).ok()
+    engine.climb(&fit.model.at_trim(&engine.campaign), true, 10).ok()
 }
 
 pub(super) fn names(model: &Model) -> String {
@@ -191,6 +191,33 @@ pub(super) fn in_other_forms(engine: &Engine, mut best: Scored, log: &mut Vec<St
         }
     }
     best
+}
+
+/// The best set, or one of its effects alone where that is likelier: what several promise far from the runs one may bring by itself, along a
+/// ridge on which no step without one of them ends.
+pub(super) fn alone(engine: &Engine, best: Scored, log: &mut Vec<String>) -> Scored {
+    /// Effects from which on.
+    const SEVERAL: usize = 3;
+    let model = &best.1.model;
+    let is_open = |m: &Member| !m.declared && !m.random && !m.is_local();
+    let effects: Vec<usize> = (0..model.members.len()).filter(|&k| is_open(&model.members[k])).collect();
+    if effects.len() < SEVERAL || engine.is_exhausted() {
+        return best;
+    }
+    let fits = effects.into_iter().filter_map(|k| {
+        let mut one = model.clone();
+        one.members = model.members.iter().enumerate().filter(|(i, m)| m.declared || *i == k).map(|(_, m)| m.clone()).collect();
+        let near = engine.climb(&one, true, 8).ok().filter(|fit| fit.chi < NEAR)?;
+        let fit = engine.climb(&near.model, true, 30).ok()?;
+        Some((score(engine, &fit), fit))
+    });
+    match fits.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some((there, fit)) if there > best.0 => {
+            log.push(format!("alone {there:.1} ({:.0}): {}", engine.passes(), describe(&fit.model)));
+            polish(engine, fit.model, best.0, log).filter(|other| other.0 > best.0).unwrap_or(best)
+        }
+        _ => best,
+    }
 }
 
 /// Random members that bring less than they cost are taken out.

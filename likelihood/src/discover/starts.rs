@@ -27,7 +27,8 @@ pub(super) struct Start {
 pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Result<Vec<Start>, String> {
     // What leaves hardly more than noise has led to no wrong place: random inputs are tried beside what it ends at.
     let calm = |model: &Model| engine.climb(model, false, 12).ok().filter(|fit| fit.chi < LEFT);
-    let fit = calm(declared).or_else(|| calm(&lead_in(engine, declared)?)).or_else(|| freed(engine, declared, false, log));
+    let mut free = Freed::new(declared);
+    let fit = calm(declared).or_else(|| calm(&lead_in(engine, declared)?)).or_else(|| free.taken_away(engine, false, log));
     if let Some(start) = fit.and_then(|fit| start(engine, fit, log)) {
         return Ok(vec![start]);
     }
@@ -57,7 +58,7 @@ pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -
     }
     // A gust pushes and turns at once: beside shed vortices or a turned pose it does not keep the filter near the data, free accelerations do.
     if fits.iter().all(|fit| fit.chi > LEFT) {
-        fits.extend(freed(engine, declared, true, log));
+        fits.extend(free.taken_away(engine, true, log));
     }
     // Gusts too weak for what the model lacks push its numbers far off, and sets weighed there promise what is not: the best fit's gusts are
     // given the size that they have beside it.
@@ -161,24 +162,35 @@ pub(super) fn lead_in(engine: &Engine, model: &Model) -> Option<Model> {
     Some(model)
 }
 
-/// A set that was found while accelerations are left free, less and less, and its fit; in gusts of any size strong effects together lead a
-/// model astray. Random inputs come in where asked for and more than noise is left. No fit where more is left with them too, or the model
-/// departs once accelerations are free no more.
-fn freed(engine: &Engine, declared: &Model, random: bool, log: &mut Vec<String>) -> Option<Fit> {
-    const FREEDOM: [f64; 5] = [1.0, 0.3, 0.1, 0.03, 0.01];
-    let mut free = engine.clone();
-    let mut model = declared.clone();
-    for slack in FREEDOM {
-        free.slack = slack;
-        // With accelerations free a model that is right leaves less than noise.
-        let fit = to_noise(&free, free.climb(&model, false, 4).ok()?, random)?;
-        let w = weigh(&free, &fit.model)?;
-        model = with_set(&fit.model, &w, w.choice(), &free);
-        log.push(format!("  freed {slack} ({:.0}): chi {:.3} -> {}", engine.passes(), fit.chi, describe(&model)));
+/// A set that is found while accelerations are left free, less and less: in gusts of any size strong effects together lead a model astray.
+struct Freed {
+    model: Model,
+    /// What is left to take away.
+    levels: &'static [f64],
+}
+
+impl Freed {
+    fn new(declared: &Model) -> Self {
+        Self { model: declared.clone(), levels: &[1.0, 0.3, 0.1, 0.03, 0.01] }
     }
-    let fit = engine.climb(&climb_down(engine, &model)?.model, true, 8).ok()?;
-    // Free accelerations had taken a part of the gusts.
-    to_noise(engine, engine.settle_random(&fit, 3), random)
+
+    /// The fit of that set; random inputs come in where asked for and more than noise is left. No fit where more is left with them too, or the
+    /// model departs once accelerations are free no more: it goes on from there when called again.
+    fn taken_away(&mut self, engine: &Engine, random: bool, log: &mut Vec<String>) -> Option<Fit> {
+        let mut free = engine.clone();
+        while let [slack, rest @ ..] = self.levels {
+            free.slack = *slack;
+            // With accelerations free a model that is right leaves less than noise.
+            let fit = to_noise(&free, free.climb(&self.model, false, 4).ok()?, random)?;
+            let w = weigh(&free, &fit.model)?;
+            self.model = with_set(&fit.model, &w, w.choice(), &free);
+            log.push(format!("  freed {slack} ({:.0}): chi {:.3} -> {}", engine.passes(), fit.chi, describe(&self.model)));
+            self.levels = rest;
+        }
+        let fit = engine.climb(&climb_down(engine, &self.model)?.model, true, 8).ok()?;
+        // Free accelerations had taken a part of the gusts.
+        to_noise(engine, engine.settle_random(&fit, 3), random)
+    }
 }
 
 /// A fit that leaves no more than noise, with random inputs beside it where they may be; none where it cannot be had.

@@ -5,7 +5,7 @@
 //! in the program knows a family by name. Adding an effect is adding a file: [`CATALOGUE`] is made of those that are there.
 
 pub use crate::acts::Acts;
-use crate::plant::Plant;
+use crate::plant::{Plant, trim_speed};
 
 // Files and list: `build.rs`.
 include!(concat!(env!("OUT_DIR"), "/catalogue.rs"));
@@ -21,12 +21,9 @@ pub enum Role {
     Instant,
     /// Index of the run in which the effect acts: every run is tried.
     Run,
-}
-
-/// Tunnel speed of [`crate::MeanFlow::steady_at_m_s`] for a lateral flow that is steady (1) or follows the tunnel speed (0): near the
-/// SAGE model's trim in the tunnel, m/s.
-fn steady_at_m_s(steady: f64) -> f64 {
-    if steady > 0.5 { 7.5 } else { 0.0 }
+    /// Tunnel speed at which strengths are stated, m/s: another one is another way to write the same effect. Held; a search states what it
+    /// finds at the trim speed.
+    Reference,
 }
 
 /// One parameter of an effect.
@@ -82,6 +79,15 @@ impl Parameter {
     fn shape(name: &str, unit: &'static str, low: f64, high: f64, null: f64, tried: &'static [f64]) -> Self {
         Self { name: name.to_owned(), unit, low, high, null, role: Role::Shape(tried), step: 0.0 }
     }
+    /// Tunnel speed at which strengths are stated; null is near the SAGE model's trim in the tunnel.
+    fn reference() -> Self {
+        Self { name: "at_m_s".to_owned(), unit: "m/s", low: 0.0, high: 1e3, null: 7.5, role: Role::Reference, step: 0.0 }
+    }
+    /// Value where a file leaves it out, where it may: null; zero of a speed at which strengths are stated, which stands for the trim speed.
+    #[must_use]
+    pub fn left_out(&self) -> f64 {
+        if self.role == Role::Reference { 0.0 } else { self.null }
+    }
     /// A strength per unit of a run input. Settings come in any unit, from fractions to thousands of revolutions, so the step
     /// is tiny; flights are simulated to 1e-11, which bears it.
     fn per_input(name: &str, input: &str, limit: f64) -> Self {
@@ -117,6 +123,23 @@ impl PartialEq for Effect {
 impl std::fmt::Debug for Effect {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Effect({})", self.family)
+    }
+}
+
+/// Puts effects into a plant. Where a speed at which strengths are stated is zero it becomes the trim speed, in air of this density (kg/m³), of
+/// the plant with all other effects.
+pub fn act<'a>(plant: &mut Plant, effects: impl Iterator<Item = (&'static Effect, &'a mut [f64])>, density_kg_m3: f64) {
+    let mut at_trim = Vec::new();
+    for (effect, values) in effects {
+        match (effect.parameters)(&[]).iter().position(|p| p.role == Role::Reference) {
+            Some(i) if values[i] == 0.0 => at_trim.push((effect, values, i)),
+            _ => (effect.apply)(plant, values),
+        }
+    }
+    let trim_m_s = if at_trim.is_empty() { 0.0 } else { trim_speed(plant, density_kg_m3) };
+    for (effect, values, i) in at_trim {
+        values[i] = trim_m_s;
+        (effect.apply)(plant, values);
     }
 }
 

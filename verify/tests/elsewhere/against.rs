@@ -84,7 +84,7 @@ fn exact_both_simulators_agree_on_every_family() {
     let asymmetry = [(K::Cm0, 0.03), (K::Cn0, -0.02), (K::CY0, 0.04), (K::CN0, 0.05)];
     same("asymmetry", &[0.03, -0.02, 0.04, 0.05], &asymmetry, CLOSE);
     same("axial-shape", &[-2.0, 3.0], &[(K::CA2, -2.0), (K::CA4, 3.0)], CLOSE);
-    same("axial-speed", &[-0.6 * 6.662], &[(K::CaV, -0.6)], CLOSE);
+    same("axial-speed", &[-0.03 * 6.662, 1.0], &[(K::CaV, -0.03)], CLOSE);
     same("damping-shape", &[7.0, 0.1], &[(K::Bump, 7.0), (K::BumpWidth, 0.1)], CLOSE);
     same("magnus", &[6.0, 4.0], &[(K::Mag, 6.0), (K::MagF, 4.0)], CLOSE);
     same("rate-force", &[9.0], &[(K::CNq, 9.0)], CLOSE);
@@ -92,8 +92,8 @@ fn exact_both_simulators_agree_on_every_family() {
     same("roll-periodic", &[0.2, -0.1, 3.0], &[(K::RpCos, 0.2), (K::RpSin, -0.1), (K::RpN, 3.0)], CLOSE);
     let profile = [(K::Prof, 0.03 * 3.05 * 3.05), (K::TiltY, 0.02), (K::TiltZ, -0.01)];
     same("flow-profile", &[0.03, 0.02, -0.01], &profile, CLOSE);
-    same("swirl", &[0.02, 0.0], &[(K::Swirl, 0.02)], CLOSE);
-    same("cross-flow", &[0.01, -0.02, 0.0], &[(K::Vy, 0.01), (K::Vz, -0.02)], CLOSE);
+    same("swirl", &[0.02, 0.0, 7.5], &[(K::Swirl, 0.02)], CLOSE);
+    same("cross-flow", &[0.01, -0.02, 0.0, 7.5], &[(K::Vy, 0.01), (K::Vz, -0.02)], CLOSE);
     same("tether-line-rate", &[0.6], &[(K::TethC, 0.6)], CLOSE);
     same("tether-length", &[2.0], &[(K::TethLen, 2.0)], CLOSE);
     let pulled = |c: &mut Craft| {

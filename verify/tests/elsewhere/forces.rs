@@ -15,7 +15,7 @@ pub(crate) fn early(world: &World<'_>, i: &Instant) -> Loads {
     let [p, q, r] = i.w.map(|w| w * hat);
     let mut load = Loads::default();
     let c = &mut load.c;
-    c[0] = a[0] * (1.0 + k.get(K::CaV) * (i.speed / 7.5 - 1.0)) * along + k.get(K::CA2) * s2 + k.get(K::CA4) * s2 * s2;
+    c[0] = a[0] * (1.0 + k.get(K::CaV) * (i.speed / world.trim - 1.0)) * along + k.get(K::CA2) * s2 + k.get(K::CA4) * s2 * s2;
     let normal = a[1] + a[2] * s2;
     c[1] = -normal * y + k.get(K::CY0) + k.get(K::CNq) * r + k.get(K::MagF) * p * z;
     c[2] = normal * z + k.get(K::CN0) + k.get(K::CNq) * q + k.get(K::MagF) * p * y;

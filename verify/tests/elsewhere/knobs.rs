@@ -21,7 +21,7 @@ knobs! {
     CN0 "CN0" "constant C_N";
     CA2 "CA2" "C_A by sin² α_T";
     CA4 "CA4" "C_A by sin⁴ α_T";
-    CaV "CAV" "C_A by (V/7.5 − 1) cos α_T, over C_A0";
+    CaV "CAV" "C_A by (V/trim − 1) cos α_T, over C_A0";
     CNq "CNq" "C_N by q̂, C_Y by r̂";
     Mag "mag" "C_m and C_n by p̂ sin α_T across the plane of the angle";
     MagF "mag_f" "the same of the force";
