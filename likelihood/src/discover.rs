@@ -214,12 +214,17 @@ fn in_dryden_alone(engine: &Engine, model: &Model) -> Option<Model> {
     if !engine.has_band(model) && !model.members.iter().any(is_other) {
         return None;
     }
-    let forms = gusts.forms();
     let mut alone = model.clone();
     alone.members.retain(|m| !m.random || m.declared);
-    alone.members.push(sized(&Member::null(gusts.effect, &engine.campaign), LEVELS[1], &forms[forms.len() / 2]));
-    let fit = engine.climb(&alone, false, 6).ok()?;
-    Some(engine.settle_random(&fit, 5).model)
+    Some(beside(engine, alone, &Member::null(gusts.effect, &engine.campaign))?.model)
+}
+
+/// A model with a random input beside it, fitted from a middle size and form.
+fn beside(engine: &Engine, mut model: Model, null: &Member) -> Option<Fit> {
+    let forms = null.forms();
+    model.members.push(sized(null, LEVELS[1], &forms[forms.len() / 2]));
+    let fit = engine.climb(&model, false, 6).ok()?;
+    Some(engine.settle_random(&fit, 5))
 }
 
 /// The end of a search by another engine, which takes this one's place, where it is surely likelier; the best otherwise.
@@ -312,11 +317,7 @@ pub fn identify(engine: &Engine, near: Option<&Model>) -> Result<Fit, String> {
     let gusty = gusts
         .filter(|m| !has(&declared, m))
         .filter_map(|null| {
-            let mut model = start.clone();
-            let forms = null.forms();
-            model.members.push(sized(&null, LEVELS[1], &forms[forms.len() / 2]));
-            let fit = engine.climb(&model, false, 6).ok()?;
-            let fit = engine.settle_random(&fit, 5);
+            let fit = beside(engine, start.clone(), &null)?;
             Some((fit.total - random_cost(&fit.model, engine) - engine.random_price(&fit.model), fit))
         })
         .max_by(|a, b| a.0.total_cmp(&b.0));
