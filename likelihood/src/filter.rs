@@ -139,10 +139,8 @@ enum Ready<'a> {
 enum Stage {
     /// The states as they are.
     Now,
-    /// Values at the start, middle and end of a Runge-Kutta step whose sums are the inputs' integrals.
-    Start,
-    Middle,
-    End,
+    /// A quarter of the step, 0 to 4: values whose sums by the Runge-Kutta method in two halves are the inputs' integrals.
+    Quarter(u8),
 }
 
 struct Filter<'a> {
@@ -377,9 +375,7 @@ impl<'a> Filter<'a> {
     fn air(&self, z: &[f64], k: usize, stage: Stage, spread: [f64; 3]) -> (TunnelAir, [f64; ADDED]) {
         let (fraction, place) = match stage {
             Stage::Now => (0.0, None),
-            Stage::Start => (0.0, Some(0)),
-            Stage::Middle => (0.5, Some(1)),
-            Stage::End => (1.0, Some(2)),
+            Stage::Quarter(place) => (0.25 * f64::from(place), Some(usize::from(place))),
         };
         let node = &self.run.nodes[k];
         let t_s = node.t_s + fraction * self.run.step_s();

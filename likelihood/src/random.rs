@@ -39,9 +39,12 @@ struct Driven {
     sums: [Rates; 3],
     /// Covariance that a step adds to the states and those integrals.
     added: Box<SMatrix<f64, WITH_SUMS, WITH_SUMS>>,
-    /// Values at a Runge-Kutta step's start, middle and end, by the states, that give these integrals.
-    stages: [Rates; 3],
+    /// Values at each quarter of a step, by the states, that give these integrals in two Runge-Kutta steps.
+    stages: [Rates; QUARTERS],
 }
+
+/// Instants at which a step in two halves takes its inputs, by the classical Runge-Kutta method.
+pub(crate) const QUARTERS: usize = 5;
 
 /// Integrals that move a body over a step: first, second and third, each of the input and of its rate.
 pub(crate) const REACH: usize = 6;
@@ -57,8 +60,8 @@ pub(crate) struct Input {
     /// Transition of the states over a step, and the covariance that it adds.
     pub(crate) whole: Block,
     pub(crate) added: Block,
-    /// Values at a Runge-Kutta step's start, middle and end, by the states, that give the step's integrals.
-    pub(crate) stages: [Block; 3],
+    /// Values at each quarter of a step, by the states, that give the step's integrals.
+    pub(crate) stages: [Block; QUARTERS],
     /// Integrals over a step by the states at its start, the covariance that it adds to them, and to them with the states.
     pub(crate) reach: [[f64; ORDER]; REACH],
     pub(crate) reach_added: [[f64; REACH]; REACH],
@@ -119,12 +122,13 @@ fn driven(a: &Rates, b: &States, step_s: f64) -> Driven {
     let sum = |k: usize| phi.fixed_view::<ORDER, ORDER>(ORDER * (k + 1), 0).into_owned();
     let (j0, j1, j2) = (sum(0), sum(1), sum(2));
     let h = step_s;
-    // Simpson's sums of the stages are the integrals, weighted by (h - s)^k / k! for k = 0, 1, 2.
-    let stages = [
-        j2 * (24.0 / h.powi(3)) - j1 * (6.0 / (h * h)),
-        j1 * (6.0 / (h * h)) - j2 * (12.0 / h.powi(3)),
-        j0 * (6.0 / h) - j1 * (18.0 / (h * h)) + j2 * (24.0 / h.powi(3)),
-    ];
+    // Simpson's sums of start, middle and end are the integrals, weighted by (h - s)^k / k! for k = 0, 1, 2; those of two halves with a parabola
+    // through them are the same for k = 0 and 1.
+    let start = j2 * (24.0 / h.powi(3)) - j1 * (6.0 / (h * h));
+    let middle = j1 * (6.0 / (h * h)) - j2 * (12.0 / h.powi(3));
+    let end = j0 * (6.0 / h) - j1 * (18.0 / (h * h)) + j2 * (24.0 / h.powi(3));
+    let quarter = |near: Rates, far: Rates| near * 0.375 + middle * 0.75 - far * 0.125;
+    let stages = [start, quarter(start, end), middle, quarter(end, start), end];
     Driven { whole: phi.fixed_view::<ORDER, ORDER>(0, 0).into_owned(), sums: [j0, j1, j2], added: Box::new(added), stages }
 }
 
@@ -386,8 +390,12 @@ mod tests {
             assert!((d.added[(ORDER, ORDER)] / variance - 1.0).abs() < 1e-7, "{lag}");
             assert!((d.sums[0][(0, 0)] / (lag * (1.0 - e)) - 1.0).abs() < 1e-9);
             // Simpson's sum of the stages is that integral too.
-            let simpson = h / 6.0 * (d.stages[0][(0, 0)] + 4.0 * d.stages[1][(0, 0)] + d.stages[2][(0, 0)]);
+            let [start, first, middle, third, end] = d.stages.map(|m| m[(0, 0)]);
+            let simpson = h / 12.0 * (start + 4.0 * first + 2.0 * middle + 4.0 * third + end);
             assert!((simpson - d.sums[0][(0, 0)]).abs() < 1e-12);
+            // And so is what two halves make of its integral.
+            let twice = h * h / 12.0 * (start + 3.0 * first + middle + third);
+            assert!((twice - d.sums[1][(0, 0)]).abs() < 1e-12, "{twice} {}", d.sums[1][(0, 0)]);
         }
     }
 }

@@ -117,11 +117,16 @@ impl Engine {
         model
     }
 
-    /// The model a step of scoring further, shortened until the posterior rises, and what a whole step was expected to gain; none where no
-    /// step raises it.
+    /// The model a step of scoring further, and what a whole step was expected to gain: of all numbers or, where far from the runs none of those
+    /// helps, of the random members' alone. None where no step raises the posterior.
     fn scored(&self, model: &Model) -> Option<(Model, f64)> {
-        let (places, numbers) = (random_numbers(model), self.free(model, false));
-        let RandomSlopes { here, mut information, mut gradient, .. } = self.random_slopes(model, &numbers)?;
+        self.scored_in(model, &self.free(model, false)).or_else(|| self.scored_in(model, &[]))
+    }
+
+    /// A step in those numbers and the random members', shortened until the posterior rises.
+    fn scored_in(&self, model: &Model, numbers: &[Number]) -> Option<(Model, f64)> {
+        let places = random_numbers(model);
+        let RandomSlopes { here, mut information, mut gradient, .. } = self.random_slopes(model, numbers)?;
         let n = numbers.len();
         let scale = |i: usize| numbers.get(i).map_or(VAGUE, |number| number.prior);
         (0..n).for_each(|i| gradient[i] -= numbers[i].value / numbers[i].prior.powi(2));
@@ -144,7 +149,7 @@ impl Engine {
                 next.members[m].values[i] = (model.members[m].values[i].max(1e-12).ln() + by).clamp(low, high).exp();
             }
             let there = self.sum(&next, &[], &[]).map(|s| s.log_likelihood - penalty(&self.free(&next, false)));
-            if there.is_ok_and(|there| there > here - penalty(&numbers)) {
+            if there.is_ok_and(|there| there > here - penalty(&self.free(model, false))) {
                 return Some((next, expected));
             }
             fraction *= 0.35;
@@ -220,7 +225,7 @@ pub(crate) fn random_numbers(model: &Model) -> Vec<(usize, usize)> {
 }
 
 /// Smallest size of a random input over the largest plausible.
-const SMALLEST: f64 = 3e-4;
+const SMALLEST: f64 = 1e-5;
 /// Smallest shape of a random input over the largest.
 const SMALLEST_SHAPE: f64 = 1e-3;
 

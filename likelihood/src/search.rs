@@ -91,9 +91,13 @@ pub(crate) fn weigh(gram: &Gram, units: &[Unit], members: &[usize]) -> Option<Se
         };
         let worst = (0..columns.len()).filter(|&i| beyond(i) > 0.0).max_by(|a, b| beyond(*a).total_cmp(&beyond(*b)));
         let Some(worst) = worst else {
+            let sizes: f64 = (0..columns.len())
+                .filter(|&i| matches!(gram.numbers[columns[i]].id, Id::Strength(..) | Id::Member(..)))
+                .map(|i| of_any_size(posterior.mean[i], posterior.covariance[(i, i)], gram.numbers[columns[i]].prior))
+                .sum();
             return Some(Set {
                 units: members.to_vec(),
-                gain: posterior.gain - cost,
+                gain: posterior.gain + sizes - cost,
                 fit: posterior.fit,
                 estimates: posterior.mean.iter().copied().collect(),
                 columns,
@@ -101,6 +105,31 @@ pub(crate) fn weigh(gram: &Gram, units: &[Unit], members: &[usize]) -> Option<Se
         };
         columns.remove(worst);
     }
+}
+
+/// Widths of a strength's prior, each as likely: effects are of any size, and where the runs know one to a thousandth of what is plausible, a
+/// single width asks seven nats of it for being small.
+const WIDTHS: [f64; 4] = [1.0, 0.1, 0.01, 0.001];
+
+/// What [`WIDTHS`] of its prior add to the log marginal likelihood that the widest alone gives, of a strength with this posterior mean and variance
+/// beside everything else; exact where it is the only one.
+#[must_use]
+pub(crate) fn of_any_size(mean: f64, variance: f64, prior: f64) -> f64 {
+    // What the likelihood alone says: normal about `at` with variance `own`.
+    let told = 1.0 / variance - 1.0 / (prior * prior);
+    // Not above zero, or not a number.
+    if told.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
+        return 0.0;
+    }
+    let own = 1.0 / told;
+    let at = mean * own / variance;
+    let log = |width: f64| {
+        let spread = (width * prior).powi(2) + own;
+        -0.5 * (at * at / spread + spread.ln())
+    };
+    let all = WIDTHS.map(log);
+    let most = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    most + (all.iter().map(|l| (l - most).exp()).sum::<f64>() / WIDTHS.len() as f64).ln() - all[0]
 }
 
 /// Units of numbers: strengths of one form together.
@@ -160,6 +189,24 @@ mod tests {
         let sets = search(&gram([0.0, 5.0]), &one_each(), 3);
         assert_eq!(sets[0].units, [0]);
         assert!(sets.iter().all(|s| !s.units.contains(&1)));
+    }
+
+    /// Of one strength: the mean over widths of what each of them gives by itself.
+    #[test]
+    fn exact_a_strength_of_any_size() {
+        for (told, at) in [(1e8, 3e-4), (1e8, 0.9), (4.0, 0.5), (0.0, 0.0)] {
+            let alone = |prior: f64, id: Id| {
+                let number = Number { id, prior, ..number(0, [f64::NEG_INFINITY, f64::INFINITY]) };
+                Gram::new(vec![number], DMatrix::from_element(1, 1, told), DVector::from_element(1, told * at), 0.0)
+            };
+            let unit = [Unit { group: 0, columns: vec![0], cost: 2.0 }];
+            let gain = |g: &Gram| weigh(g, &unit, &[0]).expect("definite").gain;
+            let each = WIDTHS.map(|w| gain(&alone(w, Id::Generic(0))));
+            let most = each.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let mean = most + (each.iter().map(|g| (g - most).exp()).sum::<f64>() / 4.0).ln();
+            let any = gain(&alone(1.0, Id::Strength(0, 0, 0)));
+            assert!((any - mean).abs() < 1e-6 * mean.abs().max(1.0), "{told} {at}: {any} {mean}");
+        }
     }
 
     /// Eliminating what every set has changes no gain but by that of what is eliminated.

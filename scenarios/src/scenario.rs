@@ -112,9 +112,7 @@ fn parse(path: &Path, text: &str, input: &str) -> Result<ScenarioFile, ReadError
             .iter()
             .zip(&mut values)
             .filter_map(|(e, v)| Some((effects::find(&e.family, Acts::Lander)?, v.as_mut_slice())));
-        let density = |f: &Flight| plant.environment.density_kg_m3(f.ps_pa, f.ts_k);
-        let density_kg_m3 = flights.first().map_or(f64::NAN, density);
-        effects::act(&mut plant, found, density_kg_m3);
+        effects::act_in_flights(&mut plant, found, &flights);
         let families = effects.iter().map(|e| e.family.clone()).collect();
         ScenarioFile {
             scenario: Scenario { name, plant, effects: families, flights, seed },

@@ -206,12 +206,13 @@ impl PreparedStudy {
                 f.speed.clone_from(&h.speeds[chosen]);
             }
         }
-        // Strengths that are stated at the trim speed are at this draw's.
-        let density_kg_m3 = truth.flights.first().map_or(f64::NAN, |f| truth.plant.environment.density_kg_m3(f.ps_pa, f.ts_k));
-        let mut there = truth.plant.clone();
-        let values = truth.effect_values.iter_mut().enumerate();
-        let acting = values.filter_map(|(i, v)| Some((s.effects.iter().find(|e| e.index == i)?.effect, v.as_mut_slice())));
-        windfall_model::effects::act(&mut there, acting, density_kg_m3);
+        if !s.effects.is_empty() {
+            // Strengths that are stated at the trim speed are at this draw's.
+            let mut there = truth.plant.clone();
+            let values = truth.effect_values.iter_mut().enumerate();
+            let acting = values.filter_map(|(i, v)| Some((s.effects.iter().find(|e| e.index == i)?.effect, v.as_mut_slice())));
+            windfall_model::effects::act_in_flights(&mut there, acting, &truth.flights);
+        }
         Ok((truth, declared))
     }
 

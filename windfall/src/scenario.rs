@@ -86,9 +86,7 @@ impl Scenario {
         }
         let scenario = &mut self.file.scenario;
         let mut given: Vec<f64> = values.iter().map(|v| v.1).collect();
-        let density_kg_m3 =
-            scenario.flights.first().map_or(f64::NAN, |f| scenario.plant.environment.density_kg_m3(f.ps_pa, f.ts_k));
-        effects::act(&mut scenario.plant, std::iter::once((effect, given.as_mut_slice())), density_kg_m3);
+        effects::act_in_flights(&mut scenario.plant, std::iter::once((effect, given.as_mut_slice())), &scenario.flights);
         self.file.scenario.effects.push(family.to_owned());
         self.file.effects.push(EffectValues { family: family.to_owned(), values });
         Ok(self)

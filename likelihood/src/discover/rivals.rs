@@ -4,7 +4,7 @@
 //! both are expected at `G + G', b + G' θ_T`, and every set's marginal likelihood follows without another pass.
 
 use super::weigh::{Weighed, weigh, with_set};
-use super::{Discovery, cost_of};
+use super::{Discovery, score};
 use crate::engine::Engine;
 use crate::gram::Gram;
 use crate::model::{Id, Model, Number};
@@ -175,8 +175,8 @@ impl<'a> Rivals<'a> {
 /// Log odds of one model over another, both fitted to an engine's runs from where they are; `None` where both depart.
 #[must_use]
 pub fn log_odds(engine: &Engine, one: &Model, other: &Model) -> Option<f64> {
-    let score = |m: &Model| engine.climb(m, true, 8).ok().map(|f| f.total - cost_of(&f.model, engine));
-    match (score(one), score(other)) {
+    let end = |m: &Model| engine.climb(m, true, 8).ok().map(|f| score(engine, &f));
+    match (end(one), end(other)) {
         (Some(a), Some(b)) => Some(a - b),
         (Some(_), None) => Some(f64::INFINITY),
         (None, Some(_)) => Some(f64::NEG_INFINITY),

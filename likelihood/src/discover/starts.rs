@@ -12,6 +12,9 @@ use windfall_pid::SearchKind;
 /// Sizes of a random input that are tried, as shares of the largest plausible (turbulence: 2 m/s).
 pub(super) const LEVELS: [f64; 5] = [0.15, 0.06, 0.025, 0.01, 0.0035];
 
+/// Smaller ones, that are tried while each makes the runs likelier than the one before: a model at rest that is unstable shows the faintest push.
+const FAINTER: [f64; 5] = [1e-3, 3e-4, 1e-4, 3e-5, 1e-5];
+
 /// Most steps of scoring of the gusts at the best start.
 const SETTLING: usize = 8;
 
@@ -65,6 +68,15 @@ pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -
     fits.sort_by(|a, b| b.total.total_cmp(&a.total));
     for fit in fits.iter_mut().take(STARTS).filter(|fit| fit.chi > LEFT) {
         *fit = engine.settle_random(fit, SETTLING);
+        // In an input of another size the declared numbers may have wandered off: once more from where they are declared.
+        if fit.chi > LEFT
+            && let Ok(again) = engine.climb(&Model { members: fit.model.members.clone(), ..declared.clone() }, false, 12)
+        {
+            let again = engine.settle_random(&again, SETTLING);
+            if again.total > fit.total {
+                *fit = again;
+            }
+        }
     }
     let best = likeliest(fits.iter()).filter(|fit| fit.chi > LEFT);
     fits.extend(best.and_then(|fit| grown(engine, fit, log)));
@@ -252,26 +264,56 @@ pub(super) fn start(engine: &Engine, fit: Fit, log: &mut Vec<String>) -> Option<
     Some(Start { total, at: fit.model, next })
 }
 
-/// A fit with one more random input, in the form and at the size of those tried that is likeliest; none where all make its runs less
-/// likely.
+/// Size of the last member as a share of the largest plausible.
+fn size_of(model: &Model) -> f64 {
+    model.members.last().map_or(0.0, |m| m.strengths().map(|i| m.values[i] / m.parameters[i].high).fold(0.0, f64::max))
+}
+
+/// A fit with one more random input, in the form and at the size of those tried that is likeliest; none where no such brings anything.
 pub(super) fn with_random(engine: &Engine, fit: &Fit) -> Option<Fit> {
+    /// Nats that are none, and that are worth a fit: what is found must bring several times as many.
+    const NONE: f64 = 0.1;
+    const WORTH: f64 = 1.0;
     let coarse = engine.coarse();
     let likelihood = |model: &Model| coarse.sum(model, &[], &[]).map_or(f64::NEG_INFINITY, |s| s.log_likelihood);
+    let here = likelihood(&fit.model);
     let absent = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random && !has(&fit.model, m));
-    let tries = absent.flat_map(|null| {
-        let forms = if engine.moves_air(&null) { null.forms() } else { scanned(&null) };
-        let pairs = forms.into_iter().flat_map(|form| LEVELS[2..].iter().map(move |level| (form.clone(), *level)));
-        pairs.map(|(form, level)| sized(&null, level, &form)).collect::<Vec<_>>()
-    });
-    let all = tries.map(|member| {
-        let mut model = fit.model.clone();
-        model.members.push(member);
-        (likelihood(&model), model)
-    });
-    let (best, model) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    if best <= likelihood(&fit.model) {
-        return None;
+    let absent: Vec<Member> = absent.collect();
+    // Of one form, down from the first size as long as each is likelier.
+    let best_size = |null: &Member, form: &[f64], sizes: &[f64]| {
+        let mut best = (f64::NEG_INFINITY, fit.model.clone());
+        for level in sizes {
+            let mut model = fit.model.clone();
+            model.members.push(sized(null, *level, form));
+            let there = likelihood(&model);
+            if there < best.0 {
+                break;
+            }
+            best = (there, model);
+            // What takes so little at that size brings nothing at a smaller one.
+            if (here - NONE..=here).contains(&there) {
+                break;
+            }
+        }
+        best
+    };
+    let best_of = |is_asked: &dyn Fn(&Member) -> bool, sizes: &[f64]| {
+        let asked = absent.iter().filter(|null| is_asked(null)).flat_map(|null| {
+            let forms = if engine.moves_air(null) { null.forms() } else { scanned(null) };
+            forms.into_iter().map(move |form| (null, form))
+        });
+        asked.map(|(null, form)| best_size(null, &form, sizes)).max_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let mut best = best_of(&|_| true, &LEVELS[2..])?;
+    // Of other inputs those of any size; gusts fainter than any tunnel's only where such are likelier, or nothing else brings anything.
+    if let Some(faint) = best_of(&|m| !engine.moves_air(m), &FAINTER).filter(|faint| faint.0 > best.0) {
+        best = faint;
     }
+    if best.0 <= here + WORTH || size_of(&best.1) < LEVELS[4] {
+        let faint = best_of(&|m| engine.moves_air(m), &FAINTER).filter(|faint| faint.0 > best.0);
+        best = faint.unwrap_or(best);
+    }
+    let (_, model) = Some(best).filter(|best| best.0 > here + WORTH)?;
     engine.climb(&model, false, 3).ok()
 }
 

@@ -1,6 +1,6 @@
 //! likelihood: all sets weighed at a model. In: a model. Out: sets by log marginal likelihood, and the model that a set makes.
 
-use super::{cost, families};
+use super::{against_family, cost};
 use crate::check::Alternative;
 use crate::engine::{Engine, always};
 use crate::gram::Gram;
@@ -83,7 +83,7 @@ fn outcome(engine: &Engine, model: &Model, gram: Gram, alternatives: usize, grou
         match id {
             Id::Strength(family, ..) => Some((family, cost(&Member::null(CATALOGUE[family], &engine.campaign), engine))),
             Id::Member(m, _) => Some((place_of(model.members[m].effect)?, cost(&model.members[m], engine))),
-            Id::Generic(i) => Some((GENERIC + group[i], families().ln() + (alternatives as f64).ln())),
+            Id::Generic(i) => Some((GENERIC + group[i], against_family().ln() + (alternatives as f64).ln())),
             _ => None,
         }
     };

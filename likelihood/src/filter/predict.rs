@@ -44,7 +44,7 @@ impl Filter<'_> {
     ) -> Option<()> {
         let nm = self.nm;
         let flown = self.flown(k, z, self.spread(p, k), work)?;
-        let (air, added) = self.air(z, k, Stage::Middle, [0.0; 3]);
+        let (air, added) = self.air(z, k, Stage::Quarter(2), [0.0; 3]);
         let local = self.craft.local(&flown.middle, air, &added, &mut work.terms)?;
         work.values.clone_from(&work.terms);
         self.transition(k, &local, !beside.is_empty(), work);
@@ -65,18 +65,33 @@ impl Filter<'_> {
         Some(())
     }
 
-    /// Motion over a step by the classical Runge-Kutta method.
+    /// Motion over a step by the classical Runge-Kutta method, in two halves: a moment by the clock angle turns within a node where the model
+    /// points into the wind.
     fn flown(&self, k: usize, z: &[f64], spread: [f64; 3], work: &mut Work) -> Option<FlownStep> {
-        let h = self.step_s;
-        let x0 = self.motion(z);
-        let from = |k: &[f64; MOTION], t: f64| -> [f64; MOTION] { std::array::from_fn(|i| x0[i] + t * k[i]) };
-        let k1 = self.rates_at(&x0, z, k, Stage::Start, spread, &mut work.terms)?;
-        let k2 = self.rates_at(&from(&k1, 0.5 * h), z, k, Stage::Middle, spread, &mut work.terms)?;
-        let k3 = self.rates_at(&from(&k2, 0.5 * h), z, k, Stage::Middle, spread, &mut work.terms)?;
-        let k4 = self.rates_at(&from(&k3, h), z, k, Stage::End, spread, &mut work.terms)?;
-        let x1: [f64; MOTION] = std::array::from_fn(|i| x0[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
-        let middle: [f64; MOTION] = std::array::from_fn(|i| 0.5 * (x0[i] + x1[i]) + 0.125 * h * (k1[i] - k4[i]));
-        Some(FlownStep { first: k1, middle, end: x1 })
+        let start = self.motion(z);
+        let (first, middle) = self.half_flown(k, z, &start, 0, spread, work)?;
+        let (_, end) = self.half_flown(k, z, &middle, 2, spread, work)?;
+        Some(FlownStep { first, middle, end })
+    }
+
+    /// Rates at the start of the half that begins at that quarter, and the motion at its end.
+    fn half_flown(
+        &self,
+        k: usize,
+        z: &[f64],
+        x: &[f64; MOTION],
+        quarter: u8,
+        spread: [f64; 3],
+        work: &mut Work,
+    ) -> Option<([f64; MOTION], [f64; MOTION])> {
+        let h = 0.5 * self.step_s;
+        let from = |k: &[f64; MOTION], t: f64| -> [f64; MOTION] { std::array::from_fn(|i| x[i] + t * k[i]) };
+        let mut rates = |x: &[f64; MOTION], on: u8| self.rates_at(x, z, k, Stage::Quarter(quarter + on), spread, &mut work.terms);
+        let k1 = rates(x, 0)?;
+        let k2 = rates(&from(&k1, 0.5 * h), 1)?;
+        let k3 = rates(&from(&k2, 0.5 * h), 1)?;
+        let k4 = rates(&from(&k3, h), 2)?;
+        Some((k1, std::array::from_fn(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))))
     }
 
     /// Push of the columns on the rates in the middle of a step.

@@ -6,6 +6,7 @@
 
 pub use crate::acts::Acts;
 use crate::plant::{Plant, trim_speed};
+use crate::scenario::Flight;
 
 // Files and list: `build.rs`.
 include!(concat!(env!("OUT_DIR"), "/catalogue.rs"));
@@ -141,6 +142,17 @@ pub fn act<'a>(plant: &mut Plant, effects: impl Iterator<Item = (&'static Effect
         values[i] = trim_m_s;
         (effect.apply)(plant, values);
     }
+}
+
+/// The same in the air of the first of these flights, where there is any.
+pub fn act_in_flights<'a>(
+    plant: &mut Plant,
+    effects: impl Iterator<Item = (&'static Effect, &'a mut [f64])>,
+    flights: &[Flight],
+) {
+    let density = |f: &Flight| plant.environment.density_kg_m3(f.ps_pa, f.ts_k);
+    let density_kg_m3 = flights.first().map_or(f64::NAN, density);
+    act(plant, effects, density_kg_m3);
 }
 
 /// The effect of that family for that kind of body.

@@ -9,7 +9,7 @@ use crate::coefficients::{CoefficientRow, coefficients};
 use crate::instrument::Sample;
 use crate::states::{State, state};
 use nalgebra::{DMatrix, DVector};
-use windfall_model::{Aero, Plant};
+use windfall_model::{Aero, Coefficient, Plant};
 
 /// Groups of accelerations: along X, across, roll, pitch and yaw.
 pub(super) const GROUPS: [&str; 4] = ["vertical", "lateral", "roll", "pitch and yaw"];
@@ -63,8 +63,9 @@ struct Equations {
     by: Vec<[f64; 6]>,
 }
 
-/// Fits the declared structure; `None` where flow or angles are not defined or nothing can be fitted.
-pub(super) fn balance(points: &[Point], plant: &Plant, declared: &[bool], seconds: f64) -> Option<Balance> {
+/// Fits the declared structure, and where `offset` says so constant pitching and yawing moments beside it (a centre of mass that is elsewhere);
+/// `None` where flow or angles are not defined or nothing can be fitted.
+pub(super) fn balance(points: &[Point], plant: &Plant, declared: &[bool], seconds: f64, offset: bool) -> Option<Balance> {
     let at = |p: &Point| {
         let density = plant.environment.density_kg_m3(p.ps_pa, p.ts_k);
         Some(state(p.t_s, &p.motion, density, plant))
@@ -82,7 +83,7 @@ pub(super) fn balance(points: &[Point], plant: &Plant, declared: &[bool], second
     // What is not fitted is taken off: effects that the plant has, and parameters that are not declared.
     let mut rest = plant.aero.clone();
     free.iter().for_each(|i| rest.values[*i] = 0.0);
-    let rows: Vec<Equations> = coefficients(&states, plant).iter().map(|r| equations(r, plant, &rest, &free)).collect();
+    let rows: Vec<Equations> = coefficients(&states, plant).iter().map(|r| equations(r, plant, &rest, &free, offset)).collect();
     let weight = GROUP.map(|g| rough[g].max(1e-9).powi(-2));
     let (first, _) = fit(&rows, &all, &weight, plant, &free)?;
     let mut order: Vec<(f64, usize)> = all.iter().map(|i| (size(&residual(&rows[*i], &first), &weight), *i)).collect();
@@ -119,7 +120,7 @@ fn signal(states: &[Seen], which: &[usize]) -> [f64; 4] {
 }
 
 /// `rest` is the plant's aerodynamics without what is fitted.
-fn equations(row: &CoefficientRow, plant: &Plant, rest: &Aero, free: &[usize]) -> Equations {
+fn equations(row: &CoefficientRow, plant: &Plant, rest: &Aero, free: &[usize], offset: bool) -> Equations {
     let v = &plant.vehicle;
     let force = row.q_pa * v.area_m2() / v.mass_kg;
     let turn = |inertia: f64| row.q_pa * v.area_m2() * v.diameter_m / inertia;
@@ -132,6 +133,12 @@ fn equations(row: &CoefficientRow, plant: &Plant, rest: &Aero, free: &[usize]) -
             by[column][k.coefficient as usize] += k.term.value(&row.flow) * scale[k.coefficient as usize];
         }
     }
+    let moments = if offset { &[Coefficient::Cm, Coefficient::Cn][..] } else { &[] };
+    by.extend(moments.iter().map(|c| {
+        let mut constant = [0.0; 6];
+        constant[*c as usize] = scale[*c as usize];
+        constant
+    }));
     Equations { wanted, by }
 }
 
@@ -151,8 +158,9 @@ fn fit(
     plant: &Plant,
     free: &[usize],
 ) -> Option<(DVector<f64>, DMatrix<f64>)> {
-    let n = free.len();
-    let declared = DVector::from_fn(n, |k, _| plant.aero.values[free[k]]);
+    // Offsets beside what is declared are none.
+    let n = rows.first().map_or(0, |e| e.by.len());
+    let declared = DVector::from_fn(n, |k, _| free.get(k).map_or(0.0, |i| plant.aero.values[*i]));
     let scale = declared.map(|v| v.abs().max(0.1));
     let mut normal = DMatrix::<f64>::zeros(n, n);
     let mut right = DVector::<f64>::zeros(n);

@@ -143,7 +143,7 @@ pub(super) fn celsius(instants: &[MotionSample]) -> Option<GrossFault> {
 fn fitted(campaign: &Campaign, plant: &Plant, instants: &[MotionSample]) -> Option<Balance> {
     let points: Vec<Point> = instants.iter().map(|i| Act::Late(0).apply(i)).collect();
     let seconds: f64 = instants.iter().map(|i| i.span_s).sum();
-    balance(&points, plant, &campaign.declared, seconds.max(1.0 / PER_S))
+    balance(&points, plant, &campaign.declared, seconds.max(1.0 / PER_S), false)
 }
 
 /// Fitted over declared axial force: how well weight and drag agree.

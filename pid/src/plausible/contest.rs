@@ -50,23 +50,33 @@ fn aerodynamics(ratio: &[Ratio]) -> f64 {
     ratio.iter().filter(determined).map(one).sum()
 }
 
-/// One reading; what it leaves is measured against the accelerations of `as_recorded` where it keeps their size.
-fn outcome(
-    act: Act,
-    change: Option<Change>,
-    campaign: &Campaign,
-    plant: &Plant,
-    instants: &[MotionSample],
+/// What every reading of a record is held against.
+struct Held<'a> {
+    campaign: &'a Campaign,
+    /// Length of the record that counts.
     seconds: f64,
-    as_recorded: Option<&Balance>,
-) -> Option<(Outcome, Balance)> {
-    let points: Vec<Point> = instants.iter().map(|i| act.apply(i)).collect();
-    let b = balance(&points, plant, &campaign.declared, seconds)?;
-    let signal = as_recorded.filter(|_| act.keeps_size()).map_or(b.signal, |r| r.signal);
-    let share: [f64; 4] = std::array::from_fn(|g| b.left[g] / signal[g].max(1e-12));
-    let left: f64 = COUNTED.iter().map(|g| share[*g].max(FLOOR).ln()).sum();
-    let cost = [seconds * PER_S * left, aerodynamics(&b.ratio)];
-    Some((Outcome { change, share, cost }, b))
+    /// The record as it stands, where it can be fitted.
+    as_recorded: Option<Balance>,
+}
+
+impl Held<'_> {
+    /// One reading; what it leaves is measured against the accelerations as recorded where it keeps their size. `offset`: with constant moments.
+    fn outcome(
+        &self,
+        act: Act,
+        change: Option<Change>,
+        plant: &Plant,
+        offset: bool,
+        instants: &[MotionSample],
+    ) -> Option<(Outcome, Balance)> {
+        let points: Vec<Point> = instants.iter().map(|i| act.apply(i)).collect();
+        let b = balance(&points, plant, &self.campaign.declared, self.seconds, offset)?;
+        let signal = self.as_recorded.as_ref().filter(|_| act.keeps_size()).map_or(b.signal, |r| r.signal);
+        let share: [f64; 4] = std::array::from_fn(|g| b.left[g] / signal[g].max(1e-12));
+        let left: f64 = COUNTED.iter().map(|g| share[*g].max(FLOOR).ln()).sum();
+        let cost = [self.seconds * PER_S * left, aerodynamics(&b.ratio)];
+        Some((Outcome { change, share, cost }, b))
+    }
 }
 
 /// A fault, where one reading is far better than the record as it stands.
@@ -83,23 +93,26 @@ pub(super) fn fault(
     // A clock in other units says nothing of how long the runs are.
     let seconds = recorded.clamp(5.0, 100.0);
     let declared = &campaign.plant;
-    let now = outcome(Act::Late(0), None, campaign, declared, instants, seconds, None);
-    let reference = now.as_ref().map(|(_, b)| b);
-    let readings =
-        all().into_iter().filter_map(|c| Some(outcome(c.act, Some(c), campaign, declared, instants, seconds, reference)?.0));
-    let turned =
-        turned.into_iter().filter_map(|(c, own)| Some(outcome(c.act, Some(c), campaign, declared, &own, seconds, reference)?.0));
+    let mut held = Held { campaign, seconds, as_recorded: None };
+    let now = held.outcome(Act::Late(0), None, declared, false, instants).map(|(now, b)| {
+        held.as_recorded = Some(b);
+        now
+    });
+    let read = |c: Change, own: &[MotionSample]| Some(held.outcome(c.act, Some(c), declared, false, own)?.0);
+    let readings = all().into_iter().filter_map(|c| read(c, instants));
+    let turned = turned.into_iter().filter_map(|(c, own)| read(c, &own));
     let list: Vec<Outcome> = readings.chain(turned).collect();
     let least = list.iter().map(Outcome::total).fold(f64::INFINITY, f64::min);
-    let lead = now.as_ref().map_or(0.0, |n| n.0.total() - least).max(0.0);
+    let lead = now.as_ref().map_or(0.0, |n| n.total() - least).max(0.0);
     let best = list.iter().find(|o| o.total() < least + ALIKE.max(ALIKE_SHARE * lead))?;
     let change = best.change.as_ref()?;
     let evidence = match &now {
-        Some((now, _)) => {
+        Some(now) => {
             let evidence = against(now, best)?;
-            let mut sound = effects(campaign, instants).into_iter().flat_map(|p| (0..=DELAYS).map(move |k| (p.clone(), k)));
-            let explained = |(plant, k): (Plant, usize)| {
-                let o = outcome(Act::Late(k), None, campaign, &plant, instants, seconds, reference);
+            let plants = effects(campaign, instants).into_iter().map(|p| (p, false)).chain([(declared.clone(), true)]);
+            let mut sound = plants.flat_map(|(p, offset)| (0..=DELAYS).map(move |k| (p.clone(), offset, k)));
+            let explained = |(plant, offset, k): (Plant, bool, usize)| {
+                let o = held.outcome(Act::Late(k), None, &plant, offset, instants);
                 o.is_some_and(|o| against(&o.0, best).is_none())
             };
             if sound.any(explained) {

@@ -1,0 +1,97 @@
+//! likelihood: effects that their own errors cannot tell from none. In: the best set. Out: the same without them.
+//!
+//! A set's probability takes the noise's and the gusts' spectra for certain; where they are others, effects make up for the difference and seem
+//! sure. The errors that are stated hold whatever those are (`robust.rs`), and an effect whose strengths they do not tell from zero (Wald's test
+//! with the sandwich: White, Econometrica 50, 1982; Kent, Biometrika 69, 1982) is not there as far as the runs can say.
+
+use super::polish::names;
+use super::weigh::{Weighed, weigh};
+use super::{LEFT, describe};
+use crate::engine::{Engine, Fit};
+use crate::model::Id;
+use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+use windfall_model::Role;
+
+/// Probability of strengths as large by chance from which on they are told from none.
+const BY_CHANCE: f64 = 0.01;
+/// Most steps of a climb and of scoring without such an effect.
+const STEPS: [usize; 2] = [10, 6];
+
+/// A fit without effects that its errors do not tell from none, the least sure first, and all sets without them weighed there. One without which
+/// more than noise is left stays: something is there, and its numbers are what is not known.
+pub(super) fn told_from_none(engine: &Engine, mut fit: Fit, mut weighed: Weighed, log: &mut Vec<String>) -> (Fit, Weighed) {
+    let mut kept: Vec<&'static str> = Vec::new();
+    let mut gone: Vec<&'static str> = Vec::new();
+    loop {
+        let robust = engine.robust(&fit);
+        let open = (0..fit.model.members.len()).filter(|&k| {
+            let m = &fit.model.members[k];
+            !m.declared && !m.random && !kept.contains(&m.effect.family)
+        });
+        let chances = open.filter_map(|k| Some((k, by_chance(&robust, k)?)));
+        let Some((k, chance)) = chances.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, chance)| *chance > BY_CHANCE) else {
+            break;
+        };
+        let family = fit.model.members[k].effect.family;
+        let mut without = fit.model.clone();
+        without.members.remove(k);
+        let less = engine.climb(&without, true, STEPS[0]).map(|less| engine.settle_random(&less, STEPS[1]));
+        match less.ok().filter(|less| less.chi < LEFT).and_then(|less| Some((weigh(engine, &less.model)?, less))) {
+            Some((again, less)) => {
+                log.push(format!(
+                    "{family} is as large by chance with {chance:.2}; {:.1} nats less without it: {}",
+                    fit.total - less.total,
+                    describe(&less.model)
+                ));
+                (fit, weighed) = (less, again);
+                gone.push(family);
+                weighed.leave_out(&gone);
+            }
+            None => kept.push(family),
+        }
+    }
+    if !gone.is_empty() {
+        log.push(format!("told from none: {}", names(&fit.model)));
+    }
+    (fit, weighed)
+}
+
+/// Probability that a member's strengths are as large by chance, together or the surest alone, whichever says less; none where it has none in the
+/// fit. Together: two that stand for each other may be known well where each of them is not. Alone: of three that gusts which are not seen move in
+/// step the differences seem known to a hundredth of each.
+fn by_chance(fit: &Fit, member: usize) -> Option<f64> {
+    let of_member =
+        |id: Id| matches!(id, Id::Member(m, i) if m == member && fit.model.members[m].parameters[i].role == Role::Strength);
+    let places: Vec<usize> =
+        (0..fit.numbers.len()).filter(|&i| of_member(fit.numbers[i].id) && fit.numbers[i].value.abs() > 0.0).collect();
+    let strengths = DVector::from_iterator(places.len(), places.iter().map(|&i| fit.numbers[i].value));
+    let covariance = DMatrix::from_fn(places.len(), places.len(), |i, k| fit.covariance[(places[i], places[k])]);
+    let alone = |i: usize| wald(&strengths.rows(i, 1).into_owned(), covariance.view((i, i), (1, 1)).into_owned());
+    let surest = (0..places.len()).filter_map(alone).fold(1.0, f64::min);
+    Some(wald(&strengths, covariance.clone())?.max(surest))
+}
+
+/// Probability that numbers with this covariance about zero are as far from it.
+fn wald(numbers: &DVector<f64>, covariance: DMatrix<f64>) -> Option<f64> {
+    let distance = numbers.dot(&covariance.cholesky()?.solve(numbers));
+    Some(ChiSquared::new(numbers.len() as f64).ok()?.sf(distance))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By the closed forms: erfc(z/√2) of one number, exp(−z²/2) of two, and of two that are each uncertain but not their sum.
+    #[test]
+    fn exact_chance_of_numbers_as_large() {
+        let one = wald(&DVector::from_element(1, 0.98), DMatrix::from_element(1, 1, 0.25)).expect("definite");
+        assert!((one - 0.049_995_79).abs() < 1e-7, "{one}");
+        let two = wald(&DVector::from_vec(vec![3.0, 0.0]), DMatrix::identity(2, 2)).expect("definite");
+        assert!((two - (-4.5_f64).exp()).abs() < 1e-12, "{two}");
+        let c = DMatrix::from_row_slice(2, 2, &[1.0, -0.99, -0.99, 1.0]);
+        let sum = wald(&DVector::from_vec(vec![0.5, 0.5]), c).expect("definite");
+        assert!((sum - (-0.5_f64 * 0.5 / 0.01).exp()).abs() < 1e-12, "{sum}");
+        assert!(wald(&DVector::zeros(0), DMatrix::zeros(0, 0)).is_none());
+    }
+}
