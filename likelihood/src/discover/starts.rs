@@ -66,18 +66,7 @@ pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -
     // Gusts too weak for what the model lacks push its numbers far off, and sets weighed there promise what is not: the best fit's gusts are
     // given the size that they have beside it.
     fits.sort_by(|a, b| b.total.total_cmp(&a.total));
-    for fit in fits.iter_mut().take(STARTS).filter(|fit| fit.chi > LEFT) {
-        *fit = engine.settle_random(fit, SETTLING);
-        // In an input of another size the declared numbers may have wandered off: once more from where they are declared.
-        if fit.chi > LEFT
-            && let Ok(again) = engine.climb(&Model { members: fit.model.members.clone(), ..declared.clone() }, false, 12)
-        {
-            let again = engine.settle_random(&again, SETTLING);
-            if again.total > fit.total {
-                *fit = again;
-            }
-        }
-    }
+    fits.iter_mut().take(STARTS).filter(|fit| fit.chi > LEFT).for_each(|fit| *fit = settled(engine, declared, fit));
     let best = likeliest(fits.iter()).filter(|fit| fit.chi > LEFT);
     fits.extend(best.and_then(|fit| grown(engine, fit, log)));
     // Poor fits are struck everywhere: only the best is asked.
@@ -91,6 +80,19 @@ pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -
         }
     }
     if distinct.is_empty() { Err(last) } else { Ok(distinct) }
+}
+
+/// A fit with its random inputs settled. In inputs of another size the declared numbers may have wandered off: once more from where they are
+/// declared, where that is likelier.
+fn settled(engine: &Engine, declared: &Model, fit: &Fit) -> Fit {
+    let fit = engine.settle_random(fit, SETTLING);
+    if fit.chi < LEFT {
+        return fit;
+    }
+    match engine.climb(&Model { members: fit.model.members.clone(), ..declared.clone() }, false, 12) {
+        Ok(again) => likeliest([fit, engine.settle_random(&again, SETTLING)].into_iter()).unwrap_or(again),
+        Err(_) => fit,
+    }
 }
 
 /// Fits in gusts from wide to narrow, each starting from the one before, in the likeliest form; the last model, its gusts taken out.
