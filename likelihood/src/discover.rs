@@ -420,17 +420,20 @@ fn describe(model: &Model) -> String {
     words.join(" + ")
 }
 
+/// Places of a member's strengths among a fit's numbers.
+fn strengths(fit: &Fit, member: usize) -> impl Iterator<Item = usize> {
+    let is_strength =
+        move |id: Id| matches!(id, Id::Member(m, i) if m == member && fit.model.members[m].parameters[i].role == Role::Strength);
+    (0..fit.numbers.len()).filter(move |&i| is_strength(fit.numbers[i].id))
+}
+
 /// Log marginal likelihood of a fit with what its members cost a priori taken off, its random members' numbers integrated over.
 fn score(engine: &Engine, fit: &Fit) -> f64 {
-    let is_strength = |id: Id| {
-        let Id::Member(m, i) = id else { return false };
-        let m = &fit.model.members[m];
-        !m.declared && !m.random && m.parameters[i].role == Role::Strength
-    };
-    let variances = fit.covariance.diagonal();
-    let strengths = fit.numbers.iter().zip(variances.iter()).filter(|(n, _)| is_strength(n.id));
-    let sizes: f64 = strengths.map(|(n, variance)| of_any_size(n.value, *variance, n.prior)).sum();
-    let costs: f64 = fit.model.members.iter().filter(|m| !m.declared).map(|m| cost(m, engine)).sum();
+    let members = &fit.model.members;
+    let effects = (0..members.len()).filter(|&k| !members[k].declared && !members[k].random);
+    let of_size = |i: usize| of_any_size(fit.numbers[i].value, fit.covariance[(i, i)], fit.numbers[i].prior);
+    let sizes: f64 = effects.flat_map(|k| strengths(fit, k)).map(of_size).sum();
+    let costs: f64 = members.iter().filter(|m| !m.declared).map(|m| cost(m, engine)).sum();
     fit.total + sizes - costs - engine.random_price(&fit.model)
 }
 

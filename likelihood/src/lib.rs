@@ -41,4 +41,4 @@ pub use innovations::Innovations;
 pub use model::{Id, Member, Model, Number};
 pub use noise::{ChannelNoise, declared as declared_noise};
 pub use random_range::RandomRange;
-pub use search::{Set, Unit};
+pub use search::{Set, Unit, log_mean};

@@ -1,7 +1,7 @@
 //! likelihood: which set of effects. In: normal equations of all candidates. Out: sets with their log marginal likelihood, best first.
 //!
 //! Singles, pairs, and larger sets grown from the best; every set is weighed anew, so that a member which another makes needless
-//! drops out. A family costs the logarithm of the number of families, a form that of its family's forms.
+//! drops out. A family costs the logarithm of the odds against it, a form that of its family's forms.
 
 use crate::gram::Gram;
 use crate::model::Id;
@@ -128,8 +128,14 @@ pub(crate) fn of_any_size(mean: f64, variance: f64, prior: f64) -> f64 {
         -0.5 * (at * at / spread + spread.ln())
     };
     let all = WIDTHS.map(log);
-    let most = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    most + (all.iter().map(|l| (l - most).exp()).sum::<f64>() / WIDTHS.len() as f64).ln() - all[0]
+    log_mean(&all) - all[0]
+}
+
+/// Logarithm of the mean of what these are logarithms of; at least one, finite.
+#[must_use]
+pub fn log_mean(logs: &[f64]) -> f64 {
+    let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    most + (logs.iter().map(|l| (l - most).exp()).sum::<f64>() / logs.len() as f64).ln()
 }
 
 /// Units of numbers: strengths of one form together.

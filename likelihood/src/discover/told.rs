@@ -6,12 +6,10 @@
 
 use super::polish::names;
 use super::weigh::{Weighed, weigh};
-use super::{LEFT, describe};
+use super::{LEFT, describe, strengths};
 use crate::engine::{Engine, Fit};
-use crate::model::Id;
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
-use windfall_model::Role;
 
 /// Probability of strengths as large by chance from which on they are told from none.
 const BY_CHANCE: f64 = 0.01;
@@ -61,15 +59,12 @@ pub(super) fn told_from_none(engine: &Engine, mut fit: Fit, mut weighed: Weighed
 /// fit. Together: two that stand for each other may be known well where each of them is not. Alone: of three that gusts which are not seen move in
 /// step the differences seem known to a hundredth of each.
 fn by_chance(fit: &Fit, member: usize) -> Option<f64> {
-    let of_member =
-        |id: Id| matches!(id, Id::Member(m, i) if m == member && fit.model.members[m].parameters[i].role == Role::Strength);
-    let places: Vec<usize> =
-        (0..fit.numbers.len()).filter(|&i| of_member(fit.numbers[i].id) && fit.numbers[i].value.abs() > 0.0).collect();
-    let strengths = DVector::from_iterator(places.len(), places.iter().map(|&i| fit.numbers[i].value));
+    let places: Vec<usize> = strengths(fit, member).filter(|&i| fit.numbers[i].value.abs() > 0.0).collect();
+    let values = DVector::from_iterator(places.len(), places.iter().map(|&i| fit.numbers[i].value));
     let covariance = DMatrix::from_fn(places.len(), places.len(), |i, k| fit.covariance[(places[i], places[k])]);
-    let alone = |i: usize| wald(&strengths.rows(i, 1).into_owned(), covariance.view((i, i), (1, 1)).into_owned());
+    let alone = |i: usize| wald(&values.rows(i, 1).into_owned(), covariance.view((i, i), (1, 1)).into_owned());
     let surest = (0..places.len()).filter_map(alone).fold(1.0, f64::min);
-    Some(wald(&strengths, covariance.clone())?.max(surest))
+    Some(wald(&values, covariance.clone())?.max(surest))
 }
 
 /// Probability that numbers with this covariance about zero are as far from it.

@@ -6,6 +6,7 @@ use crate::DiscoverError;
 use crate::tracks::{EffectInstance, Free, Problem, TrackEvidence, TrackFit, TrackModel};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use windfall_likelihood::log_mean;
 use windfall_model::{Campaign, Effect, Measured, Role};
 
 /// Log odds by which a larger set must beat a smaller one: gains are held back already by what few runs know of their scatter
@@ -220,8 +221,7 @@ impl<'a> TrackContest<'a> {
             self.marginal(fit, &width)
         });
         let all: Vec<f64> = each.collect();
-        let top = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let mean = top + (all.iter().map(|x| (x - top).exp()).sum::<f64>() / ways as f64).ln();
+        let mean = log_mean(&all);
         let added = fit.free.len().saturating_sub(self.declared.fit.free.len());
         let gain = (fit.log_likelihood - self.declared.fit.log_likelihood) * self.factor(added);
         gain + mean - families as f64 * (self.families.len() as f64).ln()
