@@ -6,7 +6,7 @@
 use crate::run::whole;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
-use windfall_model::{Data, PerChannel, Record, Run};
+use windfall_model::{Data, POSE, PerChannel, Record, Run};
 
 /// Longest gap, s: the tunnel speed is interpolated across it, which changes over seconds.
 const LONGEST_GAP_S: f64 = 0.5;
@@ -36,17 +36,21 @@ pub(crate) fn joined(runs: &mut [Run], indices: &[usize]) -> Vec<usize> {
     left
 }
 
-/// A run, the one that goes on where it ended, and how many samples are missing between them.
+/// A run, the one that goes on where it ended, and how many samples are missing between them: of all pairs the one that meets best.
 fn pair(runs: &[Run], left: &[usize], variances: &BTreeMap<usize, PerChannel<f64>>) -> Option<(usize, usize, usize)> {
-    let mut all = left.iter().flat_map(|&a| left.iter().map(move |&b| (a, b))).filter(|(a, b)| a != b);
-    all.find_map(|(a, b)| {
+    let all = left.iter().flat_map(|&a| left.iter().map(move |&b| (a, b))).filter(|(a, b)| a != b);
+    let pairs = all.filter_map(|(a, b)| {
         let (x, y) = (variances.get(&a)?, variances.get(&b)?);
         let mean = std::array::from_fn(|c| 0.5 * (x[c] + y[c]));
-        Some((a, b, missing_between(&runs[a], &runs[b], &mean)?))
-    })
+        let (missing, apart) = between(&runs[a], &runs[b], &mean)?;
+        Some((a, b, missing, apart))
+    });
+    let (a, b, missing, _) = pairs.min_by(|x, y| x.3.total_cmp(&y.3))?;
+    Some((a, b, missing))
 }
 
-fn missing_between(a: &Run, b: &Run, variances: &PerChannel<f64>) -> Option<usize> {
+/// Samples missing between two runs of which the second goes on where the first ended, and how far apart they are, as a share of the farthest.
+fn between(a: &Run, b: &Run, variances: &PerChannel<f64>) -> Option<(usize, f64)> {
     let (Data::Tunnel(first), Data::Tunnel(second)) = (&a.data, &b.data) else { return None };
     let (dt, same) = (first.interval_s(), a.kind == b.kind && a.used == b.used && a.inputs == b.inputs);
     if !same
@@ -59,21 +63,31 @@ fn missing_between(a: &Run, b: &Run, variances: &PerChannel<f64>) -> Option<usiz
     let on_one_clock = steps > 0.5 && steps * dt < LONGEST_GAP_S && (steps - steps.round()).abs() < JITTER;
     // On another clock nothing is known to be missing.
     let steps = if on_one_clock { whole(steps) } else { 1 };
-    goes_on(first, second, steps, variances).then_some(steps - 1)
+    let apart = if steps == 1 {
+        if goes_on(first, second, variances) { 0.0 } else { 1.0 }
+    } else if first.piece_of == second.piece_of {
+        bent(first, second, steps as f64 * dt)
+    } else {
+        // Every clock may start at zero: after a gap a piece of one file goes on at a time at which another's does.
+        1.0
+    };
+    (apart < 1.0).then_some((steps - 1, apart))
 }
 
-/// Whether the second record's pose and tunnel speed are where the first's lead to, `steps` intervals later.
-fn goes_on(first: &Record, second: &Record, steps: usize, variances: &PerChannel<f64>) -> bool {
-    let dt = first.interval_s();
+/// How much a body's path must bend to go on with a second record, a gap after the first's end, over the most that it may.
+fn bent(first: &Record, second: &Record, gap_s: f64) -> f64 {
+    let of = |c: usize| {
+        let [from, to] = ends(first, second, c);
+        let bend = (if c < 3 { ACCELERATION } else { TURNING }) * gap_s;
+        let aside = (to[0] - from[0] - 0.5 * gap_s * (from[1] + to[1])).abs() / (0.25 * bend * gap_s);
+        aside.max((to[1] - from[1]).abs() / bend)
+    };
+    (0..POSE).map(of).fold(0.0, f64::max)
+}
+
+/// Whether the second record's pose and tunnel speed are where the first's lead to, an interval later.
+fn goes_on(first: &Record, second: &Record, variances: &PerChannel<f64>) -> bool {
     let measured = |r: &Record, rows: std::ops::Range<usize>| rows.into_iter().all(|i| r.is_measured(i));
-    if steps > 1 {
-        let gap_s = steps as f64 * dt;
-        return (0..6).all(|c| {
-            let [from, to] = ends(first, second, c);
-            let bend = (if c < 3 { ACCELERATION } else { TURNING }) * gap_s;
-            (to[0] - from[0] - 0.5 * gap_s * (from[1] + to[1])).abs() < 0.25 * bend * gap_s && (to[1] - from[1]).abs() < bend
-        });
-    }
     measured(first, first.len() - SIDE..first.len())
         && measured(second, 0..SIDE)
         && (0..7).all(|c| {
@@ -256,5 +270,31 @@ mod tests {
         let mut away = second(750, whole.t_s[750]);
         away.position_m[1].iter_mut().for_each(|y| *y += 1.0);
         assert!(joins(away).is_none(), "a metre away");
+    }
+
+    /// Two flights, each on a clock from zero, that hang in nearly the same place and are cut by gaps that overlap: every piece goes on with its own
+    /// file's next one, and where that was too short to be kept, with none.
+    #[test]
+    fn law_a_piece_goes_on_in_its_own_file() {
+        let dt = 1.0 / 150.0;
+        let still = |x: f64| {
+            let mut r = swinging(0.0);
+            r.position_m[0].iter_mut().for_each(|v| *v = 0.01 * *v + x);
+            r.attitude_rad.iter_mut().flatten().for_each(|v| *v *= 0.01);
+            r
+        };
+        let flights = [still(0.2), still(0.25)];
+        let piece = |flight: usize, rows: std::ops::Range<usize>| {
+            let mut r = part(&flights[flight], rows.clone(), rows.start as f64 * dt, 0.0);
+            r.piece_of = Some(format!("flight {flight}"));
+            r
+        };
+        let all = [piece(0, 0..700), piece(1, 0..690), piece(0, 730..1500), piece(1, 725..1500)];
+        let mut c = runs(all.to_vec());
+        assert_eq!(joined(&mut c, &[0, 1, 2, 3]), [0, 1]);
+        assert!((record(&c, 0).position_m[0][1000] - flights[0].position_m[0][1000]).abs() < 1e-12);
+        assert!((record(&c, 1).position_m[0][1000] - flights[1].position_m[0][1000]).abs() < 1e-12);
+        let mut c = runs(vec![all[0].clone(), all[3].clone()]);
+        assert_eq!(joined(&mut c, &[0, 1]), [0, 1]);
     }
 }

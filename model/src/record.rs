@@ -25,6 +25,8 @@ pub struct Record {
     /// For each sample, whether any of the seven motion signals was filled in there (a missing row or value bridged, a spike
     /// replaced) and not measured; empty when all were measured.
     pub bridged: Vec<bool>,
+    /// Name of the run whose file long gaps cut into pieces, of which this is one; none where the run is whole.
+    pub piece_of: Option<String>,
 }
 
 impl Record {
@@ -74,13 +76,13 @@ impl Record {
     #[must_use]
     pub fn slow_mut(&mut self) -> [Option<&mut Vec<f64>>; 3] {
         // Every field is named, so that a new one is asked for here.
-        let Self { t_s: _, position_m: _, attitude_rad: _, vw_m_s: _, bridged: _, ps_pa, ts_k, qw_pa } = self;
+        let Self { t_s: _, position_m: _, attitude_rad: _, vw_m_s: _, bridged: _, piece_of: _, ps_pa, ts_k, qw_pa } = self;
         [Some(ps_pa), Some(ts_k), qw_pa.as_mut()]
     }
     /// The same, to be read.
     #[must_use]
     pub fn slow(&self) -> [Option<&[f64]>; 3] {
-        let Self { t_s: _, position_m: _, attitude_rad: _, vw_m_s: _, bridged: _, ps_pa, ts_k, qw_pa } = self;
+        let Self { t_s: _, position_m: _, attitude_rad: _, vw_m_s: _, bridged: _, piece_of: _, ps_pa, ts_k, qw_pa } = self;
         [Some(ps_pa), Some(ts_k), qw_pa.as_deref()]
     }
     /// The samples of `rows`, in their own time.

@@ -73,6 +73,7 @@ pub(crate) fn named_pieces(
     let many = pieces.len() > 1;
     let named = |(i, mut p): (usize, Piece)| {
         p.notes.extend(units::warnings(&p.record));
+        p.record.piece_of = many.then(|| stem.to_owned());
         (if many { format!("{stem}-{}", letters(i)) } else { stem.to_owned() }, p)
     };
     Ok(pieces.into_iter().enumerate().map(named).collect())

@@ -63,7 +63,7 @@ pub(crate) fn recorded(plant: &Plant, flight: &Flight, truth: &Truth, seed: Seed
         vw_m_s,
         ps_pa: vec![flight.ps_pa; n],
         ts_k: vec![flight.ts_k; n],
-        bridged: Vec::new(),
+        ..Record::default()
     }
 }
 
