@@ -11,7 +11,7 @@
 //! only the form says so: the part that is not seen may be twice as large.
 
 use crate::blown::Blown;
-use crate::engine::{Engine, Fit};
+use crate::engine::{Engine, Fit, penalty};
 use crate::model::Model;
 use crate::random_fit::{log_range, random_numbers};
 use nalgebra::DMatrix;
@@ -131,14 +131,14 @@ impl Engine {
         all
     }
 
-    /// The posterior along a shape, its size the likeliest everywhere, from one end to the other.
+    /// The posterior along a shape, its size and all other numbers but those of random members the likeliest everywhere, from one end to the other.
     fn ridge(&self, model: &Model, [shape, size]: [(usize, usize); 2], first: f64, slope: f64, steep: f64) -> Vec<RidgePoint> {
         let log = |(m, i): (usize, usize)| model.members[m].values[i].max(1e-12).ln();
         let [low, high] = log_range(model, shape.0, shape.1);
-        let Some(top) = self.across(model, [shape, size], [log(shape), log(size)], steep) else { return Vec::new() };
+        let Some((top, _)) = self.across(model, [shape, size], [log(shape), log(size)], steep) else { return Vec::new() };
         let mut all = vec![top];
         for way in [-1.0, 1.0] {
-            let (mut last, mut stride) = (top, way * first.min(LONGEST_FIRST));
+            let (mut last, mut followed, mut stride) = (top, model.clone(), way * first.min(LONGEST_FIRST));
             for _ in 0..MOST {
                 let next = (last.shape + stride).clamp(low, high);
                 stride *= GROWTH;
@@ -146,9 +146,9 @@ impl Engine {
                     break;
                 }
                 let guess = last.size + slope * (next - last.shape);
-                let Some(point) = self.across(model, [shape, size], [next, guess], steep) else { break };
+                let Some((point, there)) = self.across(&followed, [shape, size], [next, guess], steep) else { break };
                 all.push(point);
-                last = point;
+                (last, followed) = (point, there);
                 if point.height < top.height - FALLEN {
                     break;
                 }
@@ -158,24 +158,41 @@ impl Engine {
         all
     }
 
-    /// The likeliest size at a value of a shape, by a parabola through three sizes.
-    fn across(&self, model: &Model, [shape, size]: [(usize, usize); 2], [at, guess]: [f64; 2], steep: f64) -> Option<RidgePoint> {
-        let sized = |by: f64| {
+    /// The likeliest size at a value of a shape, by a parabola through three sizes, and the model with all other numbers but those of random members
+    /// moved there: what gusts of another length leave of the motion damping and stiffness take up.
+    fn across(
+        &self,
+        model: &Model,
+        [shape, size]: [(usize, usize); 2],
+        [at, guess]: [f64; 2],
+        steep: f64,
+    ) -> Option<(RidgePoint, Model)> {
+        let sized = |model: &Model, by: f64| {
             let mut model = model.clone();
             model.members[shape.0].values[shape.1] = at.exp();
             model.members[size.0].values[size.1] = (guess + by).exp();
             model
         };
-        let (middle, others) = self.likelihoods_beside(&sized(0.0), &[sized(-ACROSS), sized(ACROSS)])?;
-        let [below, above] = others[..] else { return None };
+        let start = sized(model, 0.0);
+        let (gram, _) = self.gram(&start, self.free(&start, true)).ok()?;
+        let mut moved = start.clone();
+        let (_, step, _) = gram.laplace()?;
+        gram.numbers.iter().zip(step.iter()).for_each(|(n, s)| moved.change(n, *s));
+        let heights = |model: &Model| {
+            let (middle, others) = self.likelihoods_beside(model, &[sized(model, -ACROSS), sized(model, ACROSS)])?;
+            Some(([others[0], middle, others[1]], penalty(&self.free(model, true))))
+        };
+        let before = gram.log_likelihood - penalty(&gram.numbers);
+        let moved_heights = heights(&moved).filter(|(here, penalty)| here[1] - penalty > before).map(|h| (h, moved));
+        let (([below, middle, above], penalty), model) = moved_heights.or_else(|| Some((heights(&start)?, start)))?;
         let slope = (above - below) / (2.0 * ACROSS);
         let bend = (2.0 * middle - above - below) / (ACROSS * ACROSS);
         if bend <= 0.0 {
             return None;
         }
         let by = (slope / bend).clamp(-FARTHEST, FARTHEST);
-        let top = middle + slope * by - 0.5 * bend * by * by;
-        Some(RidgePoint { shape: at, height: top / steep, size: guess + by, spread: (steep / bend).sqrt() })
+        let top = middle - penalty + slope * by - 0.5 * bend * by * by;
+        Some((RidgePoint { shape: at, height: top / steep, size: guess + by, spread: (steep / bend).sqrt() }, model))
     }
 }
 
