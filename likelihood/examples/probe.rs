@@ -1,4 +1,5 @@
 //! Fits given members at given values: `probe CAMPAIGN "loose-mass=0.04,1.2,0.04,0.1+swirl=0.1"`.
+//! `STEPS` of the environment: most steps of the climb (20).
 #![expect(clippy::print_stdout, reason = "an example prints")]
 use windfall_likelihood::{Engine, Member, Model};
 use windfall_model::{CATALOGUE, Use};
@@ -19,7 +20,8 @@ fn main() {
             }
             model.members.push(m);
         }
-        match engine.climb(&model, true, 20) {
+        let steps = std::env::var("STEPS").ok().and_then(|s| s.parse().ok()).unwrap_or(20);
+        match engine.climb(&model, true, steps) {
             Ok(f) => {
                 println!(
                     "{spec}: LL {:.1} total {:.1} chi {:.3} {}",

@@ -103,6 +103,9 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let (after, weighed, contest, faint) = against_gusts(engine, after, weighed, contest, &mut log);
     let is_faint = !faint.is_empty();
     let (contest, faint) = against_free_accelerations(engine, &after, faint, contest, &mut log);
+    let weighing = &*engine;
+    let engine = &weighing.without_priors_of_strengths();
+    let after = engine.climb(&after.model, true, 10).unwrap_or(after);
     let after = engine.settle_exactly(&after);
     let before = declared_alone(engine, &declared, &after);
     let sets = named(&weighed, &after.model);

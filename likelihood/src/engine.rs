@@ -5,7 +5,7 @@ use crate::filter::{Departed, Keep, PassSetting, Seen, pass};
 use crate::gram::Gram;
 use crate::hum::{Hum, take_off};
 use crate::joined::joined;
-use crate::model::{Id, Member, Model, Number, VAGUE_PRIOR};
+use crate::model::{Id, Member, Model, Number, PLAUSIBLE, VAGUE_PRIOR};
 use crate::noise::{ChannelNoise, declared, learn};
 use crate::random::Spectra;
 use crate::run::Prepared;
@@ -28,6 +28,8 @@ pub struct Engine {
     pub hum: Vec<Hum>,
     /// Freedom of the accelerations at a search's start, zero otherwise.
     pub(crate) slack: f64,
+    /// Prior standard deviations of effects' strengths, as a multiple of those with which sets are weighed.
+    pub(crate) strength_priors: f64,
     /// Forms of the gusts' spectra.
     pub(crate) spectra: Spectra,
     /// Mean square of what is not seen of the gusts, as a multiple of what their form leaves: one but for [`Engine::robust`].
@@ -156,6 +158,7 @@ impl Engine {
             noise,
             hum,
             slack: 0.0,
+            strength_priors: 1.0,
             exact_gusts: false,
             spectra: Spectra::default(),
             unseen: 1.0,
@@ -364,6 +367,12 @@ impl Engine {
         moved.filter_map(|d| if let Entry::AirVelocity(axis) = d.entry { Some(axis) } else { None }).min()
     }
 
+    /// The same runs where effects' strengths are what the runs say of them: what is known beforehand of their size chooses among sets, and would draw
+    /// the strengths of the one that is chosen towards nothing.
+    pub(crate) fn without_priors_of_strengths(&self) -> Self {
+        Self { strength_priors: 1.0 / PLAUSIBLE, ..self.clone() }
+    }
+
     /// Starts counting work again: what the search's end is held against has a budget of its own.
     pub(crate) fn count_anew(&mut self) {
         self.work = Arc::default();
@@ -393,7 +402,11 @@ impl Engine {
             // Free accelerations leave parameters that are hardly seen free too: each step stays within their own size.
             all.iter_mut().filter(|n| matches!(n.id, Id::Declared(_))).for_each(|n| n.prior /= VAGUE_PRIOR);
         }
-        all.extend(model.of_members(shapes));
+        let mut members = model.of_members(shapes);
+        let is_strength =
+            |n: &&mut Number| matches!(n.id, Id::Member(m, i) if model.members[m].parameters[i].role == Role::Strength);
+        members.iter_mut().filter(is_strength).for_each(|n| n.prior *= self.strength_priors);
+        all.extend(members);
         all
     }
 

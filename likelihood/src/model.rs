@@ -74,7 +74,7 @@ impl Number {
 }
 
 /// A prior standard deviation of an effect's strength, as a share of the plausible range's end.
-const PLAUSIBLE: f64 = 0.1;
+pub(crate) const PLAUSIBLE: f64 = 0.1;
 
 impl Member {
     /// Null instance of an effect; strengths that are stated at a tunnel speed are at the runs' mean.

@@ -107,6 +107,8 @@ fn exact_both_simulators_agree_on_every_family() {
     let loose = [(K::SloshM, 0.03), (K::SloshHz, 2.5), (K::SloshZeta, 0.05), (K::SloshX, 0.1)];
     // Its resonance makes more of what tunnel speed does between samples.
     same("loose-mass", &[0.03, 2.5, 0.05, 0.1, 1.0], &loose, 5.0 * CLOSE);
+    let heavy = [(K::SloshM, 0.154), (K::SloshHz, 2.38), (K::SloshZeta, 0.047), (K::SloshX, -0.1)];
+    same("loose-mass", &[0.154, 2.38, 0.047, -0.1, 1.0], &heavy, 5.0 * CLOSE);
     same("pose-misalignment", &[0.003, 0.01, -0.006], &[(K::MisX, 0.003), (K::MisY, 0.01), (K::MisZ, -0.006)], CLOSE);
     // Early samples are left out, the rest is interpolated by cubics.
     same("pose-delay", &[0.012], &[(K::PoseDelay, 0.012)], CLOSE);
