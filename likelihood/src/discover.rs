@@ -434,8 +434,8 @@ fn strengths(fit: &Fit, member: usize) -> impl Iterator<Item = usize> {
 fn score(engine: &Engine, fit: &Fit) -> f64 {
     let members = &fit.model.members;
     let effects = (0..members.len()).filter(|&k| !members[k].declared && !members[k].random);
-    let of_size = |i: usize| of_any_size(fit.numbers[i].value, fit.covariance[(i, i)], fit.numbers[i].prior);
-    let sizes: f64 = effects.flat_map(|k| strengths(fit, k)).map(of_size).sum();
+    let of_number = |i: usize| (fit.numbers[i].value, fit.covariance[(i, i)], fit.numbers[i].prior);
+    let sizes: f64 = effects.map(|k| of_any_size(strengths(fit, k).map(of_number))).sum();
     let costs: f64 = members.iter().filter(|m| !m.declared).map(|m| cost(m, engine)).sum();
     fit.total + sizes - costs - engine.random_price(&fit.model)
 }

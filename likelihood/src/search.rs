@@ -91,10 +91,12 @@ pub(crate) fn weigh(gram: &Gram, units: &[Unit], members: &[usize]) -> Option<Se
         };
         let worst = (0..columns.len()).filter(|&i| beyond(i) > 0.0).max_by(|a, b| beyond(*a).total_cmp(&beyond(*b)));
         let Some(worst) = worst else {
-            let sizes: f64 = (0..columns.len())
-                .filter(|&i| matches!(gram.numbers[columns[i]].id, Id::Strength(..) | Id::Member(..)))
-                .map(|i| of_any_size(posterior.mean[i], posterior.covariance[(i, i)], gram.numbers[columns[i]].prior))
-                .sum();
+            let is_strength = |i: &usize| matches!(gram.numbers[columns[*i]].id, Id::Strength(..) | Id::Member(..));
+            let of_unit = |&u: &usize| {
+                let own = (0..columns.len()).filter(is_strength).filter(|&i| units[u].columns.contains(&columns[i]));
+                of_any_size(own.map(|i| (posterior.mean[i], posterior.covariance[(i, i)], gram.numbers[columns[i]].prior)))
+            };
+            let sizes: f64 = members.iter().map(of_unit).sum();
             return Some(Set {
                 units: members.to_vec(),
                 gain: posterior.gain + sizes - cost,
@@ -111,24 +113,36 @@ pub(crate) fn weigh(gram: &Gram, units: &[Unit], members: &[usize]) -> Option<Se
 /// single width asks seven nats of it for being small.
 const WIDTHS: [f64; 4] = [1.0, 0.1, 0.01, 0.001];
 
-/// What [`WIDTHS`] of its prior add to the log marginal likelihood that the widest alone gives, of a strength with this posterior mean and variance
-/// beside everything else; exact where it is the only one.
+/// Least share of an effect's sizes that the runs can show.
+const LEAST_SHOWN: f64 = 1e-6;
+
+/// What [`WIDTHS`] of their priors add to the log marginal likelihood that the widest alone gives, of an effect's strengths: of each its posterior
+/// mean and variance beside everything else, and its prior's standard deviation. Exact where there is one. An effect all of whose strengths are of
+/// a width below what the runs know them to is none: they could not show it (a prior without mass about zero: Johnson and Rossell 2010).
 #[must_use]
-pub(crate) fn of_any_size(mean: f64, variance: f64, prior: f64) -> f64 {
-    // What the likelihood alone says: normal about `at` with variance `own`.
-    let told = 1.0 / variance - 1.0 / (prior * prior);
-    // Not above zero, or not a number.
-    if told.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
-        return 0.0;
+pub(crate) fn of_any_size(strengths: impl Iterator<Item = (f64, f64, f64)>) -> f64 {
+    let (mut all, mut hidden, mut count) = (0.0, 0.0, 0);
+    for (mean, variance, prior) in strengths {
+        count += 1;
+        // What the likelihood alone says: normal about `at` with variance `own`.
+        let told = 1.0 / variance - 1.0 / (prior * prior);
+        // Not above zero, or not a number: nothing is said.
+        if told.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
+            continue;
+        }
+        let own = 1.0 / told;
+        let at = mean * own / variance;
+        let log = |width: f64| {
+            let spread = (width * prior).powi(2) + own;
+            -0.5 * (at * at / spread + spread.ln())
+        };
+        let each = WIDTHS.map(log);
+        let sum = log_mean(&each);
+        all += sum - each[0];
+        let not_shown = WIDTHS.iter().zip(each).filter(|(w, _)| (*w * prior).powi(2) < own);
+        hidden += (not_shown.map(|(_, l)| (l - sum).exp()).sum::<f64>() / WIDTHS.len() as f64).ln();
     }
-    let own = 1.0 / told;
-    let at = mean * own / variance;
-    let log = |width: f64| {
-        let spread = (width * prior).powi(2) + own;
-        -0.5 * (at * at / spread + spread.ln())
-    };
-    let all = WIDTHS.map(log);
-    log_mean(&all) - all[0]
+    if count == 0 { 0.0 } else { all + (1.0 - f64::exp(hidden)).max(LEAST_SHOWN).ln() }
 }
 
 /// Logarithm of the mean of what these are logarithms of; at least one, finite.
@@ -197,22 +211,33 @@ mod tests {
         assert!(sets.iter().all(|s| !s.units.contains(&1)));
     }
 
-    /// Of one strength: the mean over widths of what each of them gives by itself.
+    /// Of one strength: the mean over widths of what each of them gives by itself, without those that the runs cannot show.
     #[test]
     fn exact_a_strength_of_any_size() {
-        for (told, at) in [(1e8, 3e-4), (1e8, 0.9), (4.0, 0.5), (0.0, 0.0)] {
+        for (told, at) in [(1e8_f64, 3e-4), (1e8, 0.9), (4.0, 0.5), (3e4, 0.0)] {
             let alone = |prior: f64, id: Id| {
                 let number = Number { id, prior, ..number(0, [f64::NEG_INFINITY, f64::INFINITY]) };
                 Gram::new(vec![number], DMatrix::from_element(1, 1, told), DVector::from_element(1, told * at), 0.0)
             };
             let unit = [Unit { group: 0, columns: vec![0], cost: 2.0 }];
             let gain = |g: &Gram| weigh(g, &unit, &[0]).expect("definite").gain;
-            let each = WIDTHS.map(|w| gain(&alone(w, Id::Generic(0))));
-            let most = each.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let mean = most + (each.iter().map(|g| (g - most).exp()).sum::<f64>() / 4.0).ln();
+            let shown: Vec<f64> =
+                WIDTHS.iter().filter(|w| *w * told.sqrt() >= 1.0).map(|w| gain(&alone(*w, Id::Generic(0)))).collect();
+            let mean = log_mean(&shown) + (shown.len() as f64 / 4.0).ln();
             let any = gain(&alone(1.0, Id::Strength(0, 0, 0)));
             assert!((any - mean).abs() < 1e-6 * mean.abs().max(1.0), "{told} {at}: {any} {mean}");
         }
+    }
+
+    /// Two strengths of which the runs say nothing are no effect; one that is seen makes the pair one, whatever the other is.
+    #[test]
+    fn law_what_cannot_be_shown_is_none() {
+        let blind = (0.0, 1.0, 1.0);
+        assert!((of_any_size([blind, blind].into_iter()) - LEAST_SHOWN.ln()).abs() < 1e-12);
+        let seen = (0.5, 1e-6, 1.0);
+        let one = of_any_size([seen].into_iter());
+        assert!((of_any_size([seen, blind].into_iter()) - one).abs() < 1e-9 && one.abs() < 5.0);
+        assert!(of_any_size(std::iter::empty()).abs() < 1e-15);
     }
 
     /// Eliminating what every set has changes no gain but by that of what is eliminated.
