@@ -202,7 +202,7 @@ impl<'a> World<'a> {
         let mut swing = [0.0; 2];
         let (mut specific, mut w_rate, mut force, mut moment) = ([0.0; 3], [0.0; 3], [0.0; 3], [0.0; 3]);
         // The loose mass pushes what pushes it: until it moves no more. A heavy one takes dozens of rounds.
-        for _ in 0..if loose { 60 } else { 1 } {
+        for round in 0..if loose { 60 } else { 1 } {
             let before = swing;
             let mut inside = Loads::default();
             if loose {
@@ -220,7 +220,7 @@ impl<'a> World<'a> {
             moment = sub(add(outer, inside.m), munk);
             w_rate = times(&self.inertia_inverse, sub(moment, cross(i.w, h)));
             specific = sub(add(v_rate, cross(i.w, i.v_body)), scale(gravity, 1.0 / m));
-            if (0..2).all(|j| (swing[j] - before[j]).abs() < 1e-12 * (1.0 + swing[j].abs())) && before != [0.0; 2] {
+            if round > 0 && (0..2).all(|j| (swing[j] - before[j]).abs() < 1e-12 * (1.0 + swing[j].abs())) {
                 break;
             }
         }
