@@ -295,6 +295,9 @@ fn ranges(ridge: &[RidgePoint], estimates: [f64; 2]) -> Option<(RandomRange, Ran
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::Member;
+    use windfall_model::{Campaign, Flight, Knowledge, Run};
+    use windfall_sim::Seed;
 
     /// What is known to nothing has its plausible range, and numbers that JSON can hold.
     #[test]
@@ -363,5 +366,63 @@ mod tests {
         let (shape, size) = ranges(&ridge, [1.0, 1.0]).expect("a ridge");
         assert!(shape.ci95[0].ln() < -1.8 && shape.ci95[1].ln() < 0.3, "{shape:?}");
         assert!(size.ci95[1].ln() > 0.9, "{size:?}");
+    }
+
+    /// Of gusts half as long as those that were flown damping and stiffness take up a part: the ridge with them is higher than the one on which they stay.
+    #[test]
+    fn law_the_ridge_follows_all_other_numbers() {
+        let file = windfall_scenarios::read_bundled("sage-perturbed").expect("a bundled scenario");
+        let turbulence = windfall_model::CATALOGUE.iter().find(|e| e.family == "turbulence").expect("an effect of the catalogue");
+        let mut flown = file.declared_plant.clone();
+        let values = [0.1, 0.1, 0.3, 0.3, 0.0];
+        (turbulence.apply)(&mut flown, &values);
+        let flight = Flight { duration_s: 12.0, ..file.scenario.flights[0].clone() };
+        let record = windfall_sim::fly(&flown, &flight, Seed { campaign: 8, run: 0 }).expect("a flight").record;
+        let mut run = Run::of_flight(&flight, record);
+        run.used = windfall_model::Use::Identify;
+        let declared = vec![true; file.declared_plant.aero.values.len()];
+        let campaign = Campaign::of_flights("gusts", &file.declared_plant, &declared, &Knowledge::default(), vec![run]);
+        let engine = Engine::new(&campaign, &[0]).expect("a tunnel run");
+        let mut model = Model::declared(&engine.campaign);
+        model.members.push(Member { values: values.to_vec(), ..Member::null(turbulence, &engine.campaign) });
+        let fit = engine.settle_random(&engine.climb(&model, false, 12).expect("a fit"), 8);
+        let (shape, size) = ((0, 3), (0, 1));
+        let of = |(m, i): (usize, usize)| fit.model.members[m].values[i].ln();
+        let (at, guess) = (of(shape) - 2.0_f64.ln(), of(size) + 0.5 * 2.0_f64.ln());
+        let (point, followed) = engine.across(&fit.model, [shape, size], [at, guess], 1.0).expect("a top");
+        let held = |by: f64| {
+            let mut model = fit.model.clone();
+            (model.members[0].values[3], model.members[0].values[1]) = (at.exp(), (guess + by).exp());
+            engine.likelihoods_beside(&model, &[]).expect("a pass").0 - penalty(&engine.free(&model, true))
+        };
+        let highest = (-40..=40).map(|k| held(0.01 * f64::from(k))).fold(f64::NEG_INFINITY, f64::max);
+        assert!(point.height > highest + 0.05, "{} {highest}", point.height);
+        assert!(followed.declared.iter().zip(&fit.model.declared).any(|(a, b)| (a - b).abs() > 1e-6 * b.abs()));
+    }
+
+    /// Strengths are estimated within their whole plausible range, ten times as wide as that which sets are weighed with; no other number's prior changes.
+    #[test]
+    fn exact_priors_of_an_estimate() {
+        let file = windfall_scenarios::read_bundled("sage-perturbed").expect("a bundled scenario");
+        let flight = Flight { duration_s: 3.0, ..file.scenario.flights[0].clone() };
+        let record = windfall_sim::fly(&file.declared_plant, &flight, Seed { campaign: 8, run: 0 }).expect("a flight").record;
+        let mut run = Run::of_flight(&flight, record);
+        run.used = windfall_model::Use::Identify;
+        let declared = vec![true; file.declared_plant.aero.values.len()];
+        let campaign = Campaign::of_flights("calm", &file.declared_plant, &declared, &Knowledge::default(), vec![run]);
+        let engine = Engine::new(&campaign, &[0]).expect("a tunnel run");
+        let loose = windfall_model::CATALOGUE.iter().find(|e| e.family == "loose-mass").expect("an effect of the catalogue");
+        let mut model = Model::declared(&engine.campaign);
+        model.members.push(Member { values: vec![0.05, 2.0, 0.05, 0.1, 1.0], ..Member::null(loose, &engine.campaign) });
+        let (weighed, estimated) = (engine.free(&model, true), engine.without_priors_of_strengths().free(&model, true));
+        assert_eq!(weighed.len(), estimated.len());
+        for (a, b) in weighed.iter().zip(&estimated) {
+            let by = if a.id == crate::model::Id::Member(0, 0) { loose_high(&model) / a.prior } else { 1.0 };
+            assert!((b.prior / a.prior - by).abs() < 1e-12 * by, "{:?}", a.id);
+        }
+    }
+
+    fn loose_high(model: &Model) -> f64 {
+        model.members[0].parameters[0].high
     }
 }
