@@ -9,7 +9,7 @@ use crate::gram::Gram;
 use crate::model::{Id, Member, Model, catalogue};
 use crate::random_range::RandomRange;
 use crate::search::{Unit, of_any_size};
-use windfall_model::{POSE, Role, Use};
+use windfall_model::{POSE, Use};
 
 mod across;
 mod contest;
@@ -103,8 +103,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let (after, weighed, contest, faint) = against_gusts(engine, after, weighed, contest, &mut log);
     let is_faint = !faint.is_empty();
     let (contest, faint) = against_free_accelerations(engine, &after, faint, contest, &mut log);
-    let weighing = &*engine;
-    let engine = &weighing.without_priors_of_strengths();
+    let engine = &engine.without_priors_of_strengths();
     let after = engine.climb(&after.model, true, 10).unwrap_or(after);
     let after = engine.settle_exactly(&after);
     let before = declared_alone(engine, &declared, &after);
@@ -425,9 +424,8 @@ fn describe(model: &Model) -> String {
 
 /// Places of a member's strengths among a fit's numbers.
 fn strengths(fit: &Fit, member: usize) -> impl Iterator<Item = usize> {
-    let is_strength =
-        move |id: Id| matches!(id, Id::Member(m, i) if m == member && fit.model.members[m].parameters[i].role == Role::Strength);
-    (0..fit.numbers.len()).filter(move |&i| is_strength(fit.numbers[i].id))
+    let is_own = move |id: Id| matches!(id, Id::Member(m, _) if m == member) && fit.model.is_strength(id);
+    (0..fit.numbers.len()).filter(move |&i| is_own(fit.numbers[i].id))
 }
 
 /// Log marginal likelihood of a fit with what its members cost a priori taken off, its random members' numbers integrated over.

@@ -403,9 +403,7 @@ impl Engine {
             all.iter_mut().filter(|n| matches!(n.id, Id::Declared(_))).for_each(|n| n.prior /= VAGUE_PRIOR);
         }
         let mut members = model.of_members(shapes);
-        let is_strength =
-            |n: &&mut Number| matches!(n.id, Id::Member(m, i) if model.members[m].parameters[i].role == Role::Strength);
-        members.iter_mut().filter(is_strength).for_each(|n| n.prior *= self.strength_priors);
+        members.iter_mut().filter(|n| model.is_strength(n.id)).for_each(|n| n.prior *= self.strength_priors);
         all.extend(members);
         all
     }

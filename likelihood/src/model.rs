@@ -196,6 +196,11 @@ impl Model {
         self
     }
 
+    /// Whether a number is the strength of a member.
+    pub(crate) fn is_strength(&self, id: Id) -> bool {
+        matches!(id, Id::Member(m, i) if self.members[m].parameters[i].role == Role::Strength)
+    }
+
     /// Changes a number by `by`, within its range.
     pub fn change(&mut self, n: &Number, by: f64) {
         let value = match n.id {

@@ -368,23 +368,28 @@ mod tests {
         assert!(size.ci95[1].ln() > 0.9, "{size:?}");
     }
 
-    /// Of gusts half as long as those that were flown damping and stiffness take up a part: the ridge with them is higher than the one on which they stay.
-    #[test]
-    fn law_the_ridge_follows_all_other_numbers() {
+    /// SAGE flown with an effect that its declared model lacks: the run made ready, and the declared model with that effect.
+    fn flown(duration_s: f64, family: &str, values: &[f64]) -> (Engine, Model) {
         let file = windfall_scenarios::read_bundled("sage-perturbed").expect("a bundled scenario");
-        let turbulence = windfall_model::CATALOGUE.iter().find(|e| e.family == "turbulence").expect("an effect of the catalogue");
-        let mut flown = file.declared_plant.clone();
-        let values = [0.1, 0.1, 0.3, 0.3, 0.0];
-        (turbulence.apply)(&mut flown, &values);
-        let flight = Flight { duration_s: 12.0, ..file.scenario.flights[0].clone() };
-        let record = windfall_sim::fly(&flown, &flight, Seed { campaign: 8, run: 0 }).expect("a flight").record;
+        let effect = windfall_model::CATALOGUE.iter().find(|e| e.family == family).expect("an effect of the catalogue");
+        let mut plant = file.declared_plant.clone();
+        (effect.apply)(&mut plant, values);
+        let flight = Flight { duration_s, ..file.scenario.flights[0].clone() };
+        let record = windfall_sim::fly(&plant, &flight, Seed { campaign: 8, run: 0 }).expect("a flight").record;
         let mut run = Run::of_flight(&flight, record);
         run.used = windfall_model::Use::Identify;
         let declared = vec![true; file.declared_plant.aero.values.len()];
-        let campaign = Campaign::of_flights("gusts", &file.declared_plant, &declared, &Knowledge::default(), vec![run]);
+        let campaign = Campaign::of_flights("flown", &file.declared_plant, &declared, &Knowledge::default(), vec![run]);
         let engine = Engine::new(&campaign, &[0]).expect("a tunnel run");
         let mut model = Model::declared(&engine.campaign);
-        model.members.push(Member { values: values.to_vec(), ..Member::null(turbulence, &engine.campaign) });
+        model.members.push(Member { values: values.to_vec(), ..Member::null(effect, &engine.campaign) });
+        (engine, model)
+    }
+
+    /// Of gusts half as long as those that were flown damping and stiffness take up a part: the ridge with them is higher than the one on which they stay.
+    #[test]
+    fn law_the_ridge_follows_all_other_numbers() {
+        let (engine, model) = flown(12.0, "turbulence", &[0.1, 0.1, 0.3, 0.3, 0.0]);
         let fit = engine.settle_random(&engine.climb(&model, false, 12).expect("a fit"), 8);
         let (shape, size) = ((0, 3), (0, 1));
         let of = |(m, i): (usize, usize)| fit.model.members[m].values[i].ln();
@@ -403,26 +408,12 @@ mod tests {
     /// Strengths are estimated within their whole plausible range, ten times as wide as that which sets are weighed with; no other number's prior changes.
     #[test]
     fn exact_priors_of_an_estimate() {
-        let file = windfall_scenarios::read_bundled("sage-perturbed").expect("a bundled scenario");
-        let flight = Flight { duration_s: 3.0, ..file.scenario.flights[0].clone() };
-        let record = windfall_sim::fly(&file.declared_plant, &flight, Seed { campaign: 8, run: 0 }).expect("a flight").record;
-        let mut run = Run::of_flight(&flight, record);
-        run.used = windfall_model::Use::Identify;
-        let declared = vec![true; file.declared_plant.aero.values.len()];
-        let campaign = Campaign::of_flights("calm", &file.declared_plant, &declared, &Knowledge::default(), vec![run]);
-        let engine = Engine::new(&campaign, &[0]).expect("a tunnel run");
-        let loose = windfall_model::CATALOGUE.iter().find(|e| e.family == "loose-mass").expect("an effect of the catalogue");
-        let mut model = Model::declared(&engine.campaign);
-        model.members.push(Member { values: vec![0.05, 2.0, 0.05, 0.1, 1.0], ..Member::null(loose, &engine.campaign) });
+        let (engine, model) = flown(3.0, "loose-mass", &[0.05, 2.0, 0.05, 0.1, 1.0]);
         let (weighed, estimated) = (engine.free(&model, true), engine.without_priors_of_strengths().free(&model, true));
         assert_eq!(weighed.len(), estimated.len());
         for (a, b) in weighed.iter().zip(&estimated) {
-            let by = if a.id == crate::model::Id::Member(0, 0) { loose_high(&model) / a.prior } else { 1.0 };
+            let by = if a.id == crate::model::Id::Member(0, 0) { model.members[0].parameters[0].high / a.prior } else { 1.0 };
             assert!((b.prior / a.prior - by).abs() < 1e-12 * by, "{:?}", a.id);
         }
-    }
-
-    fn loose_high(model: &Model) -> f64 {
-        model.members[0].parameters[0].high
     }
 }
