@@ -168,7 +168,7 @@ pub(crate) fn lines(engine: &Engine, model: &Model, sum: &Summed) -> Vec<Lead> {
         let skip = 20.min(seen.innovations.whitened.len());
         let n = seen.innovations.whitened.len() - skip;
         let density_kg_m3 = run.nodes.first().map_or(1.2, |n| n.density_kg_m3);
-        let stream = HumStream { density_kg_m3, speed_m_s: run.speed_m_s };
+        let stream = HumStream { density_kg_m3, speed_m_s: run.speed_m_s, swing_hz: 0.0 };
         if n < 64 {
             continue;
         }

@@ -15,7 +15,8 @@ pub(crate) const ROLL: f64 = 0.005;
 pub(crate) const MOMENT: f64 = 0.02;
 
 /// A line above this multiple of the pitch mode's frequency is the instrument's when the load that would make it is above this multiple
-/// of what is plausible for loads that vary.
+/// of what is plausible for loads that vary. The mode is the faster one of the model's and of what is seen: starting values may be far off, and
+/// the roll angle of large swings moves at two and four times their frequency with hardly any load.
 const FAST: f64 = 5.0;
 const IMPLAUSIBLE: f64 = 10.0;
 /// Most lines of a channel; chance of calling noise a line in a record; ordinates either side from which the level of noise is taken.
@@ -25,11 +26,12 @@ const BESIDE: usize = 40;
 /// Ordinates of a Hann window's main lobe either side.
 const LOBE: usize = 3;
 
-/// A run's mean air: density, kg/m³, and speed, m/s.
+/// A run's mean air, density, kg/m³, and speed, m/s; and how fast its model is seen to swing, Hz, zero where that is not looked at.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HumStream {
     pub(crate) density_kg_m3: f64,
     pub(crate) speed_m_s: f64,
+    pub(crate) swing_hz: f64,
 }
 
 /// A line that was taken off.
@@ -57,6 +59,18 @@ fn pitch_hz(plant: &Plant, stream: HumStream) -> f64 {
     stiffness.max(0.0).sqrt() / TAU
 }
 
+/// Frequency at which angles together swing most, Hz: the highest ordinate of their periodograms; zero where they are too short.
+fn swing_hz(angles: &[Vec<f64>], dt_s: f64) -> f64 {
+    let about_mean = |x: &Vec<f64>| {
+        let mean = x.iter().sum::<f64>() / x.len() as f64;
+        periodogram(x.iter().map(|v| v - mean).collect::<Vec<_>>().into_iter()).map_or_else(Vec::new, |p| p.power)
+    };
+    let powers: Vec<Vec<f64>> = angles.iter().map(about_mean).collect();
+    let sum = |k: usize| powers.iter().filter_map(|p| p.get(k)).sum::<f64>();
+    let most = (0..powers.first().map_or(0, Vec::len)).max_by(|a, b| sum(*a).total_cmp(&sum(*b)));
+    most.map_or(0.0, |k| k as f64 / (angles[0].len() as f64 * dt_s))
+}
+
 /// Coefficient of the load that would move a channel by an amplitude at a frequency against the model's inertia, over what is plausible.
 fn load_of(plant: &Plant, stream: HumStream, channel: usize, hz: f64, amplitude: f64) -> f64 {
     let v = &plant.vehicle;
@@ -71,7 +85,7 @@ fn load_of(plant: &Plant, stream: HumStream, channel: usize, hz: f64, amplitude:
 
 /// Whether a line of a channel is the instrument's.
 pub(crate) fn of_instrument(plant: &Plant, stream: HumStream, channel: usize, hz: f64, amplitude: f64) -> bool {
-    hz > FAST * pitch_hz(plant, stream) && load_of(plant, stream, channel, hz, amplitude) > IMPLAUSIBLE
+    hz > FAST * pitch_hz(plant, stream).max(stream.swing_hz) && load_of(plant, stream, channel, hz, amplitude) > IMPLAUSIBLE
 }
 
 /// Takes the instruments' lines off the pose of a record; what they were, ascending by channel.
@@ -79,8 +93,9 @@ pub(crate) fn take_off(record: &mut Record, plant: &Plant) -> Vec<Hum> {
     let n = record.len() as f64;
     let mean = |x: &[f64]| x.iter().sum::<f64>() / n;
     let density = mean(&record.ps_pa) / (plant.environment.gas_constant_j_kg_k * mean(&record.ts_k));
-    let stream = HumStream { density_kg_m3: density, speed_m_s: mean(&record.vw_m_s) };
     let dt = record.interval_s();
+    let swing_hz = swing_hz(&record.attitude_rad[1..], dt);
+    let stream = HumStream { density_kg_m3: density, speed_m_s: mean(&record.vw_m_s), swing_hz };
     let mut all = Vec::new();
     for channel in 0..POSE {
         let series = if channel < 3 { &mut record.position_m[channel] } else { &mut record.attitude_rad[channel - 3] };
@@ -143,6 +158,16 @@ fn sinusoid(series: &[f64], w: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn exact_swing_is_the_largest_motion() {
+        let angles: Vec<Vec<f64>> = [0.2, 0.1]
+            .map(|a| (0..3000).map(|i| 0.05 + a * (TAU * 0.8 * i as f64 / 150.0).sin() + 1e-3 * (1.7 * i as f64).cos()).collect())
+            .into();
+        // An ordinate is 1/20 Hz wide.
+        assert!((swing_hz(&angles, 1.0 / 150.0) - 0.8).abs() < 0.03);
+        assert!(swing_hz(&[], 1.0).abs() < 1e-12);
+    }
 
     #[test]
     fn recover_a_line_beside_motion() {
