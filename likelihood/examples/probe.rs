@@ -1,5 +1,5 @@
 //! Fits given members at given values: `probe CAMPAIGN "loose-mass=0.04,1.2,0.04,0.1+swirl=0.1"`.
-//! `STEPS` of the environment: most steps of the climb (20).
+//! `STEPS` of the environment: most steps of the climb (20). `HOLD`: a number of the first member that stays as it is.
 #![expect(clippy::print_stdout, reason = "an example prints")]
 use windfall_likelihood::{Engine, Member, Model};
 use windfall_model::{CATALOGUE, Use};
@@ -21,6 +21,8 @@ fn main() {
             model.members.push(m);
         }
         let steps = std::env::var("STEPS").ok().and_then(|s| s.parse().ok()).unwrap_or(20);
+        let holding = std::env::var("HOLD").ok().and_then(|s| s.parse().ok());
+        let engine = holding.map_or_else(|| engine.clone(), |i| engine.holding(windfall_likelihood::Id::Member(0, i)));
         match engine.climb(&model, true, steps) {
             Ok(f) => {
                 println!(

@@ -40,6 +40,8 @@ pub struct Engine {
     pub(crate) bursts_price: f64,
     /// What it leaves of the logarithms of the gusts' sizes, along the stream and across it.
     pub(crate) bursts_std: [f64; 2],
+    /// Numbers that fits leave as they are.
+    pub(crate) held: Vec<Id>,
     /// Work of all passes so far, of this engine and its copies: nodes times columns and what a node costs without any.
     work: Arc<AtomicU64>,
 }
@@ -164,6 +166,7 @@ impl Engine {
             unseen: 1.0,
             bursts_price: 0.0,
             bursts_std: [0.0; 2],
+            held: Vec::new(),
             work: Arc::default(),
         })
     }
@@ -405,7 +408,14 @@ impl Engine {
         let mut members = model.of_members(shapes);
         members.iter_mut().filter(|n| model.is_strength(n.id)).for_each(|n| n.prior *= self.strength_priors);
         all.extend(members);
+        all.retain(|n| !self.held.contains(&n.id));
         all
+    }
+
+    /// The same runs where fits leave a number as it is.
+    #[must_use]
+    pub fn holding(&self, number: Id) -> Self {
+        Self { held: vec![number], ..self.clone() }
     }
 
     /// The model after a step, shortened until the log posterior is not below `here`; where none is, the last departure of those tried.

@@ -25,6 +25,7 @@ mod noise;
 mod random;
 mod random_fit;
 mod random_range;
+mod ridge;
 mod robust;
 mod run;
 mod search;

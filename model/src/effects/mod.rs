@@ -52,10 +52,10 @@ impl Parameter {
     pub fn beyond(&self, value: f64) -> f64 {
         (self.low - value).max(value - self.high).max(0.0) / (self.high - self.low)
     }
-    /// Whether it is a shape that can be changed a little: not one of several whole numbers.
+    /// Whether it is a shape that can be changed a little: not a whole number.
     #[must_use]
     pub fn is_graded(&self) -> bool {
-        matches!(self.role, Role::Shape(tried) if tried.len() == 1 || tried.iter().any(|v| v.fract() != 0.0))
+        matches!(self.role, Role::Shape(tried) if tried.iter().any(|v| v.fract() != 0.0))
     }
     /// Whether it is a shape of which zero stands for one form and a size for another, as a spectrum's bandwidth.
     #[must_use]
