@@ -14,6 +14,7 @@ use windfall_model::{POSE, Use};
 mod across;
 mod contest;
 mod polish;
+mod refit;
 mod rivals;
 mod starts;
 mod told;
@@ -23,6 +24,7 @@ use across::{across_sets, beside_what_is_missing};
 pub use contest::Contest;
 use contest::{against_alternatives, against_free_accelerations, against_gusts};
 use polish::{Scored, alone, climb_down, declared_alone, in_other_forms, names, polish, polished};
+use refit::rivals_fitted;
 pub use rivals::{RivalPair, Rivals, Unseen, log_odds};
 use starts::{LEVELS, Start, ladder, lead_in, sized, struck, with_random};
 use told::told_from_none;
@@ -97,6 +99,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let unfinished_passes = engine.is_exhausted().then(|| engine.passes().round());
     engine.count_anew();
     let (_, after, weighed) = best.ok_or("no set of effects could be fitted")?;
+    let (after, weighed) = rivals_fitted(engine, after, weighed, &mut log);
     let (after, weighed) = selected(engine, after, weighed, &mut log);
     let (after, weighed) = told_from_none(engine, after, weighed, &mut log);
     let (after, weighed, contest) = against_alternatives(engine, after, weighed, &mut log);
@@ -208,13 +211,14 @@ fn in_bursts(engine: &mut Engine, best: Scored, log: &mut Vec<String>) -> Scored
         model
     };
     let calm = without(&best.1.model);
+    let own = names(&best.1.model);
     let tries = [
         in_dryden_alone(engine, &best.1.model),
-        Some(best.1.model.clone()),
         (calm.members.len() < best.1.model.members.len()).then_some(calm),
+        Some(best.1.model.clone()),
     ];
     let ends = tries.into_iter().flatten().enumerate().filter_map(|(k, model)| {
-        let is_allowed = k == 0 || !engine.is_exhausted();
+        let is_allowed = k == 0 || !engine.is_exhausted() || names(&model) == own;
         let bursty = is_allowed.then(|| engine.in_bursts(&model))??;
         log.push(format!("bursts, {:.1} for knowing them ({:.0})", bursty.bursts_price, bursty.passes()));
         let end = polished(&bursty, model, f64::NEG_INFINITY, false, log)?;

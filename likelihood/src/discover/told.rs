@@ -8,6 +8,7 @@ use super::polish::names;
 use super::weigh::{Weighed, weigh};
 use super::{LEFT, describe, strengths};
 use crate::engine::{Engine, Fit};
+use crate::model::{Id, Number};
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -35,7 +36,12 @@ pub(super) fn told_from_none(engine: &Engine, mut fit: Fit, mut weighed: Weighed
         let mut without = fit.model.clone();
         without.members.remove(k);
         let less = engine.climb(&without, true, STEPS[0]).map(|less| engine.settle_random(&less, STEPS[1]));
-        match less.ok().filter(|less| less.chi < LEFT).and_then(|less| Some((weigh(engine, &less.model)?, less))) {
+        let is_as_likely = |less: &Fit| by_ratio(&fit, &robust, k, less).is_none_or(|chance| chance > BY_CHANCE);
+        match less
+            .ok()
+            .filter(|less| less.chi < LEFT && is_as_likely(less))
+            .and_then(|less| Some((weigh(engine, &less.model)?, less)))
+        {
             Some((again, less)) => {
                 log.push(format!(
                     "{family} is as large by chance with {chance:.2}; {:.1} nats less without it: {}",
@@ -65,6 +71,17 @@ fn by_chance(fit: &Fit, member: usize) -> Option<f64> {
     let alone = |i: usize| wald(&values.rows(i, 1).into_owned(), covariance.view((i, i), (1, 1)).into_owned());
     let surest = (0..places.len()).filter_map(alone).fold(1.0, f64::min);
     Some(wald(&values, covariance.clone())?.max(surest))
+}
+
+/// Probability that a member's numbers make the runs as much likelier by chance as a fit is than one without it: twice the log of the ratio, over the
+/// most that the robust variance of a strength is of the fit's own (Kent 1982), has as many degrees of freedom as numbers were fitted. What is known
+/// together with its shape only, as a size with its width, looks like none to Wald's test.
+fn by_ratio(fit: &Fit, robust: &Fit, member: usize, less: &Fit) -> Option<f64> {
+    let is_own = |n: &&Number| matches!(n.id, Id::Member(m, _) if m == member);
+    let freedom = fit.numbers.iter().filter(is_own).count();
+    let wider = strengths(fit, member).map(|i| robust.covariance[(i, i)] / fit.covariance[(i, i)]).fold(1.0, f64::max);
+    let twice = 2.0 * (fit.log_likelihood - less.log_likelihood);
+    Some(ChiSquared::new(freedom as f64).ok()?.sf((twice / wider).max(0.0)))
 }
 
 /// Probability that numbers with this covariance about zero are as far from it.

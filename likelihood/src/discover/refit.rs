@@ -1,0 +1,97 @@
+//! likelihood: close rivals fitted. In: the best set and all sets weighed at it. Out: the likeliest of it and its rivals, each weighed by its own fit.
+//!
+//! Sets are weighed by columns at the fit of one of them. In gusts those leave out that a number also changes how uncertain a prediction is, and a
+//! rival may be several nats likelier than they say: those that are close are fitted before one of them is named.
+
+use super::polish::climb_down;
+use super::weigh::{Weighed, weigh, with_set};
+use super::{describe, score};
+use crate::engine::{Engine, Fit};
+use crate::search::Set;
+use windfall_model::CATALOGUE;
+
+/// Nats within which a rival is fitted, and most of them.
+const CLOSE: f64 = 6.0;
+const MOST: usize = 4;
+/// Most steps of scoring of a rival's random members.
+const STEPS: usize = 4;
+/// Nats by which a rival must be likelier to take the place of the best.
+const LIKELIER: f64 = 0.5;
+
+/// The best set, or one as large that its own fit makes likelier; sets that were fitted have the gain of their fits.
+pub(super) fn rivals_fitted(engine: &Engine, fit: Fit, weighed: Weighed, log: &mut Vec<String>) -> (Fit, Weighed) {
+    if fit.model.members.iter().any(super::Member::is_local) {
+        return (fit, weighed);
+    }
+    let own = named(&fit);
+    let mut weighed = weighed;
+    let Some(gain) = weighed.sets.iter().find(|s| families(&weighed, s) == own).map(|s| s.gain) else { return (fit, weighed) };
+    let here = score(engine, &fit);
+    let mut tried: Vec<Vec<&str>> = vec![own.clone()];
+    let mut best: Option<(f64, Fit)> = None;
+    for k in 0..weighed.sets.len() {
+        let set = &weighed.sets[k];
+        let of_set = families(&weighed, set);
+        if tried.len() > MOST || set.gain < gain - CLOSE {
+            break;
+        }
+        if own.is_empty() || of_set.len() != own.len() || tried.contains(&of_set) {
+            continue;
+        }
+        let rival = climb_down(engine, &with_set(&fit.model, &weighed, set, engine));
+        tried.push(of_set);
+        let rival = rival.map(|r| engine.settle_random(&engine.climb(&r.model, true, 8).unwrap_or(r), STEPS));
+        let Some(rival) = rival.filter(|r| named(r) == tried[tried.len() - 1]) else { continue };
+        let there = score(engine, &rival);
+        log.push(format!(
+            "rival by its own fit {:.1}, by columns {:.1}: {}",
+            there - here,
+            weighed.sets[k].gain - gain,
+            describe(&rival.model)
+        ));
+        weighed.sets[k].gain = gain + there - here;
+        if best.as_ref().is_none_or(|(score, _)| there > *score) {
+            best = Some((there, rival));
+        }
+    }
+    weighed.sets.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    match best {
+        Some((there, rival)) if there > here + LIKELIER => match weigh(engine, &rival.model) {
+            Some(again) => at_rival(rival, again, &weighed, [there - here, gain]),
+            None => (fit, weighed),
+        },
+        _ => (fit, weighed),
+    }
+}
+
+/// A rival in the place of the best, all sets weighed at it; those fitted before keep what their fits say of the two.
+fn at_rival(rival: Fit, mut again: Weighed, before: &Weighed, [ahead, gain]: [f64; 2]) -> (Fit, Weighed) {
+    let own = named(&rival);
+    let here = again.sets.iter().find(|s| families(&again, s) == own).map(|s| s.gain);
+    let old = before.sets.iter().filter(|s| s.gain >= gain).map(|s| (families(before, s), s.gain)).collect::<Vec<_>>();
+    if let Some(here) = here {
+        for k in 0..again.sets.len() {
+            let of_set = families(&again, &again.sets[k]);
+            if let Some((_, was)) = old.iter().find(|(f, _)| *f == of_set && *f != own) {
+                again.sets[k].gain = again.sets[k].gain.min(here + was - gain - ahead);
+            }
+        }
+    }
+    again.sets.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    (rival, again)
+}
+
+/// Families of a set, ascending.
+fn families(weighed: &Weighed, set: &Set) -> Vec<&'static str> {
+    let mut all: Vec<&str> = set.units.iter().map(|&u| CATALOGUE[weighed.families[u].0].family).collect();
+    all.sort_unstable();
+    all
+}
+
+/// Families of a fit's effects that were found, not random ones, ascending.
+fn named(fit: &Fit) -> Vec<&'static str> {
+    let found = fit.model.members.iter().filter(|m| !m.random && !m.declared);
+    let mut all: Vec<&str> = found.map(|m| m.effect.family).collect();
+    all.sort_unstable();
+    all
+}
