@@ -81,7 +81,7 @@ fn flown(world: &World<'_>, plan: &Plan, lead: f64, allowed: impl Fn(&Sample) ->
     Some(Flown { samples, step: h, lead: before as f64 * h })
 }
 
-fn look(world: &World<'_>, t: f64, y: &[f64; STATES], base: &M) -> Sample {
+pub(crate) fn look(world: &World<'_>, t: f64, y: &[f64; STATES], base: &M) -> Sample {
     let (i, _) = world.instant(t, y, base);
     let angle = i.u[1].hypot(i.u[2]).atan2(i.u[0]);
     Sample { t, x: i.x, v: i.v, r: i.r, w: i.w, speed_w: i.speed_w, wind_rate: wind_rate(world, t, y), angle }

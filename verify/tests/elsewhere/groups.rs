@@ -28,9 +28,10 @@ fn sized(group: &str, i: usize, seed: u64) -> Option<(Spec, Vec<Run>)> {
     let [low, high] = match group {
         "G" => SMALL,
         "E" => PLAIN,
+        "D" => [IN_GUSTS, f64::INFINITY],
         _ => [PLAIN[0], f64::INFINITY],
     };
-    let wanted = c.factor(low, high.min(PLAIN[1]));
+    let wanted = c.factor(low, high.min(PLAIN[1] / PLAIN[0] * low));
     let mut gain = if group == "G" { 0.003 } else { 1.0 };
     let mut predicted = None;
     for _ in 0..4 {
@@ -60,6 +61,8 @@ fn sized(group: &str, i: usize, seed: u64) -> Option<(Spec, Vec<Run>)> {
 const PLAIN: [f64; 2] = [100.0, 600.0];
 /// The same of what is hardly visible: about two and a half times what can be seen at all.
 const SMALL: [f64; 2] = [4.0, 8.0];
+/// What stands out of gusts that nobody knows: twice the middle of what is hardly visible without any.
+const IN_GUSTS: f64 = 12.0;
 /// Most that sizes are multiplied by: what hides even so stays hidden, and its distance is in the tags.
 const MOST: f64 = 3.0;
 

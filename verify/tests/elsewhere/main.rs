@@ -25,4 +25,5 @@ mod score;
 mod sizes;
 mod spec;
 mod study;
+mod unknown;
 mod write;

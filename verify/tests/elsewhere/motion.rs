@@ -30,6 +30,8 @@ pub(crate) struct World<'a> {
     pub(crate) trim: f64,
     pub(crate) drive: Drive,
     pub(crate) gusts: Option<[Track; 3]>,
+    /// Velocity of the air besides, the same everywhere and at all times, tunnel axes.
+    pub(crate) breeze: V,
     pub(crate) shedding: Option<[Track; 2]>,
     /// Number of the run, from one.
     pub(crate) run: f64,
@@ -80,6 +82,7 @@ impl<'a> World<'a> {
             trim,
             drive,
             gusts: None,
+            breeze: [0.0; 3],
             shedding: None,
             run,
             own_cm0: 0.0,
@@ -124,7 +127,7 @@ impl<'a> World<'a> {
                 *w += g.at(t);
             }
         }
-        add(wind, outside::wind(self, t, x, speed_w))
+        add(add(wind, self.breeze), outside::wind(self, t, x, speed_w))
     }
 
     /// Everything of an instant that needs no acceleration. `base` is the attitude from which the parameters count.

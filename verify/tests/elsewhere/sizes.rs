@@ -1,7 +1,7 @@
 //! How plainly what is planted can be seen: the distance of noise-free records from the best that the declared model makes of
-//! them, in standard deviations of the declared noise.
+//! them, in standard deviations of the declared noise, or beside gusts of noise and of what gusts nobody knows leave (`unknown.rs`).
 
-use crate::air::Track;
+use crate::air::{Gusts, Track};
 use crate::algebra::{V, angles, attitude, product, turned};
 use crate::craft::Craft;
 use crate::flight::{Plan, follow};
@@ -9,10 +9,11 @@ use crate::instruments::{Row, SIGMA, clean};
 use crate::knobs::Knobs;
 use crate::motion::{Drive, World};
 use crate::spec::{Run, Spec};
+use crate::unknown::Whitener;
 use nalgebra::{DMatrix, DVector};
 
 /// One sample in so many is flown and compared.
-const THIN: usize = 6;
+pub(crate) const THIN: usize = 6;
 /// Runs that are looked at.
 const MOST: usize = 3;
 /// Numbers of a run's start: place, turn, velocity, rates.
@@ -30,10 +31,12 @@ struct Target<'a> {
     plan: Plan,
     rows: Vec<Row>,
     speed: Track,
+    /// What gusts that are not known leave of a residual.
+    whitener: Option<Whitener>,
 }
 
 impl<'a> Target<'a> {
-    fn new(spec: &'a Spec, k: usize, run: &Run) -> Self {
+    fn new(spec: &'a Spec, k: usize, run: &Run, unknown: Option<&Gusts>) -> Self {
         let all = clean(&run.flown, &spec.craft, &spec.knobs, spec.craft.trim());
         let step = all[1][0] - all[0][0];
         let speed = Track::new(0.0, step, all.iter().map(|r| r[7]).collect());
@@ -45,7 +48,18 @@ impl<'a> Target<'a> {
             start: [first.x, angles(&first.r), first.v, first.w],
             ..run.plan.clone()
         };
-        Self { spec, k, plan, rows, speed }
+        let mut target = Self { spec, k, plan, rows, speed, whitener: None };
+        if let Some(gusts) = unknown {
+            let nothing = Knobs::default();
+            let mut world = target.world(&spec.craft, &nothing);
+            target.whitener = follow(&world, &target.plan).map(|flown| Whitener::new(&mut world, &flown, gusts));
+        }
+        target
+    }
+
+    /// The declared model's world with these aerodynamics.
+    fn world<'w>(&self, craft: &'w Craft, nothing: &'w Knobs) -> World<'w> {
+        World::new(craft, nothing, self.spec.craft.trim(), Drive::Given(self.speed.clone()), self.k as f64 + 1.0)
     }
 
     /// Residuals over standard deviations, by aerodynamics and start.
@@ -53,12 +67,7 @@ impl<'a> Target<'a> {
         let mut craft: Craft = self.spec.reference.clone();
         craft.aero.copy_from_slice(aero);
         let nothing = Knobs::default();
-        let mut world =
-            World::new(&craft, &nothing, self.spec.craft.trim(), Drive::Given(self.speed.clone()), self.k as f64 + 1.0);
-        if self.spec.families.len() > 1 {
-            // Gusts beside an effect are taken as known.
-            world.gusts = self.spec.world(self.k, self.plan.duration).gusts;
-        }
+        let world = self.world(&craft, &nothing);
         let [x, e, v, w] = self.plan.start;
         let moved = |a: V, j: usize| [a[0] + start[j], a[1] + start[j + 1], a[2] + start[j + 2]];
         let turn = product(&attitude(e), &turned([0.25 * start[3], 0.25 * start[4], 0.25 * start[5]]));
@@ -76,14 +85,26 @@ impl<'a> Target<'a> {
                 weight * apart / SIGMA[c]
             })
         };
-        Some(DVector::from_iterator(self.rows.len().min(model.len()) * 6, self.rows.iter().zip(&model).flat_map(one)))
+        let all = DVector::from_iterator(self.rows.len().min(model.len()) * 6, self.rows.iter().zip(&model).flat_map(one));
+        Some(self.whitener.as_ref().map_or(all.clone(), |w| w.whitened(&all)))
     }
 }
 
-/// Distance in standard deviations; `None` when the declared model cannot follow at all.
+/// Distance in standard deviations; `None` when the declared model cannot follow at all. Beside gusts: of the same flights in calm air, by what
+/// stands out of noise and gusts together.
 pub(crate) fn apart(spec: &Spec, runs: &[Run]) -> Option<f64> {
+    match spec.gusts.filter(|_| spec.families.len() > 1) {
+        Some(gusts) => {
+            let calm = Spec { gusts: None, ..spec.clone() };
+            distance(&calm, &calm.fly()?, Some(&gusts))
+        }
+        None => distance(spec, runs, None),
+    }
+}
+
+fn distance(spec: &Spec, runs: &[Run], unknown: Option<&Gusts>) -> Option<f64> {
     let used = runs.iter().enumerate().filter(|(_, r)| !r.plan.hold_out).take(MOST);
-    let targets: Vec<Target<'_>> = used.map(|(k, r)| Target::new(spec, k, r)).collect();
+    let targets: Vec<Target<'_>> = used.map(|(k, r)| Target::new(spec, k, r, unknown)).collect();
     let mut numbers = vec![0.0; AERO + START * targets.len()];
     numbers[..AERO].copy_from_slice(&spec.craft.aero);
     let mut now = residuals(&targets, &numbers)?;
@@ -142,8 +163,26 @@ fn slopes(targets: &[Target<'_>], numbers: &[f64], now: &DVector<f64>) -> Option
 
 #[cfg(test)]
 mod tests {
-    use super::apart;
+    use super::{Gusts, apart};
     use crate::groups::spec;
+
+    /// Gusts that are not known hide more the stronger they are, and nothing where they are all but gone.
+    #[test]
+    fn law_unknown_gusts_hide() {
+        let in_gusts = |seed: u64, size: Option<f64>| {
+            // A scale of the tunnel speed.
+            let mut spec = spec("D", 23, seed, 0.05);
+            let with = |g: Gusts, size: f64| Gusts { axial: size * g.axial, lateral: size * g.lateral, ..g };
+            spec.gusts = spec.gusts.zip(size).map(|(g, size)| with(g, size));
+            apart(&spec, &spec.fly()?)
+        };
+        let sizes = [None, Some(1e-6), Some(0.1), Some(1.0)];
+        let one = |seed: u64| sizes.map(|size| in_gusts(seed, size).unwrap_or(f64::NAN));
+        let flies = |d: &[f64; 4]| d.iter().all(|d| d.is_finite());
+        let [known, faint, weak, strong] = (1..20).map(one).find(flies).expect("one flies");
+        assert!((faint / known - 1.0).abs() < 0.01, "{faint} {known}");
+        assert!(weak < 0.2 * faint && strong < 0.5 * weak, "{faint} {weak} {strong}");
+    }
 
     /// Nothing is seen where nothing acts, and what is seen grows with the size where both are small.
     #[test]
