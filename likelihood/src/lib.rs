@@ -15,6 +15,8 @@ mod columns;
 mod discover;
 mod engine;
 mod filter;
+#[cfg(test)]
+mod flown;
 mod gram;
 mod hum;
 mod innovations;

@@ -173,6 +173,30 @@ fn crest(places: &[(f64, f64)]) -> Option<Crest> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::flown::flown;
+
+    /// The posterior of a loose mass' size is what its interval says: 1.92 below the top at the farther end of 95 %, all other numbers following.
+    #[test]
+    fn law_a_loose_mass_is_known_as_well_as_said() {
+        let (engine, model) = flown(12.0, "loose-mass", &[0.05, 2.0, 0.05, 0.1, 1.0]);
+        let engine = engine.without_priors_of_strengths();
+        let fit = engine.climb(&model, true, 12).expect("a fit");
+        let (mass, before) = (Id::Member(0, 0), height(&fit));
+        let (fit, added) = engine.along_ridges(fit);
+        let at = fit.numbers.iter().position(|n| n.id == mass).expect("a strength");
+        let std = added.iter().fold(fit.covariance[(at, at)], |sum, column| sum + column[at] * column[at]).sqrt();
+        assert!(!added.is_empty() && height(&fit) > before - 1e-6, "{before} {}", height(&fit));
+        let (step, own) = step(&fit, mass).expect("a step");
+        let held = engine.holding(mass);
+        let fallen = [-1.0, 1.0].map(|side| {
+            let start = along(&fit.model, &fit.numbers, &step, side * NORMAL_95 * std / own);
+            let there = held.climb(&start, true, 12).expect("a fit").model;
+            let sum = engine.sum(&there, &[], &[]).expect("a pass");
+            height(&fit) - sum.log_likelihood + penalty(&engine.free(&there, true))
+        });
+        let least = fallen[0].min(fallen[1]);
+        assert!((least - 1.92).abs() < 0.3, "{fallen:?} at {std} for {own}");
+    }
 
     /// Of a parabola: its own top and standard deviation, whichever places of it are known; of one that is steeper below: what it is above.
     #[test]

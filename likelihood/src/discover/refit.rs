@@ -95,3 +95,26 @@ fn named(fit: &Fit) -> Vec<&'static str> {
     all.sort_unstable();
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flown::flown;
+    use crate::model::{Member, Model};
+
+    /// A centre of mass a tenth of a millimetre off, taken for a lander that is not symmetric: the likelier rival takes the place, and both are as far
+    /// apart as their fits.
+    #[test]
+    fn law_the_likelier_rival_takes_the_place() {
+        let (engine, truth) = flown(6.0, "center-of-mass", &[0.0, 1e-4, 0.0]);
+        let asymmetry = CATALOGUE.iter().find(|e| e.family == "asymmetry").expect("an effect of the catalogue");
+        let taken = Model { members: vec![Member::null(asymmetry, &engine.campaign)], ..truth };
+        let fit = engine.climb(&taken, true, 12).expect("a fit");
+        let (before, weighed) = (score(&engine, &fit), weigh(&engine, &fit.model).expect("weighed"));
+        let (after, weighed) = rivals_fitted(&engine, fit, weighed, &mut Vec::new());
+        assert_eq!(named(&after), ["center-of-mass"]);
+        let gain = |family: &str| weighed.sets.iter().find(|s| families(&weighed, s) == [family]).expect("a set").gain;
+        let (fits, sets) = (score(&engine, &after) - before, gain("center-of-mass") - gain("asymmetry"));
+        assert!(fits > 3.0 && (fits - sets).abs() < 0.05, "{fits} {sets}");
+    }
+}

@@ -73,15 +73,18 @@ fn by_chance(fit: &Fit, member: usize) -> Option<f64> {
     Some(wald(&values, covariance.clone())?.max(surest))
 }
 
-/// Probability that a member's numbers make the runs as much likelier by chance as a fit is than one without it: twice the log of the ratio, over the
-/// most that the robust variance of a strength is of the fit's own (Kent 1982), has as many degrees of freedom as numbers were fitted. What is known
-/// together with its shape only, as a size with its width, looks like none to Wald's test.
+/// Probability that a member's numbers make the runs as much likelier by chance as a fit is than one without it, by the most that the robust variance
+/// of a strength is of the fit's own.
 fn by_ratio(fit: &Fit, robust: &Fit, member: usize, less: &Fit) -> Option<f64> {
     let is_own = |n: &&Number| matches!(n.id, Id::Member(m, _) if m == member);
-    let freedom = fit.numbers.iter().filter(is_own).count();
     let wider = strengths(fit, member).map(|i| robust.covariance[(i, i)] / fit.covariance[(i, i)]).fold(1.0, f64::max);
-    let twice = 2.0 * (fit.log_likelihood - less.log_likelihood);
-    Some(ChiSquared::new(freedom as f64).ok()?.sf((twice / wider).max(0.0)))
+    likelihood_ratio(fit.log_likelihood - less.log_likelihood, wider, fit.numbers.iter().filter(is_own).count())
+}
+
+/// Probability of such a gain of log-likelihood by chance: twice it, over what the variance is of the model's own (Kent 1982), has as many degrees of
+/// freedom as numbers were fitted. What is known together with its shape only, as a size with its width, looks like none to Wald's test.
+fn likelihood_ratio(gain: f64, wider: f64, numbers: usize) -> Option<f64> {
+    Some(ChiSquared::new(numbers as f64).ok()?.sf((2.0 * gain / wider).max(0.0)))
 }
 
 /// Probability that numbers with this covariance about zero are as far from it.
@@ -105,5 +108,9 @@ mod tests {
         let sum = wald(&DVector::from_vec(vec![0.5, 0.5]), c).expect("definite");
         assert!((sum - (-0.5_f64 * 0.5 / 0.01).exp()).abs() < 1e-12, "{sum}");
         assert!(wald(&DVector::zeros(0), DMatrix::zeros(0, 0)).is_none());
+        // The same distances by the likelihood; a loss is none.
+        let twice = likelihood_ratio(9.0, 2.0, 2).expect("two numbers");
+        assert!((twice - (-4.5_f64).exp()).abs() < 1e-12, "{twice}");
+        assert!((likelihood_ratio(-1.0, 1.0, 3).expect("three") - 1.0).abs() < 1e-12 && likelihood_ratio(1.0, 1.0, 0).is_none());
     }
 }
