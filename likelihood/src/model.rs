@@ -196,6 +196,13 @@ impl Model {
         self
     }
 
+    /// Families of the effects that are neither declared nor random, ascending.
+    pub(crate) fn found(&self) -> Vec<&'static str> {
+        let mut all: Vec<&str> = self.members.iter().filter(|m| !m.random && !m.declared).map(|m| m.effect.family).collect();
+        all.sort_unstable();
+        all
+    }
+
     /// Whether a number is the strength of a member.
     pub(crate) fn is_strength(&self, id: Id) -> bool {
         matches!(id, Id::Member(m, i) if self.members[m].parameters[i].role == Role::Strength)

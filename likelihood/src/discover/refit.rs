@@ -7,8 +7,6 @@ use super::polish::climb_down;
 use super::weigh::{Weighed, weigh, with_set};
 use super::{describe, score};
 use crate::engine::{Engine, Fit};
-use crate::search::Set;
-use windfall_model::CATALOGUE;
 
 /// Nats within which a rival is fitted, and most of them.
 const CLOSE: f64 = 6.0;
@@ -23,15 +21,15 @@ pub(super) fn rivals_fitted(engine: &Engine, fit: Fit, weighed: Weighed, log: &m
     if fit.model.members.iter().any(super::Member::is_local) {
         return (fit, weighed);
     }
-    let own = named(&fit);
+    let own = fit.model.found();
     let mut weighed = weighed;
-    let Some(gain) = weighed.sets.iter().find(|s| families(&weighed, s) == own).map(|s| s.gain) else { return (fit, weighed) };
+    let Some(gain) = weighed.sets.iter().find(|s| weighed.families_of(s) == own).map(|s| s.gain) else { return (fit, weighed) };
     let here = score(engine, &fit);
     let mut tried: Vec<Vec<&str>> = vec![own.clone()];
     let mut best: Option<(f64, Fit)> = None;
     for k in 0..weighed.sets.len() {
         let set = &weighed.sets[k];
-        let of_set = families(&weighed, set);
+        let of_set = weighed.families_of(set);
         if tried.len() > MOST || set.gain < gain - CLOSE {
             break;
         }
@@ -41,7 +39,7 @@ pub(super) fn rivals_fitted(engine: &Engine, fit: Fit, weighed: Weighed, log: &m
         let rival = climb_down(engine, &with_set(&fit.model, &weighed, set, engine));
         tried.push(of_set);
         let rival = rival.map(|r| engine.settle_random(&engine.climb(&r.model, true, 8).unwrap_or(r), STEPS));
-        let Some(rival) = rival.filter(|r| named(r) == tried[tried.len() - 1]) else { continue };
+        let Some(rival) = rival.filter(|r| r.model.found() == tried[tried.len() - 1]) else { continue };
         let there = score(engine, &rival);
         log.push(format!(
             "rival by its own fit {:.1}, by columns {:.1}: {}",
@@ -66,12 +64,12 @@ pub(super) fn rivals_fitted(engine: &Engine, fit: Fit, weighed: Weighed, log: &m
 
 /// A rival in the place of the best, all sets weighed at it; those fitted before keep what their fits say of the two.
 fn at_rival(rival: Fit, mut again: Weighed, before: &Weighed, [ahead, gain]: [f64; 2]) -> (Fit, Weighed) {
-    let own = named(&rival);
-    let here = again.sets.iter().find(|s| families(&again, s) == own).map(|s| s.gain);
-    let old = before.sets.iter().filter(|s| s.gain >= gain).map(|s| (families(before, s), s.gain)).collect::<Vec<_>>();
+    let own = rival.model.found();
+    let here = again.sets.iter().find(|s| again.families_of(s) == own).map(|s| s.gain);
+    let old = before.sets.iter().filter(|s| s.gain >= gain).map(|s| (before.families_of(s), s.gain)).collect::<Vec<_>>();
     if let Some(here) = here {
         for k in 0..again.sets.len() {
-            let of_set = families(&again, &again.sets[k]);
+            let of_set = again.families_of(&again.sets[k]);
             if let Some((_, was)) = old.iter().find(|(f, _)| *f == of_set && *f != own) {
                 again.sets[k].gain = again.sets[k].gain.min(here + was - gain - ahead);
             }
@@ -81,26 +79,12 @@ fn at_rival(rival: Fit, mut again: Weighed, before: &Weighed, [ahead, gain]: [f6
     (rival, again)
 }
 
-/// Families of a set, ascending.
-fn families(weighed: &Weighed, set: &Set) -> Vec<&'static str> {
-    let mut all: Vec<&str> = set.units.iter().map(|&u| CATALOGUE[weighed.families[u].0].family).collect();
-    all.sort_unstable();
-    all
-}
-
-/// Families of a fit's effects that were found, not random ones, ascending.
-fn named(fit: &Fit) -> Vec<&'static str> {
-    let found = fit.model.members.iter().filter(|m| !m.random && !m.declared);
-    let mut all: Vec<&str> = found.map(|m| m.effect.family).collect();
-    all.sort_unstable();
-    all
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::flown::flown;
     use crate::model::{Member, Model};
+    use windfall_model::CATALOGUE;
 
     /// A centre of mass a tenth of a millimetre off, taken for a lander that is not symmetric: the likelier rival takes the place, and both are as far
     /// apart as their fits.
@@ -112,8 +96,8 @@ mod tests {
         let fit = engine.climb(&taken, true, 12).expect("a fit");
         let (before, weighed) = (score(&engine, &fit), weigh(&engine, &fit.model).expect("weighed"));
         let (after, weighed) = rivals_fitted(&engine, fit, weighed, &mut Vec::new());
-        assert_eq!(named(&after), ["center-of-mass"]);
-        let gain = |family: &str| weighed.sets.iter().find(|s| families(&weighed, s) == [family]).expect("a set").gain;
+        assert_eq!(after.model.found(), ["center-of-mass"]);
+        let gain = |family: &str| weighed.sets.iter().find(|s| weighed.families_of(s) == [family]).expect("a set").gain;
         let (fits, sets) = (score(&engine, &after) - before, gain("center-of-mass") - gain("asymmetry"));
         assert!(fits > 3.0 && (fits - sets).abs() < 0.05, "{fits} {sets}");
     }

@@ -52,12 +52,7 @@ impl<'a> Rivals<'a> {
     pub fn new(engine: &'a Engine, found: &'a Discovery) -> Option<Self> {
         let model = &found.after.model;
         let weighed = weigh(engine, model)?;
-        let families = weighed.sets.iter().map(|s| {
-            let mut all: Vec<&str> = s.units.iter().map(|&u| CATALOGUE[weighed.families[u].0].family).collect();
-            all.sort_unstable();
-            all
-        });
-        let families = families.collect();
+        let families = weighed.sets.iter().map(|s| weighed.families_of(s)).collect();
         Some(Self { engine, model, weighed, families })
     }
 
@@ -72,9 +67,7 @@ impl<'a> Rivals<'a> {
     #[must_use]
     pub fn pairs(&self, odds: f64) -> Vec<RivalPair> {
         let sets = &self.weighed.sets;
-        let mut named: Vec<&str> =
-            self.model.members.iter().filter(|m| !m.random && !m.declared).map(|m| m.effect.family).collect();
-        named.sort_unstable();
+        let named = self.model.found();
         let Some(best) = (0..sets.len()).find(|&s| self.families[s] == named) else { return Vec::new() };
         let mut seen = vec![named];
         let mut all = Vec::new();

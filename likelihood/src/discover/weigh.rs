@@ -22,6 +22,13 @@ impl Weighed {
         self.sets.iter().filter(enough).min_by_key(|s| s.units.len()).unwrap_or(best)
     }
 
+    /// Families of a set, ascending.
+    pub(super) fn families_of(&self, set: &Set) -> Vec<&'static str> {
+        let mut all: Vec<&str> = set.units.iter().map(|&u| CATALOGUE[self.families[u].0].family).collect();
+        all.sort_unstable();
+        all
+    }
+
     /// Sets with one of those families are no more among them.
     pub(super) fn leave_out(&mut self, families: &[&str]) {
         let of = |u: usize| CATALOGUE.get(self.families[u].0).map(|e| e.family);

@@ -86,7 +86,7 @@ impl<'a> Target<'a> {
             })
         };
         let all = DVector::from_iterator(self.rows.len().min(model.len()) * 6, self.rows.iter().zip(&model).flat_map(one));
-        Some(self.whitener.as_ref().map_or(all.clone(), |w| w.whitened(&all)))
+        Some(if let Some(whitener) = &self.whitener { whitener.whitened(&all) } else { all })
     }
 }
 
