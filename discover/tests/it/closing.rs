@@ -64,6 +64,19 @@ fn recover_an_apparent_mass_in_gusts() {
     }
 }
 
+/// A center of mass 2 and 3 mm off, as strong as effects are in a few runs: no fit without random inputs stays near the runs, those beside shed
+/// vortices are where declared numbers have wandered off, and a search that went on from there named four effects.
+#[test]
+fn recover_a_far_center_of_mass_in_a_few_runs() {
+    let shift = [0.0, 0.002, -0.003];
+    let closing = close(&flown_for(f64::INFINITY, 1, |plant, _| with(plant, "center-of-mass", &shift)), &Options::default())
+        .expect("closes");
+    assert_eq!((families(&closing), closing.unfinished_passes), (vec!["center-of-mass"], None));
+    for (p, place) in closing.effects[0].parameters.iter().zip(shift) {
+        assert!((p.estimate - place).abs() < 4.0 * p.std_error.expect("an error"), "{p:?} for {place}");
+    }
+}
+
 /// Drag that grows with the speed, ordered at 9 m/s: found at the trim speed of the model, C_A with it.
 #[test]
 fn recover_drag_by_speed_at_the_trim_speed() {

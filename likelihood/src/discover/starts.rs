@@ -68,7 +68,7 @@ pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -
     fits.sort_by(|a, b| b.total.total_cmp(&a.total));
     fits.iter_mut().take(STARTS).filter(|fit| fit.chi > LEFT).for_each(|fit| *fit = settled(engine, declared, fit));
     let best = likeliest(fits.iter()).filter(|fit| fit.chi > LEFT);
-    fits.extend(best.and_then(|fit| grown(engine, fit, log)));
+    fits.extend(best.and_then(|fit| grown(engine, declared, fit, log)));
     // Poor fits are struck everywhere: only the best is asked.
     fits.extend(likeliest(fits.iter()).and_then(|fit| struck(engine, fit)));
     let mut all: Vec<Start> = fits.into_iter().filter_map(|fit| start(engine, fit, log)).collect();
@@ -140,7 +140,7 @@ fn likeliest<F: std::borrow::Borrow<Fit>>(fits: impl Iterator<Item = F>) -> Opti
 
 /// A fit with the effects that bring most, one at a time, until no more than noise is left: far from the runs, columns promise strengths several times too
 /// large, and several effects at once what one of them brings. None where no effect brings anything.
-fn grown(engine: &Engine, fit: &Fit, log: &mut Vec<String>) -> Option<Fit> {
+fn grown(engine: &Engine, declared: &Model, fit: &Fit, log: &mut Vec<String>) -> Option<Fit> {
     /// Effects at most, and those that are tried each time.
     const MOST: usize = 4;
     const TRIED: usize = 3;
@@ -161,7 +161,17 @@ fn grown(engine: &Engine, fit: &Fit, log: &mut Vec<String>) -> Option<Fit> {
         log.push(format!("  grown ({:.0}): {:.1} chi {:.3} {}", engine.passes(), best.total, best.chi, describe(&best.model)));
         grown = Some(best);
     }
-    grown
+    grown.map(|fit| in_calm(engine, declared, fit))
+}
+
+/// A fit without the random inputs that only led to it, where that is likelier: in them declared numbers wander off, and sets weighed there make
+/// good for that. From where numbers are declared, led in by free accelerations as the declared model alone is.
+fn in_calm(engine: &Engine, declared: &Model, fit: Fit) -> Fit {
+    let mut calm = Model { members: fit.model.members.clone(), ..declared.clone() };
+    calm.members.retain(|m| !m.random || m.declared);
+    let is_likelier = |calm: &Fit| calm.total > fit.total - random_cost(&fit.model, engine);
+    let led = lead_in(engine, &calm).and_then(|model| climb_down(engine, &model));
+    led.filter(is_likelier).unwrap_or(fit)
 }
 
 /// Parameters found while accelerations are left free, less and less: from far starting values no gust leads a model's roll.

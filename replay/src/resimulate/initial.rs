@@ -38,6 +38,8 @@ pub(crate) const N: usize = 12;
 const ITERATIONS: usize = 20;
 /// A step is not worth taking when it lowers the sum of squares by less than this part of it.
 const GAIN: f64 = 1e-6;
+/// The same over a span that only leads to a longer one.
+const GAIN_ON_THE_WAY: f64 = 1e-2;
 /// Steps of the differences: m, m/s, rad, rad/s. Ten thousand times the integrator's error, a thousandth of what bends.
 const STEPS: [f64; N] = [1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3, 1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3];
 /// Largest step in one iteration, same units: beyond it a linearisation means nothing.
@@ -65,19 +67,21 @@ pub fn initial_of(replay: &Replay, record: &Record, sensors: &Sensors) -> Result
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of samples")]
     let first = ((FIRST_SPAN_S / record.interval_s()).ceil() as usize).max(FEWEST).min(record.len());
     let mut problem = Problem { replay, record, weights: weights(sensors), samples: first };
-    let Some(mut best) = problem.solve(replay.first()) else {
+    let Some(mut best) = problem.solve(replay.first(), GAIN_ON_THE_WAY) else {
         // A flight that fails midway still has a beginning; one that cannot be flown at all is an error.
         replay.fly_as_far_as_it_goes(replay.first())?;
         return Ok(failed(replay.first()));
     };
+    let mut last = first;
     while problem.samples < record.len() && best.misfit < LIKE_NOISE {
         problem.samples = (2 * problem.samples).min(record.len());
-        match problem.solve(best.release) {
-            Some(longer) if longer.misfit < LIKE_NOISE => best = longer,
+        match problem.solve(best.release, GAIN_ON_THE_WAY) {
+            Some(longer) if longer.misfit < LIKE_NOISE => (best, last) = (longer, problem.samples),
             _ => break,
         }
     }
-    Ok(best)
+    problem.samples = last;
+    Ok(problem.solve(best.release, GAIN).unwrap_or(best))
 }
 
 /// An initial state as this record leaves it open for a plant near another one: estimated again over the same span, from that one's
@@ -88,7 +92,7 @@ pub(crate) fn again(replay: &Replay, record: &Record, sensors: &Sensors, near: &
     if samples < FEWEST {
         return None;
     }
-    let (found, square) = Problem { replay, record, weights: weights(sensors), samples }.solve_squared(near.release)?;
+    let (found, square) = Problem { replay, record, weights: weights(sensors), samples }.solve_squared(near.release, GAIN)?;
     // Residuals are in standard deviations: the triangle is the root of the information.
     let error = square.r.solve_upper_triangular(&SVector::from(z))?.component_mul(&square.scale);
     Some(moved(found.release, &error.into()))
@@ -122,13 +126,13 @@ enum Stepped {
 }
 
 impl Problem<'_> {
-    /// Least squares over the samples used; `None` when the flight from the start fails in them.
-    fn solve(&self, start: Release) -> Option<Initial> {
-        self.solve_squared(start).map(|found| found.0)
+    /// Least squares over the samples used, to steps that gain less than `worth`; `None` when the flight from the start fails in them.
+    fn solve(&self, start: Release, worth: f64) -> Option<Initial> {
+        self.solve_squared(start, worth).map(|found| found.0)
     }
 
-    /// [`Problem::solve`], with the linearised problem at the answer.
-    fn solve_squared(&self, start: Release) -> Option<(Initial, Square)> {
+    /// [`Problem::solve`], with the problem as it was linearised for the last step.
+    fn solve_squared(&self, start: Release, worth: f64) -> Option<(Initial, Square)> {
         let mut release = start;
         let mut residual = self.residual(start)?;
         let mut square = self.square(release, &residual);
@@ -139,9 +143,10 @@ impl Problem<'_> {
             match self.step(release, &residual, &square, &mut damping) {
                 Stepped::Taken { release: next, residual: r, gain } => {
                     (release, residual) = (next, r);
-                    square = self.square(release, &residual);
-                    if gain < GAIN {
+                    if gain < worth {
                         stop = StopReason::Converged;
+                    } else {
+                        square = self.square(release, &residual);
                     }
                 }
                 Stepped::NotWorth => stop = StopReason::Converged,
