@@ -15,7 +15,7 @@ use windfall_model::{CATALOGUE, CHANNEL_NAMES, POSE, Shape};
 pub struct Contest {
     /// Families of the best set.
     pub families: Vec<&'static str>,
-    /// Generic alternatives in it, with what each of them brings to it.
+    /// Generic alternatives in it, with what each of them brings to it, strongest first.
     pub leads: Vec<Lead>,
     /// What the best single alternative brings beside the present members.
     pub strongest: f64,
@@ -32,7 +32,8 @@ pub(super) fn contest(engine: &Engine, model: &Model, alternatives: &[Alternativ
 pub(super) fn outcome(w: &Weighed, model: &Model, alternatives: &[Alternative]) -> Option<Contest> {
     let best = w.sets.first()?;
     let is_generic = |u: usize| w.families[u].0 >= GENERIC;
-    let leads = best.units.iter().filter(|&&u| is_generic(u)).map(|&u| lead(w, best, u, alternatives)).collect();
+    let mut leads: Vec<Lead> = best.units.iter().filter(|&&u| is_generic(u)).map(|&u| lead(w, best, u, alternatives)).collect();
+    leads.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let families = best.units.iter().filter(|&&u| !is_generic(u)).map(|&u| CATALOGUE[w.families[u].0].family).collect();
     let present: Vec<usize> = (0..w.units.len()).filter(|&u| w.families[u].1.is_none() && !is_generic(u)).collect();
     let floor = if present.is_empty() { Some(0.0) } else { crate::search::weigh(&w.gram, &w.units, &present).map(|s| s.gain) };
