@@ -1,9 +1,12 @@
 //! pid bench: time of output error and filter error against the length of the data, one thread: the shared campaign's runs once, four
-//! and sixteen times over (67 s, 268 s, 1,072 s), and its longest run cut to a quarter, half and whole. Linear is the claim; the machine's
+//! and sixteen times over (67 s, 268 s, 1,072 s), each with noise of its own, and its longest run cut to a quarter, half and whole. Linear is the claim; the machine's
 //! noise is in the figures.
 #[path = "../tests/common/mod.rs"]
 mod common;
 
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
 use std::time::Instant;
 use windfall_model::{Campaign, Data, Use};
 use windfall_pid::output_error::EstimateOptions;
@@ -11,10 +14,23 @@ use windfall_pid::{Identification, PidError, filter_error, output_error};
 
 type Identify = fn(&Campaign, &EstimateOptions) -> Result<Identification, PidError>;
 
+/// Size of the noise that every repetition has of its own, over the sensors'.
+const OWN: f64 = 3.0;
+
+/// The runs so many times over, each with noise of its own above theirs: sixteen records of the same noise would have one chance residual
+/// sixteen times, which is then no noise, and errors for coloured residuals would be asked for.
 fn repeated(campaign: &Campaign, times: usize) -> Campaign {
     let mut out = campaign.clone();
     out.runs.retain(|r| r.used == Use::Identify);
     out.runs = out.runs.iter().cycle().take(times * out.runs.len()).cloned().collect();
+    let std = out.plant.sensors.std_by_channel();
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    for run in &mut out.runs {
+        let Data::Tunnel(record) = &mut run.data else { continue };
+        for (channel, std) in record.channels_mut().into_iter().zip(std) {
+            channel.iter_mut().for_each(|x| *x += OWN * std * Distribution::<f64>::sample(&StandardNormal, &mut rng));
+        }
+    }
     out
 }
 
