@@ -235,9 +235,7 @@ fn in_dryden_alone(engine: &Engine, model: &Model) -> Option<Model> {
     if !engine.has_band(model) && !model.members.iter().any(is_other) {
         return None;
     }
-    let mut alone = model.clone();
-    alone.members.retain(|m| !m.random || m.declared);
-    Some(beside(engine, alone, &Member::null(gusts.effect, &engine.campaign))?.model)
+    Some(beside(engine, model.clone().calm(), &Member::null(gusts.effect, &engine.campaign))?.model)
 }
 
 /// A model with a random input beside it, fitted from a middle size and form.
@@ -273,8 +271,7 @@ fn in_steep_bands(engine: &mut Engine, best: Scored, log: &mut Vec<String>) -> S
 /// Noise again, by the likelihood of the best model, and the best model in it. Gusts and coloured noise may stand for each other: where both
 /// are there, a model without gusts is given the noise that suits it before the two are compared.
 fn in_own_noise(engine: &mut Engine, best: Scored, log: &mut Vec<String>) -> Scored {
-    let mut calm = best.1.model.clone();
-    calm.members.retain(|m| !m.random || m.declared);
+    let calm = best.1.model.clone().calm();
     let is_coloured = engine.noise.iter().any(|n| n.coloured > 0.0);
     let other = (is_coloured && calm.members.len() < best.1.model.members.len()).then(|| {
         let mut calm_engine = engine.clone();

@@ -196,6 +196,12 @@ impl Model {
         self
     }
 
+    /// The same without random inputs that are not declared.
+    pub(crate) fn calm(mut self) -> Self {
+        self.members.retain(|m| !m.random || m.declared);
+        self
+    }
+
     /// Families of the effects that are neither declared nor random, ascending.
     pub(crate) fn found(&self) -> Vec<&'static str> {
         let mut all: Vec<&str> = self.members.iter().filter(|m| !m.random && !m.declared).map(|m| m.effect.family).collect();

@@ -1,6 +1,6 @@
 //! pid bench: time of output error and filter error against the length of the data, one thread: the shared campaign's runs once, four
-//! and sixteen times over (67 s, 268 s, 1,072 s), each with noise of its own, and its longest run cut to a quarter, half and whole. Linear is the claim; the machine's
-//! noise is in the figures.
+//! and sixteen times over (67 s, 268 s, 1,072 s), each with noise of its own, and its longest run cut to a quarter, half and whole. Linear
+//! is the claim; the machine's noise is in the figures.
 #[path = "../tests/common/mod.rs"]
 mod common;
 

@@ -89,10 +89,15 @@ fn settled(engine: &Engine, declared: &Model, fit: &Fit) -> Fit {
     if fit.chi < LEFT {
         return fit;
     }
-    match engine.climb(&Model { members: fit.model.members.clone(), ..declared.clone() }, false, 12) {
+    match engine.climb(&from_declared(declared, &fit.model), false, 12) {
         Ok(again) => likeliest([fit, engine.settle_random(&again, SETTLING)].into_iter()).unwrap_or(again),
         Err(_) => fit,
     }
+}
+
+/// A model's members beside the numbers that are declared.
+fn from_declared(declared: &Model, model: &Model) -> Model {
+    Model { members: model.members.clone(), ..declared.clone() }
 }
 
 /// Fits in gusts from wide to narrow, each starting from the one before, in the likeliest form; the last model, its gusts taken out.
@@ -167,8 +172,7 @@ fn grown(engine: &Engine, declared: &Model, fit: &Fit, log: &mut Vec<String>) ->
 /// A fit without the random inputs that only led to it, where that is likelier: in them declared numbers wander off, and sets weighed there make
 /// good for that. From where numbers are declared, led in by free accelerations as the declared model alone is.
 fn in_calm(engine: &Engine, declared: &Model, fit: Fit) -> Fit {
-    let mut calm = Model { members: fit.model.members.clone(), ..declared.clone() };
-    calm.members.retain(|m| !m.random || m.declared);
+    let calm = from_declared(declared, &fit.model).calm();
     let is_likelier = |calm: &Fit| calm.total > fit.total - random_cost(&fit.model, engine);
     let led = lead_in(engine, &calm).and_then(|model| climb_down(engine, &model));
     led.filter(is_likelier).unwrap_or(fit)
