@@ -53,7 +53,8 @@ impl Reader {
 #[derive(Clone, Copy)]
 pub(crate) enum Until {
     Inputs(u64),
-    Time(Duration),
+    /// So many, or so long.
+    Either(u64, Duration),
 }
 
 /// What came of it.
@@ -131,8 +132,8 @@ pub(crate) fn run(reader: &Reader, seed: u64, from: u64, until: Until) -> Total 
             one.see(&bytes, &name, &mut total);
         }
         let more = |index: u64| match until {
-            Until::Inputs(n) => index < from + n,
-            Until::Time(t) => start.elapsed() < t,
+            Until::Inputs(n) => index - from < n,
+            Until::Either(n, t) => index - from < n && start.elapsed() < t,
         };
         let mut index = from;
         while more(index) {
@@ -250,17 +251,18 @@ impl Watch {
     }
 }
 
-/// What `WINDFALL_FUZZ` names (all, when it names nothing), for `WINDFALL_FUZZ_SECONDS` each (60), by `WINDFALL_FUZZ_SEED` (1) from input
-/// `WINDFALL_FUZZ_FROM` (0): rows of the table as they are done, and what was found.
+/// What `WINDFALL_FUZZ` names (all, when it names nothing), for `WINDFALL_FUZZ_SECONDS` (60) or `WINDFALL_FUZZ_INPUTS` (ten million) each, by
+/// `WINDFALL_FUZZ_SEED` (1) from input `WINDFALL_FUZZ_FROM` (0): rows of the table as they are done, and what was found.
 pub(crate) fn as_asked(readers: &[Reader]) -> Vec<String> {
     let number = |key: &str, default: u64| std::env::var(key).ok().and_then(|v| v.parse().ok()).unwrap_or(default);
     let wanted = std::env::var("WINDFALL_FUZZ").unwrap_or_default();
-    let (seconds, seed, from) =
-        (number("WINDFALL_FUZZ_SECONDS", 60), number("WINDFALL_FUZZ_SEED", 1), number("WINDFALL_FUZZ_FROM", 0));
+    let until =
+        Until::Either(number("WINDFALL_FUZZ_INPUTS", 10_000_000), Duration::from_secs(number("WINDFALL_FUZZ_SECONDS", 60)));
+    let (seed, from) = (number("WINDFALL_FUZZ_SEED", 1), number("WINDFALL_FUZZ_FROM", 0));
     let mut findings = Vec::new();
     eprintln!("| reader | inputs | accepted | inputs/s | slowest, ms | most memory, MB |\n|---|---|---|---|---|---|");
     for reader in readers.iter().filter(|r| wanted.is_empty() || wanted.split(',').any(|w| w == r.name)) {
-        let total = run(reader, seed, from, Until::Time(Duration::from_secs(seconds)));
+        let total = run(reader, seed, from, until);
         eprintln!("{}", total.row(reader.name));
         for finding in total.findings.iter().take(20) {
             eprintln!("  {finding}");
