@@ -89,7 +89,8 @@ impl Pass {
     }
 }
 
-/// Inputs (tunnel speed and gusts with their rates) by the input states a time before, one row each; a gust is its filter's first state.
+/// Inputs (tunnel speed and gusts with their rates) by the input states a time before, one row each; a gust is its filter's first
+/// state.
 fn inputs_at(tau: f64, ns: usize, filters: &[(usize, ShapingFilter<2>)]) -> Vec<f64> {
     let mut m = vec![0.0; INPUTS * ns];
     m[..3].copy_from_slice(&[1.0, tau, 0.5 * tau * tau]);

@@ -47,8 +47,8 @@ fn exact_own_output_passes_the_same() {
     }
 }
 
-/// Any filter of second order passes noise as before, and its own output is the first state; one whose C is a left eigenvector of A, which
-/// has no rate of its own, stays as it is.
+/// Any filter of second order passes noise as before, and its own output is the first state; one whose C is a left eigenvector of
+/// A, which has no rate of its own, stays as it is.
 #[test]
 fn exact_own_output_of_any_filter() {
     let f = ShapingFilter { a: [[-3.0, 1.7], [-2.3, -0.9]], b: [0.7, -1.9], c: [1.3, 0.6] };
@@ -106,8 +106,8 @@ fn exact_inputs_by_their_states() {
     }
 }
 
-/// Gusts start from where they stay: with the whole filters' matrices A and B, `A P + P Aᵀ + B Bᵀ = 0`, to rounding of terms of order 10, and
-/// each has the rms that it is declared to have.
+/// Gusts start from where they stay: with the whole filters' matrices A and B, `A P + P Aᵀ + B Bᵀ = 0`, to rounding of terms of
+/// order 10, and each has the rms that it is declared to have.
 #[test]
 fn exact_gusts_start_stationary() {
     let plant = erring();
@@ -136,7 +136,8 @@ fn exact_gusts_start_stationary() {
     }
 }
 
-/// A flight is measured as it is, sample by sample of a piece, from any of its nodes: residuals as in output error's test of the same flight.
+/// A flight is measured as it is, sample by sample of a piece, from any of its nodes: residuals as in output error's test of the
+/// same flight.
 #[test]
 fn exact_a_flight_leaves_no_innovation() {
     let plant = erring();

@@ -8,8 +8,8 @@ use crate::filter_error::point::SearchPoint;
 use crate::output_error::flown::erring;
 use windfall_model::{Freedom, Unknown, UnknownId, Unknowns};
 
-/// With θ the point's parameters: XᵀX is their information, Xᵀ(y − Xθ) their score, and what is left at θ, squared, is the likelihood less
-/// its logarithms; to roundings of sums over 189 rows.
+/// With θ the point's parameters: XᵀX is their information, Xᵀ(y − Xθ) their score, and what is left at θ, squared, is the
+/// likelihood less its logarithms; to roundings of sums over 189 rows.
 #[test]
 fn exact_regression_has_the_score_and_information_of_the_likelihood() {
     let plant = erring();

@@ -14,8 +14,8 @@ fn covariance(random: [f64; RANDOM]) -> DMatrix<f64> {
     DMatrix::from_fn(std.len(), std.len(), |i, j| if i == j { std[i] * std[i] } else { 0.01 * std[i] * std[j] })
 }
 
-/// A logarithm's standard error s makes an estimate e one of e s, between e exp(∓1.96 s); a size that cannot be told has its limit instead,
-/// and neither it nor its scale is estimated.
+/// A logarithm's standard error s makes an estimate e one of e s, between e exp(∓1.96 s); a size that cannot be told has its limit
+/// instead, and neither it nor its scale is estimated.
 #[test]
 fn exact_random_estimates() {
     let plant = erring();

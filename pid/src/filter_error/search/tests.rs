@@ -39,8 +39,8 @@ fn on_gusty<T>(look: impl FnOnce(&mut Search<'_, '_>, SearchPoint) -> T) -> T {
     look(&mut search, SearchPoint::new(four(&plant), START_SIZE_M_S))
 }
 
-/// By brute force over all sizes of a range that are a power of three from the start: upwards, downwards, up to the range's ends, and of one
-/// gust alone.
+/// By brute force over all sizes of a range that are a power of three from the start: upwards, downwards, up to the range's ends,
+/// and of one gust alone.
 #[test]
 fn exact_start_is_the_likeliest_size() {
     on_gusty(|search, start| {
@@ -70,9 +70,9 @@ fn exact_start_is_the_likeliest_size() {
     });
 }
 
-/// Together within a tenth of a standard error of where scoring by hand has no further to go, wherever it began: so any two ends differ by two
-/// tenths. Steps are cut to 0.7 of a logarithm, so that six suffice from half the size and no more than that from the likeliest point but for
-/// parameters some standard errors away.
+/// A climb ends where no combination of unknowns has a tenth of a standard error to go, wherever it began: any two ends are two
+/// tenths apart at most. Damping falls by ten a step, so it is as quick as scoring: six steps do from half the size (of which a
+/// step takes up to a logarithm of 0.7), and from the peak with two parameters some standard errors off it.
 #[test]
 fn law_a_climb_ends_at_the_peak() {
     on_gusty(|search, start| {
@@ -129,8 +129,8 @@ fn law_a_scale_runs_away_on_both_sides() {
     });
 }
 
-/// A gust whose logarithm is known to half or worse is taken for none where without it the likelihood, twice its logarithm, falls by less than
-/// 9.2, and kept where it falls by more; one that is told better, and turning that is not sought, are not looked at.
+/// A gust whose logarithm is known to half or worse is taken for none where without it the likelihood, twice its logarithm, falls
+/// by less than 9.2, and kept where it falls by more; one that is told better, and turning that is not sought, are not looked at.
 #[test]
 fn exact_gusts_taken_for_none() {
     on_gusty(|search, start| {
