@@ -154,6 +154,52 @@ fn exact_variational_equations_are_the_derivatives_of_the_map() {
     }
 }
 
+/// A contact acts at the run's time, wherever a piece begins: against the classical method on the public rates, to rounding.
+#[test]
+fn exact_a_contact_acts_at_the_time_of_the_run() {
+    let mut plant = plant();
+    plant.contacts = vec![windfall_model::Contact {
+        run: 0,
+        start_s: 0.13,
+        duration_s: 0.05,
+        impulse: Vec3::new(0.02, -0.03, 0.01),
+        angular_impulse: Vec3::new(0.001, 0.002, -0.003),
+    }];
+    let craft = Craft::new(&plant).expect("integrable");
+    let (start_s, h, steps, vw_m_s) = (0.11, 0.013, 5, 7.4);
+    let drive = Drive { states: 1, at: vec![[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0].to_vec(); 2 * steps + 1] };
+    let segment = Segment {
+        craft: &craft,
+        drive: &drive,
+        parameters: &TABLE_5_5,
+        columns: &[None; 11],
+        free: 0,
+        start_s,
+        interval_s: h,
+        density: &[1.18; 5],
+        steps,
+        spread_m_s: [0.0; 3],
+    };
+    let mut out = Transition::default();
+    assert!(segment.fly(STATE, &[vw_m_s], &mut out));
+    let mut x = [0.0; MOTION];
+    x[..STATES].copy_from_slice(&STATE);
+    let rate = |x: &[f64; MOTION], t_s: f64| {
+        let air = TunnelAir { t_s, density_kg_m3: 1.18, vw_m_s, vw_rate_m_s2: 0.0 };
+        craft.rates(x, air, &[0.0; ADDED], &mut Vec::new()).expect("there is flow")
+    };
+    let along = |x: &[f64; MOTION], k: &[f64; MOTION], h: f64| -> [f64; MOTION] { std::array::from_fn(|i| x[i] + h * k[i]) };
+    for step in 0..steps {
+        let t = start_s + h * step as f64;
+        let a = rate(&x, t);
+        let b = rate(&along(&x, &a, 0.5 * h), t + 0.5 * h);
+        let c = rate(&along(&x, &b, 0.5 * h), t + 0.5 * h);
+        let d = rate(&along(&x, &c, h), t + h);
+        x = std::array::from_fn(|i| x[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
+        assert!((0..STATES).all(|i| (x[i] - out.states[step][i]).abs() < 1e-12), "{step}: {x:?} {:?}", out.states[step]);
+    }
+}
+
 /// Halving the step divides the error by sixteen.
 #[test]
 fn order_four_of_the_integrator() {

@@ -89,7 +89,8 @@ impl Pass {
     }
 }
 
-/// Inputs (tunnel speed and gusts with their rates) by the input states a time before, one row each.
+/// Inputs (tunnel speed and gusts with their rates) by the input states a time before, one row each; a gust is its filter's first
+/// state.
 fn inputs_at(tau: f64, ns: usize, filters: &[(usize, ShapingFilter<2>)]) -> Vec<f64> {
     let mut m = vec![0.0; INPUTS * ns];
     m[..3].copy_from_slice(&[1.0, tau, 0.5 * tau * tau]);
@@ -99,9 +100,8 @@ fn inputs_at(tau: f64, ns: usize, filters: &[(usize, ShapingFilter<2>)]) -> Vec<
         let e = exponential(f.a, tau);
         let column = SPEED + 2 * axis;
         for k in 0..2 {
-            m[(2 + axis) * ns + column + k] = f.c[0] * e[0][k] + f.c[1] * e[1][k];
-            let ae = |i: usize| f.a[i][0] * e[0][k] + f.a[i][1] * e[1][k];
-            m[(5 + axis) * ns + column + k] = f.c[0] * ae(0) + f.c[1] * ae(1);
+            m[(2 + axis) * ns + column + k] = e[0][k];
+            m[(5 + axis) * ns + column + k] = f.a[0][0] * e[0][k] + f.a[0][1] * e[1][k];
         }
     }
     m
@@ -154,7 +154,7 @@ impl<'r, 'a> Filter<'r, 'a> {
                 }
                 root[(column + i, 1 + axis)] = f.b[i];
             }
-            rate[*axis] = f.c[0] * f.b[0] + f.c[1] * f.b[1];
+            rate[*axis] = f.b[0];
             let p = lyapunov(f);
             for i in 0..2 {
                 for k in 0..2 {

@@ -124,4 +124,4 @@ impl LocalLikelihood {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

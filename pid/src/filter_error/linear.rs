@@ -1,7 +1,7 @@
 //! pid: filter error as a regression. In: a campaign, a wider structure. Out: whitened innovations about the likeliest point, linear in
 //! the wider structure's parameters.
 
-use super::filter::Filter;
+use super::filter::{Filter, FilteredRun};
 use super::search::{Begin, Search, no_answer, noise_of, started};
 use crate::equations::Transition;
 use crate::identification::ALL_RUNS;
@@ -38,11 +38,20 @@ pub(crate) fn linearised(campaign: &Campaign, wide: &Aero) -> Result<Vec<Linear>
     let noise = noise_of(&runs.iter().collect::<Vec<_>>());
     let flown = |run: &PreparedRun<'_>| {
         let seen = Filter::new(run, noise).run(&point.random(), &c, &mut work)?;
-        let weight: Vec<f64> = seen.pass.variance.iter().map(|v| v.sqrt().recip()).collect();
-        let x = DMatrix::from_fn(weight.len(), c.free, |row, j| seen.by_parameter[row * c.free + j] * weight[row]);
-        let innovation = DVector::from_fn(weight.len(), |row, _| seen.pass.innovation[row] * weight[row]);
-        let y = &x * DVector::from_column_slice(&c.parameters) - innovation;
-        Some((x, y))
+        Some(regression(&seen, &c.parameters))
     };
     wide_runs.iter().map(flown).collect::<Option<_>>().ok_or_else(|| no_answer(StopReason::FlightFails, campaign, ALL_RUNS))
 }
+
+/// One run's columns and response, every parameter free.
+fn regression(seen: &FilteredRun, parameters: &[f64]) -> Linear {
+    let free = parameters.len();
+    let weight: Vec<f64> = seen.pass.variance.iter().map(|v| v.sqrt().recip()).collect();
+    let x = DMatrix::from_fn(weight.len(), free, |row, j| seen.by_parameter[row * free + j] * weight[row]);
+    let innovation = DVector::from_fn(weight.len(), |row, _| seen.pass.innovation[row] * weight[row]);
+    let y = &x * DVector::from_column_slice(parameters) - innovation;
+    (x, y)
+}
+
+#[cfg(test)]
+mod tests;

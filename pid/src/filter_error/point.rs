@@ -90,3 +90,6 @@ impl SearchPoint {
         other.random()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -55,20 +55,7 @@ pub(super) fn data_set(
     warnings: &mut Vec<String>,
 ) -> DataSet {
     report_random(name, point, covariance, warnings);
-    let mut planner = RealFftPlanner::new();
-    let intervals: Vec<f64> = filters.iter().map(|f| f.run.interval_s).collect();
-    let fits: Vec<CoefficientFit> = (0..CHANNELS)
-        .map(|c| {
-            let series: Vec<&[f64]> = now.whitened.iter().map(|w| w[c].as_slice()).collect();
-            let total: f64 = filters.iter().map(|f| spread(f.run.record.channels()[c])).sum();
-            CoefficientFit {
-                coefficient: CHANNEL_NAMES[c].to_owned(),
-                r2: if total > 0.0 { 1.0 - now.left[c] / total } else { 0.0 },
-                residual_std: in_unit_of(CHANNEL_NAMES[c], (now.left[c] / now.samples).sqrt()),
-                residual_whiteness_p: low_frequency_p(&series, &intervals, &mut planner),
-            }
-        })
-        .collect();
+    let fits = channel_fits(filters, now);
     // The innovations of the tunnel speed test the smoothness that it is taken to have, not the declared model.
     let bad: Vec<&str> = fits[..POSE]
         .iter()
@@ -84,11 +71,6 @@ pub(super) fn data_set(
     }
     let mut parameters = estimates(campaign, &point.unknowns, covariance, covariance);
     parameters.extend(random_estimates(point, covariance));
-    let information = covariance.clone();
-    let eigen = {
-        let d: Vec<f64> = information.diagonal().iter().map(|v| v.sqrt()).collect();
-        DMatrix::from_fn(d.len(), d.len(), |i, j| information[(i, j)] / (d[i] * d[j])).symmetric_eigenvalues()
-    };
     DataSet {
         name: name.to_owned(),
         runs: filters.iter().map(|f| f.run.name.to_owned()).collect(),
@@ -96,10 +78,34 @@ pub(super) fn data_set(
         curves: Vec::new(),
         parameters,
         fits,
-        condition_number: (eigen.max() / eigen.min().max(f64::MIN_POSITIVE)).sqrt(),
+        condition_number: condition_number(covariance),
         n_samples: filters.iter().map(|f| f.run.record.len()).sum(),
         held: held_scales(point),
     }
+}
+
+/// How well each channel is explained.
+fn channel_fits(filters: &[Filter<'_, '_>], now: &LocalLikelihood) -> Vec<CoefficientFit> {
+    let mut planner = RealFftPlanner::new();
+    let intervals: Vec<f64> = filters.iter().map(|f| f.run.interval_s).collect();
+    let fit = |c: usize| {
+        let series: Vec<&[f64]> = now.whitened.iter().map(|w| w[c].as_slice()).collect();
+        let total: f64 = filters.iter().map(|f| spread(f.run.record.channels()[c])).sum();
+        CoefficientFit {
+            coefficient: CHANNEL_NAMES[c].to_owned(),
+            r2: if total > 0.0 { 1.0 - now.left[c] / total } else { 0.0 },
+            residual_std: in_unit_of(CHANNEL_NAMES[c], (now.left[c] / now.samples).sqrt()),
+            residual_whiteness_p: low_frequency_p(&series, &intervals, &mut planner),
+        }
+    };
+    (0..CHANNELS).map(fit).collect()
+}
+
+/// Of the correlations, as the root: what scaled slopes have.
+fn condition_number(covariance: &DMatrix<f64>) -> f64 {
+    let d: Vec<f64> = covariance.diagonal().iter().map(|v| v.sqrt()).collect();
+    let eigen = DMatrix::from_fn(d.len(), d.len(), |i, j| covariance[(i, j)] / (d[i] * d[j])).symmetric_eigenvalues();
+    (eigen.max() / eigen.min().max(f64::MIN_POSITIVE)).sqrt()
 }
 
 /// Scales at which gusts were taken, where these were not estimated.
@@ -134,3 +140,6 @@ fn random_estimates(point: &SearchPoint, covariance: &DMatrix<f64>) -> Vec<Estim
     };
     NAMES.iter().enumerate().filter_map(one).collect()
 }
+
+#[cfg(test)]
+mod tests;

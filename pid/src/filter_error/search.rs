@@ -291,3 +291,6 @@ fn damped(now: &LocalLikelihood, free: usize, damping: f64) -> Option<DVector<f6
     let covariance = inverse(&m).ok()?;
     Some(covariance * &now.score / (1.0 + SHORTENING * damping))
 }
+
+#[cfg(test)]
+mod tests;

@@ -47,6 +47,25 @@ fn exact_own_output_passes_the_same() {
     }
 }
 
+/// Any filter of second order passes noise as before, and its own output is the first state; one whose C is a left eigenvector of
+/// A, which has no rate of its own, stays as it is.
+#[test]
+fn exact_own_output_of_any_filter() {
+    let f = ShapingFilter { a: [[-3.0, 1.7], [-2.3, -0.9]], b: [0.7, -1.9], c: [1.3, 0.6] };
+    let other = own_output(f);
+    // Impulse response and its rate at the start, C B and C A B, and by Cayley and Hamilton all that follow.
+    let (a, b, c) = (matrix(f.a), Vector2::from(f.b), Vector2::from(f.c).transpose());
+    for (found, expected) in other.b.into_iter().zip([(c * b)[0], (c * a * b)[0]]) {
+        assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+    }
+    let characteristic = matrix(other.a);
+    assert!((characteristic.trace() - a.trace()).abs() < 1e-14 && (characteristic.determinant() - a.determinant()).abs() < 1e-14);
+    assert_eq!(characteristic.row(0).iter().map(|v| v.to_bits()).collect::<Vec<_>>(), [0.0, 1.0].map(f64::to_bits));
+    // [2, 3] A = −5 [2, 3].
+    let alone = ShapingFilter { a: [[-2.0, -9.0], [-2.0, 1.0]], b: [0.7, -1.9], c: [2.0, 3.0] };
+    assert_eq!(own_output(alone), alone);
+}
+
 /// `A P + P Aᵀ + B Bᵀ = 0`, to rounding of terms of order 10; `e^{At}` has the rate A e^{At} and is one at no time.
 #[test]
 fn exact_stationary_covariance_and_exponential() {
@@ -87,6 +106,64 @@ fn exact_inputs_by_their_states() {
     }
 }
 
+/// Gusts start from where they stay: with the whole filters' matrices A and B, `A P + P Aᵀ + B Bᵀ = 0`, to rounding of terms of
+/// order 10, and each has the rms that it is declared to have.
+#[test]
+fn exact_gusts_start_stationary() {
+    let plant = erring();
+    let record = shaken(&plant);
+    let run = PreparedRun::new("shaken", &record, &plant).expect("it can be integrated");
+    let filter = Filter::new(&run, NOISE);
+    let g = filter.gusts(&RANDOM);
+    let speed = record.vw_m_s.iter().sum::<f64>() / record.len() as f64;
+    let mut a = DMatrix::<f64>::zeros(GUSTS, GUSTS);
+    for d in RANDOM.turbulence.disturbances(speed) {
+        let (Entry::AirVelocity(axis), StateForm::Two(f)) = (d.entry, d.filter()) else { panic!("{d:?}") };
+        a.view_mut((2 * axis, 2 * axis), (2, 2)).copy_from(&matrix(own_output(f).a));
+    }
+    let (_, p) = filter.start(&g);
+    let b = g.root.view((SPEED, 0), (GUSTS, 4)).into_owned();
+    let gusts = dense(&p).view((STATES + SPEED, STATES + SPEED), (GUSTS, GUSTS)).into_owned();
+    let left = &a * &gusts + &gusts * a.transpose() + &b * b.transpose();
+    assert!(left.amax() < 1e-11, "{left}");
+    let t = RANDOM.turbulence;
+    for (axis, rms) in [t.axial_rms_m_s, t.lateral_rms_m_s, t.lateral_rms_m_s].into_iter().enumerate() {
+        assert!((gusts[(2 * axis, 2 * axis)].sqrt() / rms - 1.0).abs() < 1e-12, "{axis}: {gusts}");
+    }
+    // Nothing else is known together with anything.
+    for (i, row) in p.iter().enumerate() {
+        assert!((0..ALL).all(|j| i == j || i.min(j) >= STATES + SPEED || row[j] == 0.0), "{i}");
+    }
+}
+
+/// A flight is measured as it is, sample by sample of a piece, from any of its nodes: residuals as in output error's test of the
+/// same flight.
+#[test]
+fn exact_a_flight_leaves_no_innovation() {
+    let plant = erring();
+    let flight = flown(&plant, 0);
+    let record = flight.record(&plant, &Shown::default());
+    let run = PreparedRun::new("flown", &record, &plant).expect("it can be integrated");
+    let filter = Filter { piece: 5, ..Filter::new(&run, NOISE) };
+    let (g, c, mut work) = (filter.gusts(&RANDOM), held(&plant), Transition::default());
+    for k in [0, 3] {
+        let mut z = [0.0; ALL];
+        z[..STATES + SPEED].copy_from_slice(&flight.node(5 * k));
+        let (x, inputs) = split(&z);
+        assert!(filter.segment(k, &g, &c, [0.0; 3]).differentiate(x, &inputs, &mut work));
+        let found = filter.measurements(k, &x, &inputs, &c, &work);
+        assert_eq!(found.len(), 5 * CHANNELS);
+        for (row, (residual, channel, ..)) in found.iter().enumerate() {
+            assert!(*channel == row % CHANNELS && residual.abs() < 1e-6, "{row}: {residual}");
+        }
+    }
+    // Of a record at 700 Hz a piece is 0.0067 s × 700 Hz = 4.69 samples, so five.
+    let mut fast = record.clone();
+    fast.t_s.iter_mut().for_each(|t| *t /= 7.0);
+    let run = PreparedRun::new("fast", &fast, &plant).expect("it can be integrated");
+    assert_eq!(Filter::new(&run, NOISE).piece, 5);
+}
+
 fn square(f: impl Fn(usize, usize) -> f64) -> Square {
     std::array::from_fn(|i| std::array::from_fn(|j| f(i, j)))
 }
@@ -112,6 +189,7 @@ fn exact_update_and_prediction() {
     assert!((DVector::from_row_slice(&gain) - expected * &row / 0.7).amax() < 1e-12);
     let phi = square(|i, j| if i == j { 1.0 } else { 0.1 * ((3 * i + j) as f64).sin() });
     let q = square(|i, j| if i == j { 0.2 } else { 0.01 * ((i + j) as f64).cos() });
+    assert!((dense(&times(&phi, &q)) - dense(&phi) * dense(&q)).amax() < 1e-14);
     let expected = dense(&phi) * (dense(&p) + dense(&q)) * dense(&phi).transpose() + dense(&q);
     predict(&mut p, &phi, &q);
     assert!((dense(&p) - (&expected + expected.transpose()) * 0.5).amax() < 1e-12);

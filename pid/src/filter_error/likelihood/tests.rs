@@ -8,7 +8,7 @@ use crate::output_error::flown::erring;
 use windfall_model::{Freedom, Plant, Unknown, UnknownId, Unknowns};
 
 /// The unknowns of `free`, one of them known beforehand.
-fn unknowns(plant: &Plant) -> Unknowns {
+pub(in super::super) fn unknowns(plant: &Plant) -> Unknowns {
     let c = free(plant);
     let names = &plant.aero.structure.parameters;
     let mut first = vec![true; c.free];
@@ -27,7 +27,7 @@ fn unknowns(plant: &Plant) -> Unknowns {
     all
 }
 
-fn point(plant: &Plant) -> SearchPoint {
+pub(in super::super) fn point(plant: &Plant) -> SearchPoint {
     let t = DRIVE.turbulence;
     let random =
         [t.axial_rms_m_s, t.lateral_rms_m_s, t.axial_scale_m, t.lateral_scale_m, DRIVE.turning[0], DRIVE.turning[1]].map(f64::ln);

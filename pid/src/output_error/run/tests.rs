@@ -29,6 +29,11 @@ pub(crate) struct Flown {
 }
 
 pub(crate) fn flown(plant: &Plant, before: usize) -> Flown {
+    flown_in(plant, before, |_| [0.0; ADDED])
+}
+
+/// In gusts, or with increments of coefficients, by time.
+pub(crate) fn flown_in(plant: &Plant, before: usize, added: impl Fn(f64) -> [f64; ADDED]) -> Flown {
     let craft = Craft::complete(plant).expect("an inertia that has an inverse");
     let density_kg_m3 = plant.environment.density_kg_m3(PS_PA, TS_K);
     let h = 1.0 / (RATE_HZ * FINE as f64);
@@ -36,7 +41,7 @@ pub(crate) fn flown(plant: &Plant, before: usize) -> Flown {
     let mut rate = |x: &[f64; MOTION], t: f64| {
         let [vw_m_s, vw_rate_m_s2, _] = speed_at(t);
         let air = TunnelAir { t_s: t, density_kg_m3, vw_m_s, vw_rate_m_s2 };
-        craft.rates(x, air, &[0.0; ADDED], &mut terms).expect("the nose points down")
+        craft.rates(x, air, &added(t), &mut terms).expect("the nose points down")
     };
     let along = |x: &[f64; MOTION], k: &[f64; MOTION], h: f64| -> [f64; MOTION] { std::array::from_fn(|i| x[i] + h * k[i]) };
     let mut x = [0.0; MOTION];
