@@ -2,6 +2,7 @@
 
 use crate::columns::fault;
 use crate::error::ReadError;
+use crate::record::LONGEST_BRIDGE_S;
 use std::path::Path;
 
 /// Largest deviation of a sample interval from the usual one, as a fraction of it.
@@ -12,10 +13,18 @@ const ROUNDED_TO_S: [f64; 6] = [0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 /// rounded or cut off, and what the fit is off by.
 const OFF_CLOCK: f64 = 1.05;
 
-/// Uniform sample grid of a file in which rows may be missing.
+/// Missing rows that are kept of a gap, or twice what is bridged, if that is more: a run is split there in any case, and no spike is told by
+/// samples so far away.
+const MISSING: f64 = 500.0;
+/// Rows of a grid for each of the file, and beyond.
+const MOST_ROWS: [usize; 2] = [20, 100_000];
+
+/// Uniform sample grid of a file in which rows may be missing; of long gaps not all.
 pub(crate) struct Grid {
     pub(crate) t_s: Vec<f64>,
     pub(crate) interval_s: f64,
+    /// Samples from the first time to the last, there or missing.
+    pub(crate) samples: usize,
     /// Place of each row of the file on the grid.
     places: Vec<usize>,
 }
@@ -36,7 +45,11 @@ impl Grid {
     }
     fn even(path: &Path, t: &[f64], lines: &[usize]) -> Result<Self, ReadError> {
         let usual = usual_step(t);
-        let mut places = vec![0];
+        let at = |i: usize, what: &str, try_instead: &str| {
+            ReadError::Faults(vec![fault(path, Some(lines[i]), "t_s", &t[i].to_string(), what, try_instead)])
+        };
+        let kept = MISSING.max(2.0 * LONGEST_BRIDGE_S / usual);
+        let (mut places, mut samples) = (vec![0], 1);
         let mut uneven = Vec::new();
         for (i, w) in t.windows(2).enumerate() {
             let step = w[1] - w[0];
@@ -44,19 +57,13 @@ impl Grid {
             if (step - count * usual).abs() > UNEVEN * usual {
                 uneven.push((lines[i + 1], step));
             }
-            if count * usual > 1e7 * usual {
-                let what = "leaves a gap of more than ten million samples";
-                return Err(ReadError::Faults(vec![fault(
-                    path,
-                    Some(lines[i + 1]),
-                    "t_s",
-                    &w[1].to_string(),
-                    what,
-                    "seconds, one run",
-                )]));
+            if count > 1e7 {
+                return Err(at(i + 1, "leaves a gap of more than ten million samples", "seconds, one run"));
             }
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and 1e7, checked above")]
-            places.push(places[i] + count as usize);
+            let [rows, missed] = [count.min(kept), count].map(|x| x as usize);
+            places.push(places[i] + rows);
+            samples += missed;
         }
         if let Some((line, step)) = uneven.first() {
             let what = format!(
@@ -73,15 +80,19 @@ impl Grid {
                 "resample the run to a uniform rate",
             )]));
         }
-        let rows = places.last().map_or(0, |p| p + 1);
+        let rows = places[t.len() - 1] + 1;
+        if rows > MOST_ROWS[0] * t.len() + MOST_ROWS[1] {
+            let what = format!("long gaps take most of the samples: {} of {samples} are there", t.len());
+            return Err(at(t.len() - 1, &what, "a run with fewer dropouts, or a part of it"));
+        }
         let mut t_s = vec![f64::NAN; rows];
         places.iter().zip(t).for_each(|(p, t)| t_s[*p] = *t);
         for (p, w) in places.windows(2).zip(t.windows(2)) {
             let step = (w[1] - w[0]) / (p[1] - p[0]) as f64;
             (1..p[1] - p[0]).for_each(|k| t_s[p[0] + k] = w[0] + step * k as f64);
         }
-        let interval_s = (t[t.len() - 1] - t[0]) / (rows - 1) as f64;
-        Ok(Self { t_s, interval_s, places })
+        let interval_s = (t[t.len() - 1] - t[0]) / (samples - 1) as f64;
+        Ok(Self { t_s, interval_s, samples, places })
     }
     /// A column on the grid, NaN in missing rows.
     pub(crate) fn spread(&self, column: &[f64]) -> Vec<f64> {
@@ -159,6 +170,20 @@ mod tests {
             assert!((grid.interval_s * 150.0 - 1.0).abs() < 1e-4, "{name}: {}", grid.interval_s);
             assert_eq!(grid.places, kept.iter().map(|i| *i as usize).collect::<Vec<_>>(), "{name}");
         }
+    }
+
+    /// A day between two takes of a second keeps few rows, and every time; a row in ten thousand is no run.
+    #[test]
+    fn law_long_gaps_take_no_memory() {
+        let t: Vec<f64> = (0..200).map(|i| f64::from(i) / 100.0 + if i < 100 { 0.0 } else { 86_400.0 }).collect();
+        let grid = Grid::of(Path::new("run.csv"), t.clone(), &[1; 200], &mut Vec::new()).expect("a clock");
+        assert!(grid.t_s.len() < 1000 && grid.samples == 200 + 8_640_000, "{} rows, {} samples", grid.t_s.len(), grid.samples);
+        // The mean over a day of hundredths, to rounding.
+        assert!((grid.interval_s - 0.01).abs() < 1e-12, "{}", grid.interval_s);
+        assert_eq!(grid.spread(&t).into_iter().filter(|t| t.is_finite()).collect::<Vec<_>>(), t);
+        let rare: Vec<f64> = (0..4000).map(|i| f64::from(i / 2 * 10_000 + i % 2)).collect();
+        let refused = Grid::of(Path::new("run.csv"), rare, &[1; 4000], &mut Vec::new()).err().map(|e| e.to_string());
+        assert!(refused.as_ref().is_some_and(|e| e.contains("4000 of 19990002")), "{refused:?}");
     }
 
     /// Jitter beyond the rounding is no clock.

@@ -246,13 +246,13 @@ fn cut(
         let what = format!(
             "no stretch of {SHORTEST_PIECE_S} s and {FEWEST_SAMPLES} samples without a gap longer than {LONGEST_BRIDGE_S} s"
         );
-        let found = format!("{} samples at {:.4} s", grid.t_s.len(), grid.interval_s);
+        let found = format!("{} samples at {:.4} s", grid.samples, grid.interval_s);
         let remedy = "a longer run, a wider window_s, or data with fewer dropouts";
         return Err(ReadError::Faults(vec![fault(path, None, "samples", &found, &what, remedy)]));
     }
     let dropped = kept.iter().map(std::ops::Range::len).sum::<usize>();
-    if kept.len() == 1 && dropped < grid.t_s.len() {
-        notes.push(format!("used from {}: {} of {} samples", span(&kept[0]), dropped, grid.t_s.len()));
+    if kept.len() == 1 && dropped < grid.samples {
+        notes.push(format!("used from {}: {} of {} samples", span(&kept[0]), dropped, grid.samples));
     }
     if kept.len() > 1 {
         let list = kept.iter().map(&span).collect::<Vec<_>>().join(", ");
