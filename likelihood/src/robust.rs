@@ -88,8 +88,8 @@ fn score(runs: &[Whitened], most: usize, numbers: &[Number]) -> DMatrix<f64> {
     score
 }
 
-/// The model's own covariance, grown to the variances that a score's covariance leaves. A second's correlations are known to some percent only: errors
-/// grow by them, and never fall below the model's own.
+/// The model's own covariance, grown to the variances that a score's covariance leaves. A second's correlations are known to some
+/// percent only: errors grow by them, and never fall below the model's own.
 fn grown(own: &DMatrix<f64>, score: &DMatrix<f64>) -> DMatrix<f64> {
     let found = own * score * own;
     let grown = |i: usize| (found[(i, i)] / own[(i, i)]).max(1.0).sqrt();

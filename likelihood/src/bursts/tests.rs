@@ -10,8 +10,9 @@ use nalgebra::{DMatrix, DVector};
 use windfall_model::{CATALOGUE, Flight, POSE};
 use windfall_sim::Seed;
 
-/// Slopes by the logarithms are those of the filter's log-likelihood by central differences, of both forms of gusts, where their variance
-/// changes already, within 0.03 of what the data leave of them: a gust that is not known bends the motion by the square of its size.
+/// Slopes by the logarithms are those of the filter's log-likelihood by central differences, of both forms of gusts, where their
+/// variance changes already, within 0.03 of what the data leave of them: a gust that is not known bends the motion by the square of
+/// its size.
 #[test]
 fn exact_slopes() {
     let file = windfall_scenarios::read_bundled("sage-unperturbed").expect("a bundled scenario");
@@ -74,8 +75,8 @@ fn exact_posterior() {
     assert!((found.price - (0.5 * expected.dot(&(&inverse * &expected)) + volume)).abs() < 1e-12);
 }
 
-/// A state that decays, driven at each step and seen in noise: slopes by the logarithms of the driving variances and their information,
-/// `½ tr V⁻¹ V_k` each, by one normal law of all samples; a step's share of a knot falls linearly to the next.
+/// A state that decays, driven at each step and seen in noise: slopes by the logarithms of the driving variances and their
+/// information, `½ tr V⁻¹ V_k` each, by one normal law of all samples; a step's share of a knot falls linearly to the next.
 #[test]
 fn exact_slopes_and_information_of_one_state() {
     let (kept, seen, noise, driven, first) = (0.8, 1.3, 0.4, 0.7, 0.9);
@@ -114,9 +115,9 @@ fn exact_slopes_and_information_of_one_state() {
     }
 }
 
-/// The score for a changing variance is the slope, by the process' variance at zero, of the marginal likelihood `-½ ln |1 + s I K| + ½ s gᵀ K (1 +
-/// s I K)⁻¹ g` with the information lumped on its diagonal, by differences; its variance `½ tr (K I)²`. Runs add up, and the memory counts at
-/// which it stands out more.
+/// The score for a changing variance is the slope by the process' variance s, at zero, of the marginal likelihood, by differences:
+/// `½ s gᵀ K (1 + s I K)⁻¹ g - ½ ln |1 + s I K|` with the information I lumped on its diagonal; its variance is `½ tr (K I)²`. Runs
+/// add up, and the memory counts at which it stands out more.
 #[test]
 fn exact_score_of_a_changing_variance() {
     let local = |gradient: &[f64], own: &[f64], next: &[f64]| Local {
@@ -173,8 +174,8 @@ fn exact_steps_of_a_logarithm() {
     }
 }
 
-/// Sizes of gusts, the square root of their variance: of 1 to 101 a twentieth lies below 6, nineteen twentieths below 96. About their mean
-/// the axial variances have the mean one, and so have the lateral ones of all runs together; their ratios stay.
+/// Sizes of gusts, the square root of their variance: of 1 to 101 a twentieth lies below 6, nineteen twentieths below 96. About
+/// their mean the axial variances have the mean one, and so have the lateral ones of all runs together; their ratios stay.
 #[test]
 fn exact_sizes_and_their_mean() {
     let (mut engine, _) = flown(0.5, "turbulence", &[0.3, 0.3, 0.6, 0.6, 0.0]);

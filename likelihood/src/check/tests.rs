@@ -4,8 +4,8 @@ use super::*;
 use crate::flown::flown;
 use crate::innovations::Innovations;
 
-/// Loads have the slopes and dampings of their own plane (CY by β; CN by α; Cl by p; Cm by α and q; Cn by β and r: Etkin and Reid, Dynamics of
-/// Flight, 1996, ch. 4), the rate of the other plane as the one across, and moments the square of their own.
+/// Loads have the slopes and dampings of their own plane (CY by β; CN by α; Cl by p; Cm by α and q; Cn by β and r: Etkin and Reid,
+/// Dynamics of Flight, 1996, ch. 4), the rate of the other plane as the one across, and moments the square of their own.
 #[test]
 fn exact_variables_of_loads() {
     let (alpha, beta) = (1, 2);
@@ -28,9 +28,10 @@ fn exact_variables_of_loads() {
     }
 }
 
-/// Drifts have priors of five standard deviations of a sample, the tunnel speed of a hundredth of it. Innovations begin half a second after
-/// the start. A sinusoid of amplitude a among n whitened innovations has a power of a²n/6 behind Hann's window, over which noise has one of `ln` of
-/// the frequencies looked at, its own frequency, and is the instrument's from the amplitude on that ten plausible loads would make.
+/// Drifts have priors of five standard deviations of a sample, the tunnel speed of a hundredth of it. Innovations begin half a
+/// second after the start. A sinusoid of amplitude a among n whitened innovations has a power of a²n/6 behind Hann's window, off which
+/// go `ln` of the frequencies looked at, and its own frequency; it is the instrument's from the amplitude on that ten times a
+/// plausible load would make.
 #[test]
 fn exact_sizes_and_lines() {
     let (engine, model) = flown(1.2, "damping-shape", &[0.0, 0.1]);

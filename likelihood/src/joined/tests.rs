@@ -79,8 +79,8 @@ fn exact_parts_of_a_flight_are_that_flight() {
     assert!(one.attitude_rad[0].iter().zip(&whole.attitude_rad[0]).all(|(a, b)| (a - b).abs() < 1e-12));
 }
 
-/// A third of a second without samples on one clock is bridged, with samples that count as missing, as far as the model could have gone;
-/// on clocks of their own, after longer, or where the pose leads elsewhere the parts are flights of their own.
+/// A third of a second without samples on one clock is bridged, with samples that count as missing, as far as the model could have
+/// gone; on clocks of their own, after longer, or where the pose leads elsewhere the parts are flights of their own.
 #[test]
 fn law_a_gap_is_bridged_where_the_motion_leads_across() {
     let whole = swinging(0.0);
@@ -104,8 +104,8 @@ fn law_a_gap_is_bridged_where_the_motion_leads_across() {
     assert!(joins(away).is_none(), "a metre away");
 }
 
-/// Two flights, each on a clock from zero, that hang in nearly the same place and are cut by gaps that overlap: every piece goes on with its own
-/// file's next one, and where that was too short to be kept, with none.
+/// Two flights, each on a clock from zero, that hang in nearly the same place and are cut by gaps that overlap: every piece goes on
+/// with its own file's next one, and where that was too short to be kept, with none.
 #[test]
 fn law_a_piece_goes_on_in_its_own_file() {
     let dt = 1.0 / 150.0;
@@ -165,8 +165,8 @@ fn exact_ends_of_straight_lines() {
     }
 }
 
-/// Paths that are as bent as any may be: accelerated all the way, or to one side in the first half and back in the second, of places and of
-/// angles; accelerated by less, they are as much less bent.
+/// Paths that are as bent as any may be: accelerated all the way, or to one side in the first half and back in the second, of
+/// places and of angles; accelerated by less, they are as much less bent.
 #[test]
 fn exact_farthest_paths() {
     let (gap_s, n, slope) = (0.2, 12, 1.7);
@@ -186,7 +186,8 @@ fn exact_farthest_paths() {
     }
 }
 
-/// A second record goes on with a straight line; not where the samples beside the cut were not measured, or where it begins elsewhere.
+/// A second record goes on with a straight line; not where the samples beside the cut were not measured, or where it begins
+/// elsewhere.
 #[test]
 fn law_what_was_not_measured_goes_on_with_nothing() {
     let line = [[0.3, 0.7]; 7];

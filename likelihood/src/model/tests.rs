@@ -21,8 +21,8 @@ fn exact_constant_is_a_departure() {
     assert!((model.plant(&campaign).vehicle.mass_kg - mass_kg).abs() < 1e-15);
 }
 
-/// What is twice as large has a prior, a range and a step twice as large: declared parameters by their values, constants by their standard
-/// uncertainty, shapes by their values, strengths by the end of their range.
+/// What is twice as large has a prior, a range and a step twice as large: declared parameters by their values, constants by their
+/// standard uncertainty, shapes by their values, strengths by the end of their range.
 #[test]
 fn law_priors_ranges_and_steps_scale() {
     let twice = |one: &Number, two: &Number, range: bool| {

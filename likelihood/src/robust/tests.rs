@@ -79,8 +79,8 @@ fn exact_whitened() {
     }
 }
 
-/// The score's covariance is the sum over all pairs of nodes of a run that are near enough, and the prior's information; that alone where nothing
-/// was seen.
+/// The score's covariance is the sum over all pairs of nodes of a run that are near enough, and the prior's information; that alone
+/// where nothing was seen.
 #[test]
 fn exact_score_by_all_pairs() {
     let (n, most) = (2, 3);
@@ -121,7 +121,8 @@ fn exact_score_by_all_pairs() {
     assert!((score(&[], most, &numbers) - prior).amax() < 1e-15);
 }
 
-/// Series that are correlated over some steps: the covariance of their sums over all pairs of steps, of series longer and shorter than that.
+/// Series that are correlated over some steps: the covariance of their sums over all pairs of steps, of series longer and shorter
+/// than that.
 #[test]
 fn exact_autocovariance_by_all_pairs() {
     for (length, most) in [(7, 3), (4, 9)] {
@@ -136,8 +137,8 @@ fn exact_autocovariance_by_all_pairs() {
     }
 }
 
-/// Where the score scatters as the model says, errors are the model's own; where it scatters more, they are those of `A⁻¹ J A⁻¹` with the model's
-/// correlations; they never fall.
+/// Where the score scatters as the model says, errors are the model's own; where it scatters more, they are those of `A⁻¹ J A⁻¹`
+/// with the model's correlations; they never fall.
 #[test]
 fn law_errors_grow_to_the_sandwich() {
     let information = DMatrix::from_row_slice(2, 2, &[2.0, 0.7, 0.7, 1.1]);
@@ -152,8 +153,8 @@ fn law_errors_grow_to_the_sandwich() {
     assert!((correlation(&found) - correlation(&own)).abs() < 1e-14);
 }
 
-/// Correlations are looked at over a second. The same run once more leaves half the covariances, its own and the one that holds for any
-/// spectrum, which is one. Gusts of no size move no number, whatever of them is not seen.
+/// Correlations are looked at over a second. The same run once more leaves half the covariances, its own and the one that holds for
+/// any spectrum, which is one. Gusts of no size move no number, whatever of them is not seen.
 #[test]
 fn law_of_two_runs_and_of_vanishing_gusts() {
     let (one, model) = flown(2.0, "turbulence", &[0.2, 0.2, 0.6, 0.6, 0.0]);

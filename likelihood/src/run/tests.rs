@@ -3,8 +3,8 @@
 use super::*;
 use nalgebra::{DMatrix, DVector};
 
-/// Nodes of three samples, some not measured: their instants, density, means of times, of their squares and of channels; and the start, a cubic by
-/// least squares through what was measured in the first quarter of a second, at the first node.
+/// Nodes of three samples, some not measured: their instants, density, means of times, of their squares and of channels; and the
+/// start, a cubic by least squares through what was measured in the first quarter of a second, at the first node.
 #[test]
 fn exact_nodes_and_start() {
     let (dt, n, gas) = (0.01, 61, 287.0);

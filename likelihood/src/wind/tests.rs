@@ -25,8 +25,8 @@ fn recover_a_slow_speed() {
     assert!((slope - 0.2 * 20.0_f64.cos()).abs() < 0.05, "{slope}");
 }
 
-/// The model of a record as one normal law: speeds, their rates and the samples by the first state and by each step's change of the second
-/// derivative; coloured noise by its autocovariance. All by closed form from [`Filter::new`]'s numbers and the first state's spread.
+/// The model of a record as one normal law: speeds, their rates and the samples by the first state and by each step's change of the
+/// second derivative, in closed form; coloured noise by its autocovariance.
 struct Dense {
     /// Covariances of the measured samples, and of the speed and its rate at all instants with them.
     samples: DMatrix<f64>,
@@ -40,7 +40,8 @@ impl Dense {
     fn new(y: &[Option<f64>], h: f64, noise: &ChannelNoise, intensity: f64) -> Self {
         let at: Vec<usize> = (0..y.len()).filter(|&i| y[i].is_some()).collect();
         let first = y[at[0]].expect("measured");
-        // Speed and rate by value, rate and second derivative at the start (variances 1, 1, 25), and by a change of the latter in each step.
+        // Speed and rate by value, rate and second derivative at the start (variances 1, 1, 25), and by a change of the latter in
+        // each step.
         let by = |[value, rate, second]: [fn(f64) -> f64; 3]| {
             DMatrix::from_fn(y.len(), y.len() + 2, |k, j| {
                 let t = (k as f64 - j.saturating_sub(2) as f64).max(0.0) * h;
@@ -84,8 +85,8 @@ fn short_record(n: usize, h: f64) -> Vec<Option<f64>> {
 
 const COLOURED: ChannelNoise = ChannelNoise { white: 2e-7, coloured: 7e-7, correlation: 0.6 };
 
-/// Likelihood, smoothed speed and rate, and the innovations' sums are those of one normal law of all samples: its determinant and square, its
-/// regression, and its Cholesky factor, which whitens one sample after the other.
+/// Likelihood, smoothed speed and rate, and the innovations' sums are those of one normal law of all samples: its determinant and
+/// square, its regression, and its Cholesky factor, which whitens one sample after the other.
 #[test]
 fn exact_filter_and_smoother() {
     let (n, h, intensity) = (70, 0.02, 0.3);
@@ -113,8 +114,8 @@ fn exact_filter_and_smoother() {
     }
 }
 
-/// The intensity is the likeliest one within the width at which the search ends: what is smoothed is the regression there, far closer than
-/// a decade of intensity would leave it.
+/// The intensity is the likeliest one within the width at which the search ends: what is smoothed is the regression there, far
+/// closer than a decade of intensity would leave it.
 #[test]
 fn exact_intensity_is_the_likeliest() {
     let (n, h) = (70, 0.02);
