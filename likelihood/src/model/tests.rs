@@ -12,6 +12,20 @@ fn campaign(std: f64) -> Campaign {
     Campaign::of_flights("numbers", &plant, &declared, &knowledge, Vec::new())
 }
 
+/// A number changes by as much as is asked for, up to the ends of its range, which for a constant lie as far below its declared
+/// value as above.
+#[test]
+fn exact_changes_within_a_range() {
+    let campaign = campaign(0.02);
+    let mut model = Model::declared(&campaign);
+    let mass = model.known(&campaign).into_iter().find(|n| n.id == Id::Constant(0)).expect("an uncertain constant");
+    assert!(mass.range[1] > 0.5 && (mass.range[0] + mass.range[1]).abs() < 1e-15);
+    for (by, value) in [(0.3, 0.3), (-0.1, 0.2), (1e3, mass.range[1]), (-0.25, mass.range[1] - 0.25), (-1e3, -mass.range[1])] {
+        model.change(&mass, by);
+        assert!((model.constants[0] - value).abs() < 1e-15, "{by}");
+    }
+}
+
 /// A constant's number is what it is more than declared.
 #[test]
 fn exact_constant_is_a_departure() {
