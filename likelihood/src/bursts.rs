@@ -5,11 +5,10 @@
 //! driving noise that is seen), its size and memory from the marginal likelihood by Laplace's approximation (Kass and Raftery 1995).
 
 use crate::engine::Engine;
-use crate::filter::Seen;
 use crate::intensity::{Intensity, KNOT_S, place};
 use crate::model::Model;
-use crate::run::{Prepared, whole};
-use crate::shock::{GustNoise, backward};
+use crate::run::whole;
+use crate::shock::{GustNoise, Trace, backward};
 
 /// Memories of the process that are tried, s.
 const MEMORIES_S: [f64; 4] = [0.4, 1.0, 2.5, 6.0];
@@ -35,16 +34,15 @@ struct Slopes {
     next: Vec<f64>,
 }
 
-/// Slopes of a run, by axis; none where no gust acts along it.
-fn slopes(run: &Prepared, seen: &Seen) -> [Option<Slopes>; 3] {
-    let knots = whole((run.duration_s() / KNOT_S).ceil()) + 1;
+/// Slopes of a run of which a filter with so many states kept what it did, by axis; none where no gust acts along it.
+fn slopes(duration_s: f64, trace: &Trace, states: usize) -> [Option<Slopes>; 3] {
+    let knots = whole((duration_s / KNOT_S).ceil()) + 1;
     let mut all: [Option<Slopes>; 3] = Default::default();
     if knots < 3 {
         return all;
     }
-    let nodes = &seen.trace.nodes;
-    backward(&seen.trace, seen.states, |to, score, information| {
-        let Some(from) = to.checked_sub(1).map(|k| &nodes[k]) else { return };
+    backward(trace, states, |to, score, information| {
+        let Some(from) = to.checked_sub(1).map(|k| &trace.nodes[k]) else { return };
         let (k, by) = place(from.t_s, knots);
         for GustNoise { axis, states, added } in &from.gusts {
             let (mut squares, mut share, mut entries) = (0.0, 0.0, added.iter());
@@ -182,10 +180,7 @@ impl Engine {
         for step in 0..STEPS {
             let locals = engine.locals(model)?;
             if step == 0 {
-                let scored =
-                    |memory: &f64| locals.iter().map(|l| l.score(*memory)).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-                let largest = MEMORIES_S[1..3].iter().map(scored).map(|(score, variance)| score / variance.sqrt());
-                largest.max_by(f64::total_cmp).filter(|score| *score > LOOKED_AT)?;
+                standing_out(&locals).filter(|score| *score > LOOKED_AT)?;
             }
             let processes = SIZES.iter().flat_map(|std| MEMORIES_S.map(|memory_s| Process::new(*std, memory_s)));
             let (process, likeliest) = processes
@@ -196,9 +191,9 @@ impl Engine {
             let mut largest: f64 = 0.0;
             for (local, posterior) in locals.iter().zip(&likeliest) {
                 let further = |(from, to): (&f64, &f64)| {
-                    let by = (to - from).clamp(-LONGEST, LONGEST);
+                    let (by, next) = towards(*from, *to);
                     largest = largest.max(by.abs());
-                    (from + by).clamp(-FARTHEST, FARTHEST)
+                    next
                 };
                 let logs = local.logs.iter().zip(&posterior.logs).map(further).collect();
                 engine.runs[local.run].intensity.logs[local.axis] = logs;
@@ -215,7 +210,7 @@ impl Engine {
         let seen = self.traced_with_gusts(model).ok()?;
         let mut all = Vec::new();
         for (i, (run, seen)) in self.runs.iter().zip(&seen).enumerate() {
-            for (axis, slopes) in slopes(run, seen).into_iter().enumerate() {
+            for (axis, slopes) in slopes(run.duration_s(), &seen.trace, seen.states).into_iter().enumerate() {
                 let Some(slopes) = slopes else { continue };
                 let logs = match &run.intensity.logs[axis] {
                     logs if logs.is_empty() => vec![0.0; slopes.gradient.len()],
@@ -240,6 +235,18 @@ impl Engine {
     }
 }
 
+/// Score for a changing variance in all runs, over its standard error: the larger one of two memories.
+fn standing_out(locals: &[Local]) -> Option<f64> {
+    let scored = |memory: &f64| locals.iter().map(|l| l.score(*memory)).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+    MEMORIES_S[1..3].iter().map(scored).map(|(score, variance)| score / variance.sqrt()).max_by(f64::total_cmp)
+}
+
+/// Step towards a logarithm, none longer than the longest, and where it ends, no farther than the farthest.
+fn towards(from: f64, to: f64) -> (f64, f64) {
+    let by = (to - from).clamp(-LONGEST, LONGEST);
+    (by, (from + by).clamp(-FARTHEST, FARTHEST))
+}
+
 /// Standard deviation of the logarithm of the gusts' size, the root of their mean variance, that bursts leave.
 fn mean_std(locals: &[Local], process: Process, axes: &[usize]) -> f64 {
     let (mut variance, mut sum) = (0.0, 0.0);
@@ -260,75 +267,4 @@ fn sum(all: &[Posterior], of: impl Fn(&Posterior) -> f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::filter::{Keep, PassSetting, pass};
-    use crate::noise::declared;
-    use nalgebra::{DMatrix, DVector};
-    use windfall_model::{CATALOGUE, Flight, POSE};
-    use windfall_sim::Seed;
-
-    /// Slopes by the logarithms are those of the filter's log-likelihood by central differences, of both forms of gusts, where their variance
-    /// changes already, within 0.03 of what the data leave of them: a gust that is not known bends the motion by the square of its size.
-    #[test]
-    fn exact_slopes() {
-        let file = windfall_scenarios::read_bundled("sage-unperturbed").expect("a bundled scenario");
-        let turbulence = CATALOGUE.iter().find(|e| e.family == "turbulence").expect("an effect of the catalogue");
-        for bandwidth in [0.0, 1.5] {
-            let mut plant = file.declared_plant.clone();
-            (turbulence.apply)(&mut plant, &[0.01, 0.01, 0.4, 0.4, bandwidth]);
-            let flight = Flight { duration_s: 4.0, ..file.scenario.flights[0].clone() };
-            let record = windfall_sim::fly(&plant, &flight, Seed { campaign: 5, run: 0 }).expect("a flight").record;
-            let noise = declared(&plant.sensors);
-            let mut run = Prepared::new(0, "short", &record, plant.environment.gas_constant_j_kg_k, 0.02, &noise[POSE]);
-            for logs in &mut run.intensity.logs {
-                *logs = (0..9).map(|k| 0.5 * f64::from(k).sin()).collect();
-            }
-            let passed = |run: &Prepared, keep: Keep| {
-                pass(run, &PassSetting { keep, ..PassSetting::plain(&plant, &noise) }).expect("a pass")
-            };
-            let found = slopes(&run, &passed(&run, Keep::Gusts));
-            for (axis, found) in found.iter().enumerate() {
-                let found = found.as_ref().expect("a gust");
-                // The first knot's logarithm is also that of the start, whose slope is not the step's.
-                for knot in 1..8 {
-                    let at = |by: f64| {
-                        let mut moved = run.clone();
-                        moved.intensity.logs[axis][knot] += by;
-                        passed(&moved, Keep::Nothing).log_likelihood
-                    };
-                    let expected = (at(1e-3) - at(-1e-3)) / 2e-3;
-                    let (slope, std) = (found.gradient[knot], found.own[knot].sqrt());
-                    assert!((slope - expected).abs() < 0.03 * std, "{bandwidth} {axis} {knot}: {slope} for {expected}, {std}");
-                }
-            }
-        }
-    }
-
-    /// Likeliest logarithms, gain and price are those of full matrices.
-    #[test]
-    fn exact_posterior() {
-        let (std, memory_s) = (0.8, 1.0);
-        let slopes = Slopes { gradient: vec![1.0, -2.0, 4.0, 0.5], own: vec![2.0, 3.0, 1.5, 1.0], next: vec![0.5, 0.4, 0.3] };
-        let local = Local { run: 0, axis: 0, logs: vec![0.1, -0.2, 0.5, 0.0], slopes };
-        let information = DMatrix::from_fn(4, 4, |i, k| match i.abs_diff(k) {
-            0 => local.slopes.own[i],
-            1 => local.slopes.next[i.min(k)],
-            _ => 0.0,
-        });
-        let prior = DMatrix::from_fn(4, 4, |i, k| std * std * (-KNOT_S * i.abs_diff(k) as f64 / memory_s).exp());
-        let linear = DVector::from_column_slice(&local.slopes.gradient) + &information * DVector::from_column_slice(&local.logs);
-        let inverse = prior.clone().try_inverse().expect("a covariance");
-        let expected = (&information + &inverse).lu().solve(&linear).expect("a posterior");
-        let volume = 0.5 * (&information * &prior + DMatrix::identity(4, 4)).determinant().ln();
-        let found = local.posterior(Process::new(std, memory_s));
-        assert!((DVector::from_vec(found.logs) - &expected).amax() < 1e-12);
-        assert!((found.gain - (0.5 * linear.dot(&expected) - volume)).abs() < 1e-12);
-        // The root of the mean variance, by the whole covariance.
-        let weights = DVector::from_iterator(4, local.logs.iter().map(|x| x.exp()));
-        let covariance = (&information + &inverse).try_inverse().expect("a posterior");
-        let expected_std = 0.5 * (weights.dot(&(covariance * &weights))).sqrt() / weights.sum();
-        assert!((mean_std(&[local], Process::new(std, memory_s), &[0]) - expected_std).abs() < 1e-12);
-        assert!((found.price - (0.5 * expected.dot(&(&inverse * &expected)) + volume)).abs() < 1e-12);
-    }
-}
+mod tests;

@@ -197,3 +197,6 @@ pub(crate) fn lines(engine: &Engine, model: &Model, sum: &Summed) -> Vec<Lead> {
     all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     all
 }
+
+#[cfg(test)]
+mod tests;

@@ -346,3 +346,6 @@ pub(crate) fn candidates(campaign: &Campaign, model: &Model) -> Vec<Number> {
     }
     all
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,9 +5,10 @@
 //! `A⁻¹ J A⁻¹` with A the information and J the score's covariance in the long run (Huber 1967; White 1982; Newey and West 1987).
 
 use crate::engine::{Engine, Fit};
-use crate::filter::{SETTLED_S, Seen};
-use crate::model::Model;
+use crate::filter::SETTLED_S;
+use crate::model::{Model, Number};
 use crate::random_fit::RandomSlopes;
+use crate::shock::{Innovation, Trace};
 use nalgebra::{DMatrix, DVector, SMatrix};
 use windfall_model::POSE;
 
@@ -23,10 +24,10 @@ struct Whitened {
 }
 
 impl Whitened {
-    fn of(seen: &Seen) -> Self {
-        let taken = seen.trace.nodes.iter().map(|n| (n.channels.len() == POSE && n.t_s > SETTLED_S).then_some(&n.channels));
+    fn of(trace: &Trace) -> Self {
+        let taken = trace.nodes.iter().map(|n| (n.channels.len() == POSE && n.t_s > SETTLED_S).then_some(&n.channels));
         let taken: Vec<_> = taken.collect();
-        let root = |c: &crate::shock::Innovation| c.variance.sqrt();
+        let root = |c: &Innovation| c.variance.sqrt();
         Self {
             innovations: taken.iter().map(|n| n.map(|n| std::array::from_fn(|c| n[c].value / root(&n[c])))).collect(),
             slopes: taken
@@ -60,9 +61,8 @@ fn correlations(runs: &[Whitened], most: usize) -> Vec<Correlation> {
         .collect()
 }
 
-/// The score's covariance in the long run, `Σ Dᵀ(k) R(lag) D(k + lag)` over both signs of the lag.
-fn long_run(runs: &[Whitened], most: usize) -> DMatrix<f64> {
-    let n = runs.iter().flat_map(|r| &r.slopes).flatten().next().map_or(0, DMatrix::ncols);
+/// The covariance in the long run of a score by `n` numbers, `Σ Dᵀ(k) R(lag) D(k + lag)` over both signs of the lag.
+fn long_run(runs: &[Whitened], n: usize, most: usize) -> DMatrix<f64> {
     let correlations = correlations(runs, most);
     let mut all = DMatrix::zeros(n, n);
     for run in runs {
@@ -81,6 +81,21 @@ fn long_run(runs: &[Whitened], most: usize) -> DMatrix<f64> {
     &all + all.transpose()
 }
 
+/// The score's covariance with that of the prior: what is known beforehand scatters as it says.
+fn score(runs: &[Whitened], most: usize, numbers: &[Number]) -> DMatrix<f64> {
+    let mut score = long_run(runs, numbers.len(), most);
+    numbers.iter().enumerate().for_each(|(i, n)| score[(i, i)] += n.prior.powi(-2));
+    score
+}
+
+/// The model's own covariance, grown to the variances that a score's covariance leaves. A second's correlations are known to some
+/// percent only: errors grow by them, and never fall below the model's own.
+fn grown(own: &DMatrix<f64>, score: &DMatrix<f64>) -> DMatrix<f64> {
+    let found = own * score * own;
+    let grown = |i: usize| (found[(i, i)] / own[(i, i)]).max(1.0).sqrt();
+    DMatrix::from_fn(own.nrows(), own.ncols(), |i, k| grown(i) * own[(i, k)] * grown(k))
+}
+
 impl Engine {
     /// The same fit with the covariance that holds whatever the noise's and the gusts' spectra are; as it was where it cannot be had.
     #[must_use]
@@ -91,15 +106,8 @@ impl Engine {
 
     fn sandwich(&self, fit: &Fit) -> Option<DMatrix<f64>> {
         let seen = self.traced(&fit.model, &fit.numbers).ok()?;
-        let runs: Vec<Whitened> = seen.iter().map(Whitened::of).collect();
-        let mut score = long_run(&runs, self.memory());
-        // What is known beforehand scatters as it says.
-        fit.numbers.iter().enumerate().for_each(|(i, n)| score[(i, i)] += n.prior.powi(-2));
-        let found = &fit.covariance * score * &fit.covariance;
-        // A second's correlations are known to some percent only: errors grow by them, and never fall below the model's own.
-        let own = &fit.covariance;
-        let grown = |i: usize| (found[(i, i)] / own[(i, i)]).max(1.0).sqrt();
-        let grown = DMatrix::from_fn(own.nrows(), own.ncols(), |i, k| grown(i) * own[(i, k)] * grown(k));
+        let runs: Vec<Whitened> = seen.iter().map(|seen| Whitened::of(&seen.trace)).collect();
+        let grown = grown(&fit.covariance, &score(&runs, self.memory(), &fit.numbers));
         let unseen = self.by_unseen_gusts(fit)?;
         Some(grown + &unseen * unseen.transpose())
     }
@@ -154,36 +162,4 @@ fn autocovariance(series: &[&[f64]], most: usize) -> DMatrix<f64> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use rand_chacha::ChaCha8Rng;
-    use rand_chacha::rand_core::SeedableRng;
-    use rand_distr::{Distribution, StandardNormal};
-
-    /// The mean of a first-order process scatters by (1 + ρ)/(1 - ρ) of what independent values would leave; white ones by one.
-    #[test]
-    fn exact_variance_of_the_mean_of_a_first_order_process() {
-        for (rho, tolerance) in [(0.0_f64, 0.06), (0.6, 0.1)] {
-            let mut rng = ChaCha8Rng::seed_from_u64(3);
-            let mut runs = Vec::new();
-            for _ in 0..4 {
-                let mut x = [0.0; POSE];
-                let innovations = (0..5000).map(|_| {
-                    x.iter_mut().for_each(|x| {
-                        let white: f64 = StandardNormal.sample(&mut rng);
-                        *x = rho * *x + (1.0 - rho * rho).sqrt() * white;
-                    });
-                    Some(x)
-                });
-                let innovations: Vec<_> = innovations.collect();
-                let slopes = (0..innovations.len()).map(|_| Some(DMatrix::from_element(POSE, 1, 1.0))).collect();
-                runs.push(Whitened { innovations, slopes });
-            }
-            let most = 50;
-            let expected = (20_000 * POSE) as f64
-                * (1..=most).fold(1.0, |s, lag| s + 2.0 * weight(lag, most) * rho.powi(i32::try_from(lag).unwrap_or(0)));
-            let found = long_run(&runs, most)[(0, 0)];
-            assert!((found / expected - 1.0).abs() < tolerance, "{rho}: {found} for {expected}");
-        }
-    }
-}
+mod tests;

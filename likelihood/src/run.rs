@@ -142,3 +142,6 @@ fn start_of(series: &[f64], dt: f64, at_s: f64, missing: &dyn Fn(usize) -> bool)
     let y = nalgebra::DVector::from_fn(used.len(), |r, _| series[used[r]]);
     a.svd(true, true).solve(&y, 1e-12).map_or([series.first().copied().unwrap_or(0.0), 0.0], |p| [p[0], p[1] / START_S])
 }
+
+#[cfg(test)]
+mod tests;

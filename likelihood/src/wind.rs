@@ -153,29 +153,4 @@ impl Filter {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use rand_chacha::ChaCha8Rng;
-    use rand_chacha::rand_core::SeedableRng;
-    use rand_distr::{Distribution, StandardNormal};
-
-    /// A slow wave in noise comes back within what a local fit over a third of a second leaves, a tenth of the samples missing.
-    #[test]
-    fn recover_a_slow_speed() {
-        let (h, std) = (1.0 / 150.0, 2.57e-3);
-        let truth = |t: f64| 7.4 + 0.1 * (2.0 * t).sin();
-        let mut rng = ChaCha8Rng::seed_from_u64(3);
-        let normal = |rng: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(rng) };
-        let y: Vec<f64> = (0..3000).map(|i| truth(f64::from(i) * h) + std * normal(&mut rng)).collect();
-        let speed = Speed::new(&y, h, &ChannelNoise::white(std), &|i| i % 10 == 3);
-        let error: f64 =
-            (100..2900).map(|i| (speed.at((f64::from(i) + 0.3) * h)[0] - truth((f64::from(i) + 0.3) * h)).powi(2)).sum();
-        let rms = (error / 2800.0).sqrt();
-        assert!(rms < 0.4 * std, "{rms}");
-        let ratio = speed.innovations[2] / speed.innovations[3];
-        // Standard error of 2700 squares: 0.027.
-        assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
-        let slope = speed.at(10.0)[1];
-        assert!((slope - 0.2 * 20.0_f64.cos()).abs() < 0.05, "{slope}");
-    }
-}
+mod tests;
