@@ -221,8 +221,8 @@ fn exact_pushes_of_columns() {
     (scaled.sensors.wind_scale, scaled.sensors.wind_delay_s) = (0.03 + 1e-6, 0.011 + 1e-6);
     let bases = [Basis::Height(3), Basis::Speed(2), Basis::Roll(3, true)];
     let columns = [
-        SensitivityColumn::Declared(1),
         SensitivityColumn::Generic(Site::Load(0), bases[0]),
+        SensitivityColumn::Declared(1),
         SensitivityColumn::Generic(Site::Load(2), bases[1]),
         SensitivityColumn::Generic(Site::Load(4), bases[2]),
         SensitivityColumn::Generic(Site::Speed, bases[0]),
@@ -272,8 +272,8 @@ fn exact_pushes_of_columns() {
     };
     let none = Vector3::zeros();
     let expected = [
-        by_value.column(0).into_owned(),
         pushed(Vector3::new(qs * values[0], 0.0, 0.0), none),
+        by_value.column(0).into_owned(),
         pushed(Vector3::new(0.0, 0.0, qs * values[1]), none),
         pushed(none, Vector3::new(0.0, qs * v.diameter_m * values[2], 0.0)),
         by_speed.column(0) * values[0],
