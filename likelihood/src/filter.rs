@@ -538,3 +538,6 @@ impl Work {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

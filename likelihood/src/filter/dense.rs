@@ -51,7 +51,7 @@ fn stepped(f: &Filter<'_>, z: &[f64], k: usize) -> (Vec<f64>, DMatrix<f64>) {
 }
 
 /// Slopes of `of` at `z` by central differences.
-fn slopes(z: &[f64], of: impl Fn(&[f64]) -> DVector<f64>) -> DMatrix<f64> {
+pub(super) fn slopes(z: &[f64], of: impl Fn(&[f64]) -> DVector<f64>) -> DMatrix<f64> {
     const SMALL: f64 = 1e-5;
     let columns: Vec<DVector<f64>> = (0..z.len())
         .map(|i| {

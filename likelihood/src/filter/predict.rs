@@ -159,7 +159,7 @@ impl Filter<'_> {
     /// Transition of all states over a step and, on and below the diagonal, the noise that it adds. Motion by the Taylor series of its
     /// matrix exponential; inputs, and their integrals that move it, exactly.
     #[inline(always)]
-    fn transition(&self, k: usize, local: &Local, keep_undriven: bool, work: &mut Work) {
+    pub(super) fn transition(&self, k: usize, local: &Local, keep_undriven: bool, work: &mut Work) {
         let (n, h) = (self.n, self.step_s);
         work.phi.fill(0.0);
         work.q.fill(0.0);
@@ -396,3 +396,6 @@ fn swing(part: &mut [f64; LOOSE], moved: &[f64; MOTION], plant: &Plant, h: f64) 
         (part[axis], part[2 + axis]) = (rest + e[(0, 0)] * (x - rest) + e[(0, 1)] * v, e[(1, 0)] * (x - rest) + e[(1, 1)] * v);
     }
 }
+
+#[cfg(test)]
+mod tests;

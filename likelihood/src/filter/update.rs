@@ -166,3 +166,6 @@ impl Filter<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
