@@ -275,9 +275,9 @@ impl Engine {
             self.noise = at(&best);
         }
         if let Ok(sum) = self.sum(model, &[], &[]) {
-            for c in 0..POSE {
+            for (c, was) in before.iter().enumerate().take(POSE) {
                 let whitened = sum.runs.iter().map(|r| r.innovations.whitened.as_slice());
-                if before[c].coloured == 0.0
+                if was.coloured == 0.0
                     && let Some(square) = fast_part(whitened, c)
                 {
                     self.noise[c].white *= square.clamp(0.25, 4.0);
