@@ -147,6 +147,11 @@ fn within_longest(step: &DVector<f64>, numbers: &[Number]) -> f64 {
     1.0 / (0..step.len()).map(|i| step[i].abs() / (LONGEST * numbers[i].prior)).fold(1.0, f64::max)
 }
 
+/// The largest of a step's numbers, in standard errors.
+fn in_errors(step: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
+    (0..step.len()).map(|i| step[i].abs() / covariance[(i, i)].sqrt().max(1e-300)).fold(0.0, f64::max)
+}
+
 /// Logarithm of the posterior density, but for a constant.
 fn log_posterior(gram: &Gram) -> f64 {
     gram.log_likelihood - penalty(&gram.numbers)
@@ -477,7 +482,7 @@ impl Engine {
                 stop = StopReason::NoDescent;
                 break;
             };
-            let largest = (0..step.len()).map(|i| step[i].abs() / covariance[(i, i)].sqrt().max(1e-300)).fold(0.0, f64::max);
+            let largest = in_errors(&step, &covariance);
             if largest < SMALL {
                 stop = StopReason::Converged;
                 break;

@@ -269,11 +269,13 @@ mod tests {
         assert!(difference(&[1, 0, 2], &[0, 1]).abs() < 1e-10);
     }
 
-    /// What has no unit of its own changes nothing: a strength in tenths of its unit adds the same, where the data know it about as well as its prior.
+    /// A strength in another unit adds the same, where the data know it about as well as its prior does, and where two widths are shown.
     #[test]
     fn law_a_strength_in_another_unit() {
-        let adds = |unit: f64| of_any_size([(0.2 * unit, 0.03 * unit * unit, 0.3 * unit)].into_iter());
-        assert!((adds(7.3) - adds(1.0)).abs() < 1e-12, "{} {}", adds(7.3), adds(1.0));
+        for variance in [0.03, 0.0008] {
+            let adds = |unit: f64| of_any_size([(0.2 * unit, variance * unit * unit, 0.3 * unit)].into_iter());
+            assert!((adds(7.3) - adds(1.0)).abs() < 1e-12, "{} {}", adds(7.3), adds(1.0));
+        }
     }
 
     /// Of two strengths out of their ranges the one farther out in deviations of its prior goes first, and the other is then within its own.

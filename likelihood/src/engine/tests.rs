@@ -40,7 +40,7 @@ fn exact_fast_part() {
     assert!(of(&[rows(103)], 0).is_some() && of(&[rows(102)], 0).is_none());
 }
 
-/// No number goes farther than three deviations of its prior.
+/// No number goes farther than three deviations of its prior, which takes half the square of its departures off; a step counts in standard errors.
 #[test]
 fn exact_longest_step() {
     let number =
@@ -49,6 +49,10 @@ fn exact_longest_step() {
     assert!((within_longest(&DVector::from_vec(vec![-4.5, 7.0]), &numbers) - 1.0 / 3.0).abs() < 1e-15);
     assert!((within_longest(&DVector::from_vec(vec![1.4, -7.0]), &numbers) - 1.0).abs() < 1e-15);
     assert!((penalty(&numbers) - 0.5 * (0.49 + 0.0025)).abs() < 1e-15);
+    let gram = Gram::new(numbers.to_vec(), DMatrix::identity(2, 2), DVector::zeros(2), 57.0);
+    assert!((log_posterior(&gram) - (57.0 - 0.246_25)).abs() < 1e-12);
+    let covariance = DMatrix::from_row_slice(2, 2, &[0.25, 0.1, 0.1, 16.0]);
+    assert!((in_errors(&DVector::from_vec(vec![-0.3, 1.2]), &covariance) - 0.6).abs() < 1e-15);
 }
 
 /// Sums over a run are those of its innovations one by one; a channel's white noise that was taken for too large or too small, or coloured noise of too
