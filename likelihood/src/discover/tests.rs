@@ -117,3 +117,20 @@ fn recover_gain_of_gusts() {
     assert!((found[0].1 / expected - 1.0).abs() < 1e-9, "{found:?} {expected}");
     assert_eq!(more(12.34, 5.0), "7.3");
 }
+
+/// A short closing: a centre of mass a millimetre off to one side is named and lies within four of its stated errors, the declared model alone is far less
+/// likely, and the likelihood stated is that of a pass at what is stated.
+#[test]
+fn recover_a_centre_of_mass() {
+    let (mut engine, truth) = flown(2.0, "center-of-mass", &[0.0, 1e-3, 0.0]);
+    let found = discover(&mut engine).expect("a set");
+    assert_eq!(found.after.model.found(), ["center-of-mass"], "{:#?}", found.log);
+    let place = found.after.numbers.iter().position(|n| n.id == Id::Member(0, 1)).expect("the strength");
+    let std = found.after.covariance[(place, place)].sqrt();
+    let off = found.after.model.members[0].values[1] - truth.members[0].values[1];
+    assert!(off.abs() < 4.0 * std && std < 2e-4, "{off} {std}");
+    let anew = engine.sum(&found.after.model, &[], &[]).expect("a pass").log_likelihood;
+    assert!((found.after.log_likelihood - anew).abs() < 1e-6, "{} {anew}", found.after.log_likelihood);
+    let before = found.before.expect("the declared model's fit");
+    assert!(found.after.log_likelihood > before.log_likelihood + 20.0 && found.contest.is_none_or(|c| c.leads.is_empty()));
+}
