@@ -8,7 +8,8 @@ use crate::engine::{Engine, Fit};
 use crate::gram::Gram;
 use crate::model::{Id, Member, Model, catalogue};
 use crate::random_range::RandomRange;
-use crate::search::{Unit, of_any_size};
+use crate::search::{Unit, is_above, is_behind, of_any_size};
+use nalgebra::{DMatrix, DVector};
 use windfall_model::{POSE, Use};
 
 mod across;
@@ -116,7 +117,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let stands_in = |m: &&Member| is_faint && m.random && !m.declared && engine.moves_air(m);
     let stand_ins = after.model.members.iter().filter(stands_in).map(|m| m.effect.family).collect();
     let mut after = engine.robust(&after);
-    ridges.iter().for_each(|r| after.covariance += r * r.transpose());
+    after.covariance = along(after.covariance, &ridges);
     let mut after = across_sets(after, &weighed);
     let missing = contest.as_ref().filter(|c| !c.leads.is_empty());
     let errors_carry_missing = missing.is_some();
@@ -168,7 +169,7 @@ fn searched(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Res
         {
             log.push(format!("random inputs beside it: {}", describe(&more.model)));
             // One input more must beat the set without it as any larger set must.
-            if let Some(other) = polish(engine, more.model, best.0, log).filter(|other| other.0 > best.0 + SURE) {
+            if let Some(other) = polish(engine, more.model, best.0, log).filter(|other| is_above(other.0, best.0, SURE)) {
                 best = other;
             }
         }
@@ -249,7 +250,7 @@ fn beside(engine: &Engine, mut model: Model, null: &Member) -> Option<Fit> {
 /// The end of a search by another engine, which takes this one's place, where it is surely likelier; the best otherwise.
 fn surely_likelier(engine: &mut Engine, best: Scored, other: Option<(Engine, Scored)>) -> Scored {
     match other {
-        Some((with, end)) if end.0 > best.0 + SURE => {
+        Some((with, end)) if is_above(end.0, best.0, SURE) => {
             *engine = with;
             end
         }
@@ -263,7 +264,7 @@ fn in_steep_bands(engine: &mut Engine, best: Scored, log: &mut Vec<String>) -> S
     steep.spectra.steep = true;
     let end = polished(&steep, best.1.model.clone(), f64::NEG_INFINITY, false, log);
     if let Some(end) = &end {
-        log.push(format!("steep edges bring {:.1} ({:.0})", end.0 - best.0, steep.passes()));
+        log.push(format!("steep edges bring {} ({:.0})", more(end.0, best.0), steep.passes()));
     }
     surely_likelier(engine, best, end.map(|end| (steep, end)))
 }
@@ -306,7 +307,7 @@ fn from_starts(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Resu
         if engine.is_exhausted() && best.is_some() {
             break;
         }
-        if total < top - FAR && best.as_ref().is_some_and(|b| b.1.chi < LEFT) {
+        if is_behind(total, top, FAR) && best.as_ref().is_some_and(|b| b.1.chi < LEFT) {
             continue;
         }
         log.push(format!("start at {total:.1}: {}", describe(&at)));
@@ -336,11 +337,11 @@ pub fn identify(engine: &Engine, near: Option<&Model>) -> Result<Fit, String> {
         .filter(|m| !has(&declared, m))
         .filter_map(|null| {
             let fit = beside(engine, start.clone(), &null)?;
-            Some((fit.total - random_cost(&fit.model, engine) - engine.random_price(&fit.model), fit))
+            Some((less_random(fit.total, &fit.model, engine), fit))
         })
         .max_by(|a, b| a.0.total_cmp(&b.0));
     match (still, gusty) {
-        (Some(still), Some((total, gusty))) => Ok(if total > still.total + SURE { gusty } else { still }),
+        (Some(still), Some((total, gusty))) => Ok(if is_above(total, still.total, SURE) { gusty } else { still }),
         (Some(fit), None) | (None, Some((_, fit))) => Ok(fit),
         (None, None) => Err("with the declared model no fit stays within its runs".to_owned()),
     }
@@ -363,7 +364,7 @@ fn selected(engine: &Engine, fit: Fit, weighed: Weighed, log: &mut Vec<String>) 
             break;
         }
         let Some(w) = weigh::weigh(engine, &less.model) else { break };
-        log.push(format!("select runs prefer {} by {:.1}", describe(&less.model), gain - here));
+        log.push(format!("select runs prefer {} by {}", describe(&less.model), more(gain, here)));
         (fit, weighed) = (less, w);
     }
     (fit, weighed)
@@ -402,18 +403,34 @@ fn random_bounds(engine: &Engine, fit: &Fit) -> Vec<(&'static str, String, f64, 
                     m.strengths().collect::<Vec<_>>().iter().for_each(|&k| m.values[k] = 0.0);
                     m.values[i] = size;
                     model.members.push(m);
-                    engine.sum(&model, &[], &[]).map_or(true, |s| s.log_likelihood < here - 1.92)
+                    engine.sum(&model, &[], &[]).map_or(true, |s| is_behind(s.log_likelihood, here, 1.92))
                 };
                 let p = &null.parameters[i];
-                let (mut low, mut high) = ((1e-5 * p.high).ln(), p.high.ln());
-                for _ in 0..7 {
-                    let middle = 0.5 * (low + high);
-                    if falls(middle.exp()) { high = middle } else { low = middle }
-                }
-                (null.effect.family, p.name.clone(), high.exp(), p.unit.to_owned())
+                (null.effect.family, p.name.clone(), bound(p.high, falls), p.unit.to_owned())
             })
         })
         .collect()
+}
+
+/// The least size that `falls`, to a tenth: five decades below the largest halved seven times.
+fn bound(largest: f64, falls: impl Fn(f64) -> bool) -> f64 {
+    let (mut low, mut high) = ((1e-5 * largest).ln(), largest.ln());
+    for _ in 0..7 {
+        let middle = 0.5 * (low + high);
+        if falls(middle.exp()) { high = middle } else { low = middle }
+    }
+    high.exp()
+}
+
+/// A covariance with what is not known along ridges.
+fn along(mut covariance: DMatrix<f64>, ridges: &[DVector<f64>]) -> DMatrix<f64> {
+    ridges.iter().for_each(|r| covariance += r * r.transpose());
+    covariance
+}
+
+/// Nats by which a score is above another, in words.
+fn more(there: f64, here: f64) -> String {
+    format!("{:.1}", there - here)
 }
 
 fn describe(model: &Model) -> String {
@@ -452,6 +469,20 @@ fn has(model: &Model, of: &Member) -> bool {
     model.members.iter().any(|m| m.effect.family == of.effect.family)
 }
 
-fn random_cost(model: &Model, engine: &Engine) -> f64 {
-    model.members.iter().filter(|m| m.random && !m.declared).map(|m| cost(m, engine)).sum()
+/// What a member must bring to be there for sure.
+fn sure_cost(m: &Member, engine: &Engine) -> f64 {
+    cost(m, engine) + SURE
 }
+
+/// A log marginal likelihood less what the model's random members cost a priori.
+fn less_random_cost(total: f64, model: &Model, engine: &Engine) -> f64 {
+    total - model.members.iter().filter(|m| m.random && !m.declared).map(|m| cost(m, engine)).sum::<f64>()
+}
+
+/// The same with their numbers integrated over.
+fn less_random(total: f64, model: &Model, engine: &Engine) -> f64 {
+    less_random_cost(total, model, engine) - engine.random_price(model)
+}
+
+#[cfg(test)]
+mod tests;

@@ -9,6 +9,7 @@ use crate::model::{Id, Member, Model, Number, PLAUSIBLE, VAGUE_PRIOR};
 use crate::noise::{ChannelNoise, declared, learn};
 use crate::random::Spectra;
 use crate::run::Prepared;
+use crate::search::is_within;
 use crate::shock::{Shock, shocks};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -110,6 +111,50 @@ pub(crate) fn totals(runs: &[Seen], n: usize) -> (DMatrix<f64>, DVector<f64>, f6
 /// What the prior takes off the log-likelihood.
 pub(crate) fn penalty(numbers: &[Number]) -> f64 {
     0.5 * numbers.iter().map(|n| (n.value / n.prior).powi(2)).sum::<f64>()
+}
+
+/// Noise with the odds of its correlation, and its variance, changed by factors whose logarithms go with two numbers: as it is in the middle.
+fn other_noise(n: ChannelNoise, u: &[f64]) -> ChannelNoise {
+    let scale = (0.8 * (u[1] - 0.5)).exp();
+    let odds = n.correlation / (1.0 - n.correlation.min(0.99)) * (2.0 * (u[0] - 0.5)).exp();
+    ChannelNoise {
+        white: n.white * scale,
+        coloured: n.coloured * scale,
+        correlation: if n.coloured > 0.0 { odds / (1.0 + odds) } else { 0.0 },
+    }
+}
+
+/// Whether a noise's size differs from another's by more than a hundredth, or its colour.
+fn is_other_noise(a: &ChannelNoise, b: &ChannelNoise) -> bool {
+    (b.std() / a.std() - 1.0).abs() > 0.01 || (a.correlation - b.correlation).abs() > 0.005
+}
+
+/// Mean square of the fast part of a channel's whitened innovations, by their second differences: one where they are white and of unit variance.
+/// None of too few.
+fn fast_part<'a>(runs: impl Iterator<Item = &'a [[f64; POSE]]>, channel: usize) -> Option<f64> {
+    let (mut squares, mut count) = (0.0, 0.0);
+    for whitened in runs {
+        for w in whitened.windows(3).filter(|w| w.iter().all(|x| x[channel] != 0.0)) {
+            squares += (w[0][channel] - 2.0 * w[1][channel] + w[2][channel]).powi(2) / 6.0;
+            count += 1.0;
+        }
+    }
+    (count > 100.0).then(|| squares / count)
+}
+
+/// The share of a step at which no number goes farther than [`LONGEST`] of its prior.
+fn within_longest(step: &DVector<f64>, numbers: &[Number]) -> f64 {
+    1.0 / (0..step.len()).map(|i| step[i].abs() / (LONGEST * numbers[i].prior)).fold(1.0, f64::max)
+}
+
+/// The largest of a step's numbers, in standard errors.
+fn in_errors(step: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
+    (0..step.len()).map(|i| step[i].abs() / covariance[(i, i)].sqrt().max(1e-300)).fold(0.0, f64::max)
+}
+
+/// Logarithm of the posterior density, but for a constant.
+fn log_posterior(gram: &Gram) -> f64 {
+    gram.log_likelihood - penalty(&gram.numbers)
 }
 
 impl Engine {
@@ -229,41 +274,22 @@ impl Engine {
     pub(crate) fn refine_noise(&mut self, model: &Model) -> bool {
         let before = self.noise;
         if before.iter().any(|n| n.coloured > 0.0) {
-            let at = |u: &[f64]| {
-                let scale = (0.8 * (u[1] - 0.5)).exp();
-                before.map(|n| {
-                    let odds = n.correlation / (1.0 - n.correlation.min(0.99)) * (2.0 * (u[0] - 0.5)).exp();
-                    ChannelNoise {
-                        white: n.white * scale,
-                        coloured: n.coloured * scale,
-                        correlation: if n.coloured > 0.0 { odds / (1.0 + odds) } else { 0.0 },
-                    }
-                })
-            };
+            let at = |u: &[f64]| before.map(|n| other_noise(n, u));
             let value = |u: &[f64]| self.with_noise(at(u)).sum(model, &[], &[]).map_or(1e300, |s| -s.log_likelihood);
             let best = windfall_pid::simplex::minimise(value, &[0.5, 0.5], 0.15, 25).at;
             self.noise = at(&best);
         }
         if let Ok(sum) = self.sum(model, &[], &[]) {
-            for c in 0..POSE {
-                let (mut squares, mut count) = (0.0, 0.0);
-                for r in &sum.runs {
-                    for w in r.innovations.whitened.windows(3).filter(|w| w.iter().all(|x| x[c] != 0.0)) {
-                        squares += (w[0][c] - 2.0 * w[1][c] + w[2][c]).powi(2) / 6.0;
-                        count += 1.0;
-                    }
-                }
-                if count > 100.0 && before[c].coloured == 0.0 {
-                    let ratio = (squares / count).clamp(0.25, 4.0);
-                    self.noise[c].white *= ratio;
-                    self.noise[c].coloured *= ratio;
+            for (c, was) in before.iter().enumerate().take(POSE) {
+                let whitened = sum.runs.iter().map(|r| r.innovations.whitened.as_slice());
+                if was.coloured == 0.0
+                    && let Some(square) = fast_part(whitened, c)
+                {
+                    self.noise[c].white *= square.clamp(0.25, 4.0);
                 }
             }
         }
-        before
-            .iter()
-            .zip(&self.noise)
-            .any(|(a, b)| (b.std() / a.std() - 1.0).abs() > 0.01 || (a.correlation - b.correlation).abs() > 0.005)
+        before.iter().zip(&self.noise).any(|(a, b)| is_other_noise(a, b))
     }
 
     /// One pass over all runs.
@@ -427,14 +453,13 @@ impl Engine {
         here: f64,
         shapes: bool,
     ) -> Result<SteppedModel, Option<Departed>> {
-        let long = (0..step.len()).map(|i| step[i].abs() / (LONGEST * gram.numbers[i].prior)).fold(1.0, f64::max);
-        let mut fraction = 1.0 / long;
+        let mut fraction = within_longest(step, &gram.numbers);
         let mut departed = None;
         for _ in 0..6 {
             let mut next = model.clone();
             gram.numbers.iter().zip(step.iter()).for_each(|(n, s)| next.change(n, fraction * s));
             match self.gram(&next, self.free(&next, shapes)) {
-                Ok((g, c)) if g.log_likelihood - penalty(&g.numbers) > here - 1e-6 => return Ok((next, g, c)),
+                Ok((g, c)) if is_within(log_posterior(&g), here, 1e-6) => return Ok((next, g, c)),
                 Ok(_) => {}
                 Err(d) => departed = Some(d),
             }
@@ -457,12 +482,12 @@ impl Engine {
                 stop = StopReason::NoDescent;
                 break;
             };
-            let largest = (0..step.len()).map(|i| step[i].abs() / covariance[(i, i)].sqrt().max(1e-300)).fold(0.0, f64::max);
+            let largest = in_errors(&step, &covariance);
             if largest < SMALL {
                 stop = StopReason::Converged;
                 break;
             }
-            let here = gram.log_likelihood - penalty(&gram.numbers);
+            let here = log_posterior(&gram);
             let (next, g, c) = match self.stepped(&model, &gram, &step, here, shapes) {
                 Ok(next) => next,
                 Err(departed) => {
@@ -473,7 +498,7 @@ impl Engine {
                     break;
                 }
             };
-            let gained = g.log_likelihood - penalty(&g.numbers) - here;
+            let gained = log_posterior(&g) - here;
             (model, gram, chi) = (next, g, c);
             if gained < 0.02 {
                 stop = StopReason::Converged;
@@ -503,3 +528,6 @@ pub(crate) fn always(id: Id, model: &Model) -> bool {
         _ => false,
     }
 }
+
+#[cfg(test)]
+mod tests;

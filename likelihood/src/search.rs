@@ -121,9 +121,9 @@ const LEAST_SHOWN: f64 = 1e-6;
 /// a width below what the runs know them to is none: they could not show it (a prior without mass about zero: Johnson and Rossell 2010).
 #[must_use]
 pub(crate) fn of_any_size(strengths: impl Iterator<Item = (f64, f64, f64)>) -> f64 {
-    let (mut all, mut hidden, mut count) = (0.0, 0.0, 0);
+    let (mut all, mut hidden, mut is_none) = (0.0, 0.0, true);
     for (mean, variance, prior) in strengths {
-        count += 1;
+        is_none = false;
         // What the likelihood alone says: normal about `at` with variance `own`.
         let told = 1.0 / variance - 1.0 / (prior * prior);
         // Not above zero, or not a number: nothing is said.
@@ -142,7 +142,22 @@ pub(crate) fn of_any_size(strengths: impl Iterator<Item = (f64, f64, f64)>) -> f
         let not_shown = WIDTHS.iter().zip(each).filter(|(w, _)| (*w * prior).powi(2) < own);
         hidden += (not_shown.map(|(_, l)| (l - sum).exp()).sum::<f64>() / WIDTHS.len() as f64).ln();
     }
-    if count == 0 { 0.0 } else { all + (1.0 - f64::exp(hidden)).max(LEAST_SHOWN).ln() }
+    if is_none { 0.0 } else { all + (1.0 - f64::exp(hidden)).max(LEAST_SHOWN).ln() }
+}
+
+/// Whether a score is above another by more than so many nats.
+pub(crate) fn is_above(there: f64, here: f64, by: f64) -> bool {
+    there > here + by
+}
+
+/// Whether a score is above another or below it by less than so many nats.
+pub(crate) fn is_within(there: f64, here: f64, by: f64) -> bool {
+    there > here - by
+}
+
+/// Whether a score is below another by more than so many nats.
+pub(crate) fn is_behind(there: f64, here: f64, by: f64) -> bool {
+    there < here - by
 }
 
 /// Logarithm of the mean of what these are logarithms of; at least one, finite.
@@ -252,5 +267,35 @@ mod tests {
         };
         assert!(difference(&[1, 0], &[0]).abs() < 1e-10);
         assert!(difference(&[1, 0, 2], &[0, 1]).abs() < 1e-10);
+    }
+
+    /// A strength in another unit adds the same, where the data know it about as well as its prior does, and where two widths are shown.
+    #[test]
+    fn law_a_strength_in_another_unit() {
+        for variance in [0.03, 0.0008] {
+            let adds = |unit: f64| of_any_size([(0.2 * unit, variance * unit * unit, 0.3 * unit)].into_iter());
+            assert!((adds(7.3) - adds(1.0)).abs() < 1e-12, "{} {}", adds(7.3), adds(1.0));
+        }
+    }
+
+    /// Of two strengths out of their ranges the one farther out in deviations of its prior goes first, and the other is then within its own.
+    #[test]
+    fn law_the_farthest_out_goes_first() {
+        for (priors, left) in [([10.0, 0.1], 0), ([0.1, 10.0], 1)] {
+            let g = 1e6 * DMatrix::from_row_slice(2, 2, &[1.0, 0.8, 0.8, 1.0]);
+            let b = &g * DVector::from_vec(vec![-0.5, 1.3]);
+            let ranges = [[0.0, f64::INFINITY], [f64::NEG_INFINITY, 1.0]];
+            let numbers = (0..2).map(|i| Number { prior: priors[i], ..number(i, ranges[i]) }).collect();
+            let unit = [Unit { group: 0, columns: vec![0, 1], cost: 2.0 }];
+            let set = weigh(&Gram::new(numbers, g, b, 0.0), &unit, &[0]).expect("a set");
+            assert_eq!(set.columns, [left]);
+        }
+    }
+
+    #[test]
+    fn exact_above_within_and_behind() {
+        assert!(is_above(10.6, 7.5, 3.0) && !is_above(10.4, 7.5, 3.0));
+        assert!(is_within(4.6, 7.5, 3.0) && !is_within(4.4, 7.5, 3.0) && is_within(9.0, 7.5, 3.0));
+        assert!(is_behind(4.4, 7.5, 3.0) && !is_behind(4.6, 7.5, 3.0));
     }
 }

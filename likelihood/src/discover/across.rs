@@ -8,7 +8,7 @@ use super::weigh::{GENERIC, SURE, Weighed};
 use crate::engine::Fit;
 use crate::gram::Posterior;
 use crate::model::{Id, Model, Number};
-use crate::search::Set;
+use crate::search::{Set, is_within};
 use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, Normal};
 use windfall_pid::NORMAL_95;
@@ -43,7 +43,7 @@ fn posterior(weighed: &Weighed, set: &Set) -> Option<Posterior> {
 
 /// Sets within twenty to one of a set, with their odds against it.
 fn within_twenty_to_one(weighed: &Weighed, of: &Set) -> Vec<(f64, Posterior)> {
-    let near = weighed.sets.iter().filter(|s| s.gain > of.gain - SURE);
+    let near = weighed.sets.iter().filter(|s| is_within(s.gain, of.gain, SURE));
     near.filter_map(|s| Some(((s.gain - of.gain).exp(), posterior(weighed, s)?))).collect()
 }
 
@@ -112,7 +112,10 @@ fn half_width(said: &[Said]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{bare, fit, in_gusts, member, number, set, unit, weighed};
     use super::*;
+    use crate::gram::Gram;
+    use nalgebra::DVector;
 
     /// One set leaves its own 1.96 deviations; a second of a thousandth hardly more; one as likely reaches to where nine tenths of it lie.
     #[test]
@@ -136,5 +139,50 @@ mod tests {
             let found = about(7.0, 2.0, &said);
             assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
         }
+    }
+
+    /// A set with one effect and the empty one, which moves the number that both have: 95 % of the two normal laws lie within 1.96 of the stated errors,
+    /// and correlations stay. What is said beside alternatives counts from where the model's parameters are, and a number that is apart is off by that.
+    #[test]
+    fn exact_errors_across_two_sets() {
+        let numbers = vec![number(Id::Declared(0), 0.0, 30.0), number(Id::Generic(0), 0.0, 1.3)];
+        let g = DMatrix::from_row_slice(2, 2, &[40.0, 35.0, 35.0, 50.0]);
+        let b = DVector::from_vec(vec![20.0, 30.0]);
+        // The normal posterior of those at the places: A = G + S⁻².
+        let by_hand = |places: &[usize]| {
+            let a = DMatrix::from_fn(places.len(), places.len(), |i, k| {
+                g[(places[i], places[k])] + if i == k { numbers[places[i]].prior.powi(-2) } else { 0.0 }
+            });
+            let inverse = a.try_inverse().expect("definite");
+            let mean = &inverse * DVector::from_fn(places.len(), |i, _| b[places[i]]);
+            (mean[0], inverse[(0, 0)].sqrt())
+        };
+        let (one, none) = (by_hand(&[0, 1]), by_hand(&[0]));
+        let sets = vec![set(&[0], 5.0), set(&[], 4.3), set(&[], 1.0)];
+        let whole = Gram::new(numbers.clone(), g.clone(), b.clone(), 0.0);
+        let w = weighed(whole, vec![unit(0, &[0], 0.0)], vec![(0, None)], sets);
+        let (engine, _) = in_gusts();
+        let model = Model { declared: vec![7.0], members: vec![member(&engine, "damping-shape")], ..bare() };
+        let covariance = DMatrix::from_row_slice(2, 2, &[0.09, -0.03, -0.03, 0.04]);
+        let own = fit(model.clone(), vec![numbers[0], number(Id::Member(0, 0), 0.0, 1.0)], covariance, [0.0; 2]);
+        let after = across_sets(own.clone(), &w).covariance;
+        let (half, normal) = (NORMAL_95 * after[(0, 0)].sqrt(), Normal::standard());
+        let within = |mean: f64, std: f64| normal.cdf((half - mean) / std) - normal.cdf((-half - mean) / std);
+        let odds = (-0.7_f64).exp();
+        let share = (within(0.0, 0.3) + odds * within(none.0 - one.0, 0.3 * none.1 / one.1)) / (1.0 + odds);
+        assert!((share - 0.95).abs() < 1e-6, "{share}");
+        assert!((after[(1, 1)] - 0.04).abs() < 1e-15 && (after[(0, 1)] + 0.03 * (after[(0, 0)] / 0.09).sqrt()).abs() < 1e-12);
+        let said = said_beside(&w, &model);
+        assert!(said.len() == 1 && said[0].1.len() == 2);
+        for (found, expected) in said[0].1.iter().zip([[1.0, 7.0 + one.0, one.1], [odds, 7.0 + none.0, none.1]]) {
+            assert!(found.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-9), "{found:?} {expected:?}");
+        }
+        let mut apart = own;
+        apart.numbers[0].value = 0.2;
+        let after = beside_what_is_missing(apart, &[(Id::Declared(0), vec![[0.4, 8.2, 0.1]])]).covariance;
+        assert!(
+            (after[(0, 0)] - 1.09).abs() < 1e-12 && (after[(0, 1)] + 0.03 * (1.09_f64 / 0.09).sqrt()).abs() < 1e-12,
+            "{after}"
+        );
     }
 }

@@ -3,11 +3,11 @@
 use super::across::{Said, said_beside};
 use super::polish::{declared_alone, polish};
 use super::weigh::{GENERIC, SURE, Weighed, weigh, weigh_beside, with_set};
-use super::{describe, random_cost, score};
+use super::{describe, less_random, score};
 use crate::check::{Alternative, Lead, alternatives};
 use crate::engine::{Engine, Fit};
 use crate::model::{Id, Member, Model};
-use crate::search::Set;
+use crate::search::{Set, is_above, is_within};
 use windfall_model::{CATALOGUE, CHANNEL_NAMES, POSE, Shape};
 
 /// Outcome of a contest between effects and generic alternatives.
@@ -66,7 +66,7 @@ fn lead(w: &Weighed, best: &Set, unit: usize, alternatives: &[Alternative]) -> L
         members.sort_unstable();
         Some((u, crate::search::weigh(&w.gram, &w.units, &members)?))
     });
-    let mut near: Vec<(usize, Set)> = in_its_place.filter(|(_, s)| s.gain > best.gain - SURE).collect();
+    let mut near: Vec<(usize, Set)> = in_its_place.filter(|(_, s)| is_within(s.gain, best.gain, SURE)).collect();
     near.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
     near.truncate(RIVALS);
     Lead { rivals: near.iter().map(|(u, s)| of(s, *u)).collect(), ..of(best, unit) }
@@ -113,12 +113,22 @@ fn tone_hz(engine: &Engine, member: &Member, speed_m_s: f64) -> Option<f64> {
     (member.effect.apply)(&mut plant, &member.values);
     let all = plant.disturbances(speed_m_s);
     let strongest = all.iter().max_by(|a, b| a.rms.total_cmp(&b.rms))?;
-    match strongest.shape {
+    line_hz(&strongest.shape)
+}
+
+/// Frequency of a spectrum that is a line.
+fn line_hz(shape: &Shape) -> Option<f64> {
+    match *shape {
         Shape::Band { centre_rad_s, bandwidth_rad_s } if bandwidth_rad_s < NARROW * centre_rad_s => {
             Some(centre_rad_s / std::f64::consts::TAU)
         }
         _ => None,
     }
+}
+
+/// Whether gusts of that size are fainter than any tunnel's.
+fn is_faint(size_m_s: f64, speed_m_s: f64) -> bool {
+    size_m_s < FAINT * speed_m_s
 }
 
 /// A fit without gusts beside the generic alternatives, and the score of both.
@@ -150,11 +160,15 @@ pub(super) fn against_gusts(
     let tries = [Some(without), alone.map(|f| f.model)].map(|model| {
         let still = engine.climb(&model?, true, 12).ok()?;
         let beside = weigh_beside(engine, &still.model, &all)?;
-        let there = beside.total - random_cost(&still.model, engine) - engine.random_price(&still.model);
+        let there = less_random(beside.total, &still.model, engine);
         Some(Still { there, other: outcome(&beside, &still.model, &all)?, still })
     });
     let Still { there, other, still } = match &tries {
-        [Some(set), Some(alone)] if set.still.chi < NEAR && (alone.still.chi >= NEAR || set.there > alone.there + SURE) => set,
+        [Some(set), Some(alone)]
+            if set.still.chi < NEAR && (alone.still.chi >= NEAR || is_above(set.there, alone.there, SURE)) =>
+        {
+            set
+        }
         [_, Some(alone)] => alone,
         [Some(set), None] => set,
         [None, None] => return (fit, weighed, contest, Vec::new()),
@@ -163,7 +177,7 @@ pub(super) fn against_gusts(
     log.push(format!("without gusts {there:.1} for {here:.1} (chi {:.2}), {:?}", still.chi, other.leads));
     if still.chi < NEAR
         && !other.leads.is_empty()
-        && there > here + SURE
+        && is_above(there, here, SURE)
         && let Some(weighed) = weigh(engine, &still.model)
     {
         let (still, weighed, contest) = against_alternatives(engine, still.clone(), weighed, log);
@@ -171,7 +185,7 @@ pub(super) fn against_gusts(
     }
     // Better without gusts by what weighing promises: the fit decides.
     if still.chi < NEAR
-        && there > here + SURE
+        && is_above(there, here, SURE)
         && let Some(w) = weigh(engine, &still.model)
         && let Some((score, fit, weighed)) = polish(engine, with_set(&still.model, &w, w.choice(), engine), here, log)
         && score > here
@@ -192,7 +206,7 @@ fn stand_in(engine: &Engine, fit: &Fit, still: &Fit, gusts: usize, speed_m_s: f6
     let line_hz = tone_hz(engine, member, speed_m_s);
     let variable = match line_hz {
         Some(_) => "a line for which gusts of a narrow band stand, and no tunnel's turbulence is a tone,".to_owned(),
-        None if size < FAINT * speed_m_s => {
+        None if is_faint(size, speed_m_s) => {
             format!("time at random, as gusts of {size:.1e} m/s would make it, fainter than any tunnel's")
         }
         None => return None,
@@ -237,8 +251,20 @@ fn freed(engine: &Engine) -> Option<Freed> {
     let all = alternatives(engine);
     let w = weigh_beside(&free, &model, &all)?;
     let gain = w.sets.first()?.gain;
+    Some(Freed { contest: outcome(&w, &model, &all)?, gain, over: over_effects(gain, &w) })
+}
+
+/// What a gain is over that of the best set without alternatives.
+fn over_effects(gain: f64, w: &Weighed) -> f64 {
     let of_effects = w.sets.iter().find(|s| s.units.iter().all(|&u| w.families[u].0 < GENERIC));
-    Some(Freed { contest: outcome(&w, &model, &all)?, gain, over: gain - of_effects.map_or(0.0, |s| s.gain) })
+    gain - of_effects.map_or(0.0, |s| s.gain)
+}
+
+/// Whether what a set brings over effects alone is plain beside all that it brings.
+fn is_plain(over: f64, gain: f64) -> bool {
+    /// Nats, and share of what the best set brings, from which effects are doubted that full fits have found.
+    const PLAIN: [f64; 2] = [10.0, 0.05];
+    over > PLAIN[0].max(PLAIN[1] * gain)
 }
 
 /// What was found held against what stands out in free accelerations: several effects may together stand for a form outside the catalogue, and
@@ -251,8 +277,6 @@ pub(super) fn against_free_accelerations(
     contest: Option<Contest>,
     log: &mut Vec<String>,
 ) -> (Option<Contest>, Vec<Lead>) {
-    /// Nats, and share of what the best set brings, from which effects are doubted that full fits have found.
-    const PLAIN: [f64; 2] = [10.0, 0.05];
     let stands_in = |m: &Member| !faint.is_empty() && !m.declared && engine.moves_air(m);
     let named: Vec<&str> = fit.model.members.iter().filter(|m| !m.declared && !m.random).map(|m| m.effect.family).collect();
     let is_random = fit.model.members.iter().any(|m| m.is_local() || m.random && !stands_in(m));
@@ -265,7 +289,7 @@ pub(super) fn against_free_accelerations(
     let stands_out = if is_open {
         free.over > SURE
     } else {
-        free.over > PLAIN[0].max(PLAIN[1] * free.gain) && !named.iter().all(|f| free.contest.families.contains(f))
+        is_plain(free.over, free.gain) && !named.iter().all(|f| free.contest.families.contains(f))
     };
     log.push(format!("in free accelerations {:.1}, {:.1} over effects alone: {:?}", free.gain, free.over, free.contest.leads));
     if is_random || !stands_out || free.contest.leads.is_empty() {
@@ -275,3 +299,6 @@ pub(super) fn against_free_accelerations(
     let strongest = contest.as_ref().map_or(free.over, |c| c.strongest.max(free.over));
     (Some(Contest { families: contest.map_or_else(Vec::new, |c| c.families), strongest, ..free.contest }), faint)
 }
+
+#[cfg(test)]
+mod tests;

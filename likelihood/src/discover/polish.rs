@@ -1,9 +1,10 @@
 //! likelihood: a set fitted in full and weighed again until it stays. In: a start. Out: the fit and all sets at it.
 
 use super::weigh::{SURE, Weighed, weigh, with_set};
-use super::{describe, score};
+use super::{describe, more, score};
 use crate::engine::{Engine, Fit};
 use crate::model::{Member, Model};
+use crate::search::{is_above, is_behind, is_within};
 use windfall_model::Role;
 use windfall_pid::{SearchKind, StopReason};
 
@@ -32,8 +33,8 @@ pub(super) fn polish(engine: &Engine, model: Model, floor: f64, log: &mut Vec<St
 /// The same; where random members' forms are known, they are kept.
 pub(super) fn polished(engine: &Engine, mut model: Model, floor: f64, forms: bool, log: &mut Vec<String>) -> Option<Scored> {
     let mut seen: Vec<(String, f64, Fit)> = Vec::new();
-    for round in 0..ROUNDS {
-        let fit = fitted(engine, &model, forms && round == 0)?;
+    for round in 1..=ROUNDS {
+        let fit = fitted(engine, &model, forms && round == 1)?;
         let w = weigh(engine, &fit.model)?;
         let here = score(engine, &fit);
         let key = names(&fit.model);
@@ -46,12 +47,12 @@ pub(super) fn polished(engine: &Engine, mut model: Model, floor: f64, forms: boo
             fit.stop.words(SearchKind::Likelihood),
             describe(&fit.model)
         ));
-        if round >= 1 && here < floor - HOPELESS {
+        if round > 1 && is_behind(here, floor, HOPELESS) {
             return None;
         }
         let stays = a == b && same_forms(&again, &fit.model) || seen.iter().any(|(k, ..)| *k == a && a != b);
         seen.push((key, here, fit));
-        if stays || round + 1 == ROUNDS || engine.is_exhausted() {
+        if stays || round == ROUNDS || engine.is_exhausted() {
             // Of the sets that were visited in a circle, the best.
             let (_, here, best) = seen.into_iter().max_by(|x, y| x.1.total_cmp(&y.1))?;
             return without_promises(engine, here, best, log);
@@ -75,13 +76,13 @@ fn without_promises(engine: &Engine, mut here: f64, mut fit: Fit, log: &mut Vec<
         without.members.remove(k);
         let Ok(mut less) = engine.climb(&without, true, 8) else { continue };
         let mut there = score(engine, &less);
-        if there <= here - SURE && there > here - HOPELESS {
+        if !is_within(there, here, SURE) && is_within(there, here, HOPELESS) {
             // Gusts of the size that goes with the effect are not those without it.
             less = engine.settle_random(&less, FEW);
             there = score(engine, &less);
         }
-        if there > here - SURE {
-            log.push(format!("  {family} brings {:.1}", here - there));
+        if is_within(there, here, SURE) {
+            log.push(format!("  {family} brings {}", more(here, there)));
             (here, fit) = (there, less);
             empty.push(family);
         }
@@ -122,19 +123,22 @@ pub(super) fn same_forms(a: &Model, b: &Model) -> bool {
     })
 }
 
-/// A climb from a set's quadratic estimates; from half of them, and from null, where the model departs there.
+/// A climb from a set's quadratic estimates; from three tenths of them, and of those again, where the model departs there.
 pub(super) fn climb_down(engine: &Engine, model: &Model) -> Option<Fit> {
     let mut model = model.clone();
     for _ in 0..3 {
         if let Ok(fit) = engine.climb(&model, false, 12) {
             return Some(fit);
         }
-        for m in model.members.iter_mut().filter(|m| !m.random) {
-            let strengths: Vec<usize> = m.strengths().collect();
-            strengths.iter().for_each(|&i| m.values[i] *= 0.3);
-        }
+        model.members.iter_mut().filter(|m| !m.random).for_each(weaken);
     }
     None
+}
+
+/// All strengths at three tenths.
+fn weaken(m: &mut Member) {
+    let strengths: Vec<usize> = m.strengths().collect();
+    strengths.iter().for_each(|&i| m.values[i] *= 0.3);
 }
 
 /// The same with random members in the other of their forms, those that a shape of zero parts (gusts of Dryden's form or of a band), where
@@ -152,7 +156,7 @@ fn in_likelier_form(engine: &Engine, fit: Fit) -> Fit {
         });
         let Some(other) = tries.max_by(|a, b| a.total.total_cmp(&b.total)) else { continue };
         let other = engine.settle_random(&other, FEW);
-        if other.total < best.total - FAR_BEHIND {
+        if is_behind(other.total, best.total, FAR_BEHIND) {
             continue;
         }
         let other = engine.settle_random(&other, STEPS);
@@ -183,7 +187,7 @@ pub(super) fn in_other_forms(engine: &Engine, mut best: Scored, log: &mut Vec<St
             [Some(fit), less].into_iter().flatten().map(|f| (score(engine, &f), f)).max_by(|a, b| a.0.total_cmp(&b.0))
         });
         let Some((there, fit)) = fits.max_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
-        if there > best.0 + DIFFERENT {
+        if is_above(there, best.0, DIFFERENT) {
             log.push(format!("in another form {there:.1}: {}", describe(&fit.model)));
             if let Some(other) = polish(engine, fit.model, best.0, log).filter(|other| other.0 > best.0) {
                 best = other;
@@ -235,7 +239,7 @@ pub(super) fn without_idle(engine: &Engine, fit: Fit) -> Fit {
             if f.stop == StopReason::Iterations && f.chi < NEAR { engine.climb(&f.model, false, 12) } else { Ok(f) }
         });
         if let Ok(less) = less
-            && score(engine, &less) > score(engine, &fit) - SURE
+            && is_within(score(engine, &less), score(engine, &fit), SURE)
         {
             fit = less;
         }
@@ -253,9 +257,7 @@ pub(super) fn declared_alone(engine: &Engine, declared: &Model, after: &Fit) -> 
     let tries = [model, declared.clone()];
     let mut end = Err(String::new());
     for m in &tries {
-        end = engine
-            .climb(m, false, 12)
-            .map_err(|d| format!("with these parameters the model departs at {:.2} s of run {}", d.t_s, d.run + 1));
+        end = engine.climb(m, false, 12).map_err(|d| format!("with these parameters {}", d.words()));
         if end.is_ok() {
             break;
         }
@@ -275,3 +277,6 @@ pub(super) fn declared_alone(engine: &Engine, declared: &Model, after: &Fit) -> 
     }
     end
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,8 +5,9 @@
 
 use super::polish::climb_down;
 use super::weigh::{Weighed, weigh, with_set};
-use super::{describe, score};
+use super::{describe, more, score};
 use crate::engine::{Engine, Fit};
+use crate::search::{is_above, is_behind};
 
 /// Nats within which a rival is fitted, and most of them.
 const CLOSE: f64 = 6.0;
@@ -30,7 +31,7 @@ pub(super) fn rivals_fitted(engine: &Engine, fit: Fit, weighed: Weighed, log: &m
     for k in 0..weighed.sets.len() {
         let set = &weighed.sets[k];
         let of_set = weighed.families_of(set);
-        if tried.len() > MOST || set.gain < gain - CLOSE {
+        if tried.len() > MOST || is_behind(set.gain, gain, CLOSE) {
             break;
         }
         if own.is_empty() || of_set.len() != own.len() || tried.contains(&of_set) {
@@ -42,9 +43,9 @@ pub(super) fn rivals_fitted(engine: &Engine, fit: Fit, weighed: Weighed, log: &m
         let Some(rival) = rival.filter(|r| r.model.found() == tried[tried.len() - 1]) else { continue };
         let there = score(engine, &rival);
         log.push(format!(
-            "rival by its own fit {:.1}, by columns {:.1}: {}",
-            there - here,
-            weighed.sets[k].gain - gain,
+            "rival by its own fit {}, by columns {}: {}",
+            more(there, here),
+            more(weighed.sets[k].gain, gain),
             describe(&rival.model)
         ));
         weighed.sets[k].gain = gain + there - here;
@@ -54,7 +55,7 @@ pub(super) fn rivals_fitted(engine: &Engine, fit: Fit, weighed: Weighed, log: &m
     }
     weighed.sets.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     match best {
-        Some((there, rival)) if there > here + LIKELIER => match weigh(engine, &rival.model) {
+        Some((there, rival)) if is_above(there, here, LIKELIER) => match weigh(engine, &rival.model) {
             Some(again) => at_rival(rival, again, &weighed, [there - here, gain]),
             None => (fit, weighed),
         },
@@ -81,9 +82,11 @@ fn at_rival(rival: Fit, mut again: Weighed, before: &Weighed, [ahead, gain]: [f6
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{apart, bare, fit, in_gusts, member, number, set, unit, weighed};
     use super::*;
     use crate::flown::flown;
-    use crate::model::{Member, Model};
+    use crate::model::{Id, Member, Model};
+    use nalgebra::DMatrix;
     use windfall_model::CATALOGUE;
 
     /// A centre of mass a tenth of a millimetre off, taken for a lander that is not symmetric: the likelier rival takes the place, and both are as far
@@ -100,5 +103,33 @@ mod tests {
         let gain = |family: &str| weighed.sets.iter().find(|s| weighed.families_of(s) == [family]).expect("a set").gain;
         let (fits, sets) = (score(&engine, &after) - before, gain("center-of-mass") - gain("asymmetry"));
         assert!(fits > 3.0 && (fits - sets).abs() < 0.05, "{fits} {sets}");
+        // From there the other does not take it, and has the gain of its fit.
+        let weighed = weigh(&engine, &after.model).expect("weighed");
+        let (again, weighed) = rivals_fitted(&engine, after, weighed, &mut Vec::new());
+        assert_eq!(again.model.found(), ["center-of-mass"]);
+        let gain = |family: &str| weighed.sets.iter().find(|s| weighed.families_of(s) == [family]).expect("a set").gain;
+        let sets = gain("center-of-mass") - gain("asymmetry");
+        assert!((fits - sets).abs() < 0.05, "{fits} {sets}");
+    }
+
+    /// A set that was fitted before is as far behind the rival as the fits were, where weighing at the rival says no less.
+    #[test]
+    fn exact_gains_of_fits_stay() {
+        let (engine, _) = in_gusts();
+        let families = ["center-of-mass", "asymmetry", "damping-shape", "swirl"];
+        let places = families.map(|f| CATALOGUE.iter().position(|e| e.family == f).expect("an effect of the catalogue"));
+        let all = |gains: [f64; 4]| {
+            let numbers = vec![number(Id::Constant(0), 0.0, 1.0), number(Id::Generic(0), 0.0, 1.0)];
+            let sets = (0..4).map(|i| set(&[i], gains[i])).collect();
+            let units = places.map(|p| unit(p, &[0], 0.0)).to_vec();
+            weighed(apart(numbers, &[1.0; 2], &[0.0; 2], 0.0), units, places.map(|p| (p, None)).to_vec(), sets)
+        };
+        let rival =
+            fit(Model { members: vec![member(&engine, "asymmetry")], ..bare() }, Vec::new(), DMatrix::zeros(0, 0), [0.0; 2]);
+        // Of a best with 20 and a rival 4 ahead, which has 31 at itself: 27 for the best at most, and 29 for one that was 2 ahead.
+        let (_, after) = at_rival(rival, all([30.0, 31.0, 30.5, 12.0]), &all([20.0, 24.0, 22.0, 25.0]), [4.0, 20.0]);
+        let gain = |family: &str| after.sets.iter().find(|s| after.families_of(s) == [family]).expect("a set").gain;
+        let found = families.map(gain);
+        assert!(found.iter().zip([27.0, 31.0, 29.0, 12.0]).all(|(f, e)| (f - e).abs() < 1e-12), "{found:?}");
     }
 }

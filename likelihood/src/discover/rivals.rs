@@ -176,3 +176,6 @@ pub fn log_odds(engine: &Engine, one: &Model, other: &Model) -> Option<f64> {
         (None, None) => None,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,10 +1,11 @@
 //! likelihood: where a search starts. In: a declared model. Out: fits in gusts from wide to narrow, in other random inputs, after a kick.
 
 use super::polish::{climb_down, names};
-use super::weigh::{SURE, weigh, with_set};
-use super::{LEFT, STARTS, cost, describe, has, random_cost};
+use super::weigh::{SURE, Weighed, weigh, with_set};
+use super::{LEFT, STARTS, describe, has, less_random_cost, sure_cost};
 use crate::engine::{Engine, Fit};
 use crate::model::{Member, Model, catalogue};
+use crate::search::{Set, is_above};
 use crate::shock::{Shock, expected_beyond};
 use windfall_model::Role;
 use windfall_pid::SearchKind;
@@ -156,24 +157,28 @@ fn grown(engine: &Engine, declared: &Model, fit: &Fit, log: &mut Vec<String>) ->
             break;
         }
         let w = weigh(engine, &here.model)?;
-        let size = 1 + here.model.members.iter().filter(|m| !m.random && !m.declared).count();
-        let larger = w.sets.iter().filter(|set| set.units.len() == size).take(TRIED);
-        let fits = larger.filter_map(|set| {
+        let fits = one_larger(&w, &here.model).take(TRIED).filter_map(|set| {
             let fit = climb_down(engine, &with_set(&here.model, &w, set, engine))?;
             Some(engine.settle_random(&fit, SETTLING))
         });
-        let Some(best) = likeliest(fits).filter(|best| best.total > here.total + SURE) else { break };
+        let Some(best) = likeliest(fits).filter(|best| is_above(best.total, here.total, SURE)) else { break };
         log.push(format!("  grown ({:.0}): {:.1} chi {:.3} {}", engine.passes(), best.total, best.chi, describe(&best.model)));
         grown = Some(best);
     }
     grown.map(|fit| in_calm(engine, declared, fit))
 }
 
+/// Sets of one effect more than a model has, best first.
+fn one_larger<'a>(w: &'a Weighed, model: &Model) -> impl Iterator<Item = &'a Set> {
+    let size = 1 + model.found().len();
+    w.sets.iter().filter(move |set| set.units.len() == size)
+}
+
 /// A fit without the random inputs that only led to it, where that is likelier: in them declared numbers wander off, and sets weighed there make
 /// good for that. From where numbers are declared, led in by free accelerations as the declared model alone is.
 fn in_calm(engine: &Engine, declared: &Model, fit: Fit) -> Fit {
     let calm = from_declared(declared, &fit.model).calm();
-    let is_likelier = |calm: &Fit| calm.total > fit.total - random_cost(&fit.model, engine);
+    let is_likelier = |calm: &Fit| calm.total > less_random_cost(fit.total, &fit.model, engine);
     let led = lead_in(engine, &calm).and_then(|model| climb_down(engine, &model));
     led.filter(is_likelier).unwrap_or(fit)
 }
@@ -267,7 +272,7 @@ pub(super) fn sized(null: &Member, level: f64, form: &[f64]) -> Member {
 /// A fit as a start: all sets weighed at it.
 pub(super) fn start(engine: &Engine, fit: Fit, log: &mut Vec<String>) -> Option<Start> {
     let w = weigh(engine, &fit.model)?;
-    let total = w.total - random_cost(&fit.model, engine);
+    let total = less_random_cost(w.total, &fit.model, engine);
     let next = with_set(&fit.model, &w, w.choice(), engine);
     log.push(format!(
         "  level ({:.0}) {}: {total:.1} chi {:.3} {} -> {}",
@@ -285,10 +290,15 @@ fn size_of(model: &Model) -> f64 {
     model.members.last().map_or(0.0, |m| m.strengths().map(|i| m.values[i] / m.parameters[i].high).fold(0.0, f64::max))
 }
 
+/// Whether an input takes off what is next to nothing.
+fn brings_nothing(there: f64, here: f64) -> bool {
+    const NONE: f64 = 0.1;
+    (here - NONE..=here).contains(&there)
+}
+
 /// A fit with one more random input, in the form and at the size of those tried that is likeliest; none where no such brings anything.
 pub(super) fn with_random(engine: &Engine, fit: &Fit) -> Option<Fit> {
-    /// Nats that are none, and that are worth a fit: what is found must bring several times as many.
-    const NONE: f64 = 0.1;
+    /// Nats that are worth a fit: what is found must bring several times as many.
     const WORTH: f64 = 1.0;
     let coarse = engine.coarse();
     let likelihood = |model: &Model| coarse.sum(model, &[], &[]).map_or(f64::NEG_INFINITY, |s| s.log_likelihood);
@@ -307,7 +317,7 @@ pub(super) fn with_random(engine: &Engine, fit: &Fit) -> Option<Fit> {
             }
             best = (there, model);
             // What takes so little at that size brings nothing at a smaller one.
-            if (here - NONE..=here).contains(&there) {
+            if brings_nothing(there, here) {
                 break;
             }
         }
@@ -325,11 +335,11 @@ pub(super) fn with_random(engine: &Engine, fit: &Fit) -> Option<Fit> {
     if let Some(faint) = best_of(&|m| !engine.moves_air(m), &FAINTER).filter(|faint| faint.0 > best.0) {
         best = faint;
     }
-    if best.0 <= here + WORTH || size_of(&best.1) < LEVELS[4] {
+    if !is_above(best.0, here, WORTH) || size_of(&best.1) < LEVELS[4] {
         let faint = best_of(&|m| engine.moves_air(m), &FAINTER).filter(|faint| faint.0 > best.0);
         best = faint.unwrap_or(best);
     }
-    let (_, model) = Some(best).filter(|best| best.0 > here + WORTH)?;
+    let (_, model) = Some(best).filter(|best| is_above(best.0, here, WORTH))?;
     engine.climb(&model, false, 3).ok()
 }
 
@@ -339,7 +349,7 @@ pub(super) fn struck(engine: &Engine, fit: &Fit) -> Option<Fit> {
     let null = catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).find(|m| m.is_local() && !has(&fit.model, m))?;
     let all = engine.shocks(&fit.model).into_iter().flat_map(|(run, all)| all.into_iter().map(move |shock| (run, shock)));
     let (run, shock) = all.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))?;
-    if shock.gain < cost(&null, engine) + SURE {
+    if shock.gain < sure_cost(&null, engine) {
         return None;
     }
     let place = |role: Role| null.parameters.iter().position(|p| p.role == role);
@@ -350,7 +360,7 @@ pub(super) fn struck(engine: &Engine, fit: &Fit) -> Option<Fit> {
         [0.0, 0.5, 1.0].map(|share| {
             let mut values = form.clone();
             values[of_run] = run as f64;
-            values[of_instant] = (shock.t_s - share * form[of_duration]).max(0.0);
+            values[of_instant] = start_s(shock.t_s, share, form[of_duration]);
             Member { values, ..null.clone() }
         })
     });
@@ -364,9 +374,22 @@ pub(super) fn struck(engine: &Engine, fit: &Fit) -> Option<Fit> {
     if best.model.members.iter().any(|m| m.random) {
         // In a model without random air what strikes is felt at all later instants; there are no others to compare with.
         let others: Vec<Shock> = engine.shocks(&best.model).into_iter().flat_map(|(_, all)| all).collect();
-        if expected_beyond(best.total - fit.total, &others) > (-SURE).exp() {
+        if is_of_the_tail([fit.total, best.total], &others) {
             return None;
         }
     }
-    (best.total - cost(&null, engine) - SURE > fit.total).then_some(best)
+    is_above(best.total, fit.total, sure_cost(&null, engine)).then_some(best)
 }
+
+/// Start of a pulse of which that share is over at an instant; not before the run's.
+fn start_s(instant_s: f64, share: f64, duration_s: f64) -> f64 {
+    (instant_s - share * duration_s).max(0.0)
+}
+
+/// Whether kicks that bring as much as one does, from without it to with it, are not surely absent from the tail of all others.
+fn is_of_the_tail([without, with]: [f64; 2], others: &[Shock]) -> bool {
+    expected_beyond(with - without, others) > (-SURE).exp()
+}
+
+#[cfg(test)]
+mod tests;

@@ -6,7 +6,7 @@
 
 use super::polish::names;
 use super::weigh::{Weighed, weigh};
-use super::{LEFT, describe, strengths};
+use super::{LEFT, describe, more, strengths};
 use crate::engine::{Engine, Fit};
 use crate::model::{Id, Number};
 use nalgebra::{DMatrix, DVector};
@@ -44,8 +44,8 @@ pub(super) fn told_from_none(engine: &Engine, mut fit: Fit, mut weighed: Weighed
         {
             Some((again, less)) => {
                 log.push(format!(
-                    "{family} is as large by chance with {chance:.2}; {:.1} nats less without it: {}",
-                    fit.total - less.total,
+                    "{family} is as large by chance with {chance:.2}; {} nats less without it: {}",
+                    more(fit.total, less.total),
                     describe(&less.model)
                 ));
                 (fit, weighed) = (less, again);
@@ -95,7 +95,9 @@ fn wald(numbers: &DVector<f64>, covariance: DMatrix<f64>) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{bare, fit, in_gusts, member, number};
     use super::*;
+    use crate::model::Model;
 
     /// By the closed forms: erfc(z/√2) of one number, exp(−z²/2) of two, and of two that are each uncertain but not their sum.
     #[test]
@@ -112,5 +114,19 @@ mod tests {
         let twice = likelihood_ratio(9.0, 2.0, 2).expect("two numbers");
         assert!((twice - (-4.5_f64).exp()).abs() < 1e-12, "{twice}");
         assert!((likelihood_ratio(-1.0, 1.0, 3).expect("three") - 1.0).abs() < 1e-12 && likelihood_ratio(1.0, 1.0, 0).is_none());
+    }
+
+    /// By the likelihood's ratio: exp(−gain/wider) of two strengths, of which the less well known says how wide.
+    #[test]
+    fn exact_chance_by_the_ratio() {
+        let (engine, _) = in_gusts();
+        let model = Model { members: vec![member(&engine, "center-of-mass")], ..bare() };
+        let numbers = [0, 2].map(|i| number(Id::Member(0, i), 0.1, 1.0)).to_vec();
+        let of = |covariance: [f64; 2], log_likelihood: f64| {
+            fit(model.clone(), numbers.clone(), DMatrix::from_diagonal(&covariance.to_vec().into()), [0.0, log_likelihood])
+        };
+        let (own, robust, less) = (of([0.3, 0.2], 57.0), of([0.36, 0.5], 57.0), of([0.3, 0.2], 53.0));
+        let chance = by_ratio(&own, &robust, 0, &less).expect("two numbers");
+        assert!((chance - (-4.0_f64 / 2.5).exp()).abs() < 1e-12, "{chance}");
     }
 }

@@ -207,3 +207,6 @@ pub(super) fn named(w: &Weighed, model: &Model) -> Vec<FamilySet> {
     all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     all
 }
+
+#[cfg(test)]
+mod tests;
