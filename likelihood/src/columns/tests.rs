@@ -74,8 +74,8 @@ fn rotation([rx, ry, rz]: [f64; 3]) -> Rotation3<f64> {
     about(&Vector3::x_axis(), rx) * about(&Vector3::y_axis(), ry) * about(&Vector3::z_axis(), rz)
 }
 
-/// A body turned on by many small rotations about its own axes: one sample late, and the mean of three, of a roll angle after three turns. Left
-/// over are third powers of times, and of the mean the arm's turning about the mean attitude, ω² t² |arm| / 2.
+/// A body turned on by many small rotations about its own axes, its roll angle after three turns: one sample late, and the mean of three. Left
+/// over are third powers of times and, of the mean, products of two turns: ω² t² |arm|/2 of the place, (ω t)²/2 of the attitude.
 #[test]
 fn exact_what_is_shown_is_the_mean_along_the_motion() {
     const STEPS: u32 = 2000;
@@ -96,14 +96,14 @@ fn exact_what_is_shown_is_the_mean_along_the_motion() {
         for times in [[0.006; 3], [-0.003, 0.002, 0.004]] {
             let mean = |of: &dyn Fn(f64) -> f64| times.into_iter().map(of).sum::<f64>() / 3.0;
             let found = shown(&sensors, arm.into(), &x, &rate, [mean(&|t| t), mean(&|t| t * t)]);
-            for k in 0..3 {
+            for (k, shown) in found[..3].iter().enumerate() {
                 let origin = |t: f64| {
                     let (place, attitude) = after(t);
                     (place - attitude * arm)[k] * (1.0 + scale)
                 };
-                assert!((found[k] - mean(&origin)).abs() < 2e-6, "{k} {times:?}: {}", found[k] - mean(&origin));
+                assert!((shown - mean(&origin)).abs() < 2e-6, "{k} {times:?}: {shown}");
             }
-            // Small angles between the attitude that is shown and each sample's have a mean of none, but for products of two turns in the mean, (ω t)²/2.
+            // Small angles between the attitude that is shown and each sample's: their mean is none.
             let angles = [found[3], found[4], found[5]];
             let off: Vector3<f64> =
                 times.iter().map(|t| (rotation(angles).inverse() * after(*t).1 * rotation(misalignment)).scaled_axis()).sum();

@@ -16,8 +16,8 @@ fn white(seed: u64, n: usize, std: f64) -> Vec<f64> {
     (0..n).map(|_| std * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut rng)).collect()
 }
 
-/// A body without a tether or damping: `ω² = −½ρV² S d C_m(α)/(α I_yy)` at α = 0.02, of C_m = a sin α + b sin³ α. Where that pushes away from zero there
-/// is no mode.
+/// A body without a tether or damping: `ω² = −½ρV² S d C_m(α)/(α I_yy)` at α = 0.02, `C_m = a sin α + b sin³ α`. Where that
+/// pushes away from zero there is no mode.
 #[test]
 fn exact_pitch_mode() {
     for (a, swings) in [(-2.0655, true), (1.3, false)] {
@@ -104,8 +104,8 @@ fn recover_lines_of_a_record() {
     assert_eq!(record.attitude_rad[1], clean.attitude_rad[1]);
 }
 
-/// Two ordinates and their quantiles: those beside are spread as an exponential of mean 1.7 (its median that of 74, 2 %), those of the line's own
-/// lobe are larger by far.
+/// Ordinates beside are the quantiles of an exponential of mean 1.7 (upper median of 74: 2 %); those of the line's own lobe and those
+/// far away are larger by far.
 #[test]
 fn exact_level_beside_a_line() {
     let (k, n) = (61, 2 * (BESIDE - LOBE));

@@ -88,8 +88,8 @@ fn exact_cost_is_whittles() {
     assert!((variance - 5.7).abs() < 1e-11 && (cost - moved.iter().map(|o| o.power.ln() + 1.0).sum::<f64>()).abs() < 1e-10);
 }
 
-/// One ordinate in a thousand is a line: it counts as twelve times the variance, `1000 v = 999·7 + 12 v`. Three rounds from the mean of all, 77,
-/// leave 70 (12/1000)³.
+/// One ordinate in a thousand is a line: it counts as twelve times the variance, `1000 v = 999·7 + 12 v`. Three rounds from the
+/// mean of all, 77, leave 70 (12/1000)³.
 #[test]
 fn exact_a_line_counts_as_a_tail() {
     let line = ordinates(1000, |w, _| if w < 0.151 { 7e4 } else { 7.0 });
@@ -151,15 +151,7 @@ fn law_a_trend_is_no_noise() {
 fn law_bridged_samples_get_noise() {
     let (n, size) = (3000, 0.01);
     let bridged: Vec<bool> = (0..n).map(|i| i % 10 > 6).collect();
-    let noise = |i: usize| {
-        if bridged[i] {
-            0.0
-        } else if i % 2 == 0 {
-            size
-        } else {
-            -size
-        }
-    };
+    let noise = |i: usize| if bridged[i] { 0.0 } else { size * [1.0, -1.0][i % 2] };
     let x: Vec<f64> = (0..n).map(|i| 1e-9 * (i as f64 - 900.0).powi(3) + noise(i)).collect();
     let [a, b] = [0, 1].map(|_| [x.clone(), x.clone(), x.clone()]);
     let record = Record { position_m: a, attitude_rad: b, vw_m_s: x.clone(), bridged: bridged.clone(), ..Record::default() };
@@ -184,8 +176,8 @@ fn law_bridged_samples_get_noise() {
     }
 }
 
-/// One channel without colour beside others with it keeps its own. At 600 samples motion's steep spectrum, fitted beside, takes some of the colour:
-/// less than halfway from one to the other.
+/// One channel without colour beside others with it keeps its own. Of 600 samples motion's steep spectrum, fitted beside, takes some
+/// of the colour: less than halfway from one to the other.
 #[test]
 fn recover_colours_that_differ() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);

@@ -71,7 +71,7 @@ impl Linear {
     }
 
     /// State at a node by what is added to the state just before another.
-    fn from_to(&self, from: usize, to: usize) -> DMatrix<f64> {
+    fn between(&self, from: usize, to: usize) -> DMatrix<f64> {
         if to < from {
             return DMatrix::zeros(STATES, STATES);
         }
@@ -81,7 +81,7 @@ impl Linear {
     /// Measurements by what is added to the state just before a node.
     fn shown(&self, from: usize) -> DMatrix<f64> {
         let mut all = DMatrix::zeros(NODES * EACH, STATES);
-        (0..NODES).for_each(|k| all.rows_mut(k * EACH, EACH).copy_from(&(&self.h[k] * self.from_to(from, k))));
+        (0..NODES).for_each(|k| all.rows_mut(k * EACH, EACH).copy_from(&(&self.h[k] * self.between(from, k))));
         all
     }
 
@@ -99,9 +99,9 @@ impl Linear {
     /// Mean and covariance of the state at a node by all measurements.
     pub(crate) fn smoothed(&self, at: usize) -> (DVector<f64>, DMatrix<f64>) {
         let zero = || DMatrix::zeros(STATES, STATES);
-        let own = (0..=at).fold(zero(), |all, k| all + self.from_to(k, at) * self.source(k) * self.from_to(k, at).transpose());
+        let own = (0..=at).fold(zero(), |all, k| all + self.between(k, at) * self.source(k) * self.between(k, at).transpose());
         let with = (0..=at).fold(DMatrix::zeros(STATES, NODES * EACH), |all, k| {
-            all + self.from_to(k, at) * self.source(k) * self.shown(k).transpose()
+            all + self.between(k, at) * self.source(k) * self.shown(k).transpose()
         });
         let factor = self.covariance().cholesky().expect("a covariance");
         (&with * factor.solve(&self.y), own - &with * factor.solve(&with.transpose()))
