@@ -71,7 +71,8 @@ mod tests {
     use windfall_model::{CATALOGUE, Flight, POSE};
     use windfall_sim::Seed;
 
-    /// Mean squares of states by all measurements, of one Gaussian written out: squares of means and variances, over what is expected.
+    /// Mean squares of states by all measurements, of one Gaussian written out: squares of means and variances, over what is
+    /// expected.
     #[test]
     fn exact_mean_square_by_all_measurements() {
         let (linear, mut sums) = (Linear::new(), Sums::default());
@@ -90,8 +91,8 @@ mod tests {
         assert!((found.square - whole).abs() < 1e-9 && (found.unseen - unseen).abs() < 1e-9, "{found:?} {whole} {unseen}");
     }
 
-    /// Long gusts, which the motion shows: of the size at which they were flown their mean square is what is expected, within four errors of a
-    /// variance over that time; beside a model that has half of it, near four times.
+    /// Long gusts, which the motion shows: of the size at which they were flown their mean square is what is expected, within four
+    /// errors of a variance over that time; beside a model that has half of it, near four times.
     #[test]
     fn recover_size_that_blew() {
         let file = windfall_scenarios::read_bundled("sage-unperturbed").expect("a bundled scenario");

@@ -74,8 +74,9 @@ fn rotation([rx, ry, rz]: [f64; 3]) -> Rotation3<f64> {
     about(&Vector3::x_axis(), rx) * about(&Vector3::y_axis(), ry) * about(&Vector3::z_axis(), rz)
 }
 
-/// A body turned on by many small rotations about its own axes, its roll angle after three turns: one sample late, and the mean of three. Left
-/// over are third powers of times and, of the mean, products of two turns: ω² t² |arm|/2 of the place, (ω t)²/2 of the attitude.
+/// A body turned on by many small rotations about its own axes, its roll angle after three turns: one sample late, and the mean of
+/// three. Left over are third powers of times and, of the mean, products of two turns: ω² t² |arm|/2 of the place, (ω t)²/2 of the
+/// attitude.
 #[test]
 fn exact_what_is_shown_is_the_mean_along_the_motion() {
     const STEPS: u32 = 2000;

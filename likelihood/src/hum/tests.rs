@@ -37,8 +37,8 @@ fn exact_pitch_mode() {
     }
 }
 
-/// The load that shakes a body of its inertia (`F = m (2πf)² a`, `M = I (2πf)² a`), as a coefficient: a line is the instrument's above
-/// ten times what is plausible and five times the faster mode.
+/// The load that shakes a body of its inertia (`F = m (2πf)² a`, `M = I (2πf)² a`), as a coefficient: a line is the instrument's
+/// above ten times what is plausible and five times the faster mode.
 #[test]
 fn exact_lines_that_no_load_makes() {
     let plant = plant();
@@ -64,8 +64,8 @@ fn exact_lines_that_no_load_makes() {
     }
 }
 
-/// Fast lines in two channels go, one that loads might make stays. A thousandth of an ordinate's width of 0.075 Hz, and noise of a fiftieth of
-/// a line over 2000 samples.
+/// Fast lines in two channels go, one that loads might make stays. A thousandth of an ordinate's width of 0.075 Hz, and noise of a
+/// fiftieth of a line over 2000 samples.
 #[test]
 fn recover_lines_of_a_record() {
     let n = 2000;
@@ -104,8 +104,8 @@ fn recover_lines_of_a_record() {
     assert_eq!(record.attitude_rad[1], clean.attitude_rad[1]);
 }
 
-/// Ordinates beside are the quantiles of an exponential of mean 1.7 (upper median of 74: 2 %); those of the line's own lobe and those
-/// far away are larger by far.
+/// Ordinates beside are the quantiles of an exponential of mean 1.7 (upper median of 74: 2 %); those of the line's own lobe and
+/// those far away are larger by far.
 #[test]
 fn exact_level_beside_a_line() {
     let (k, n) = (61, 2 * (BESIDE - LOBE));

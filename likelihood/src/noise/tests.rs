@@ -72,8 +72,8 @@ fn ordinates(n: u32, power: impl Fn(f64, f64) -> f64) -> Vec<Ordinate> {
     (0..n).map(at).collect()
 }
 
-/// `Σ ln f + I/f` (Whittle 1953) at the variance where its slope is zero; where a spectrum is exactly noise beside motion, `Σ ln I` and one an
-/// ordinate.
+/// `Σ ln f + I/f` (Whittle 1953) at the variance where its slope is zero; where a spectrum is exactly noise beside motion, `Σ ln I`
+/// and one an ordinate.
 #[test]
 fn exact_cost_is_whittles() {
     let (share, r) = (0.4, 0.7);
@@ -109,8 +109,8 @@ fn exact_share_and_correlation() {
     }
 }
 
-/// A line of whole turns beside a trend: A² n/6 in its ordinate by Hann's window, a quarter in its neighbours', as of differences, and none
-/// elsewhere. Ordinates are those above 3.5 Hz, noise alone above 10 Hz, up to 0.99 of half the sample rate.
+/// A line of whole turns beside a trend: A² n/6 in its ordinate by Hann's window, a quarter in its neighbours', as of differences,
+/// and none elsewhere. Ordinates are those above 3.5 Hz, noise alone above 10 Hz, up to 0.99 of half the sample rate.
 #[test]
 fn exact_spectrum_of_a_line() {
     let (n, dt, k, a) = (500, 0.0101, 111, 0.37);
@@ -145,8 +145,8 @@ fn law_a_trend_is_no_noise() {
     assert!(plain.iter().zip(&steep).all(|(p, s)| (p.power - s.power).abs() < 1e-8 * p.power.max(1.0)));
 }
 
-/// Fourth differences of alternating noise are 16 times it, and their variance 70 times that of white noise; a cubic has none. Bridged samples
-/// get half that variance, about zero, of each channel its own.
+/// Fourth differences of alternating noise are 16 times it, and their variance 70 times that of white noise; a cubic has none.
+/// Bridged samples get half that variance, about zero, of each channel its own.
 #[test]
 fn law_bridged_samples_get_noise() {
     let (n, size) = (3000, 0.01);
@@ -176,8 +176,8 @@ fn law_bridged_samples_get_noise() {
     }
 }
 
-/// One channel without colour beside others with it keeps its own. Of 600 samples motion's steep spectrum, fitted beside, takes some
-/// of the colour: less than halfway from one to the other.
+/// One channel without colour beside others with it keeps its own. Of 600 samples motion's steep spectrum, fitted beside, takes
+/// some of the colour: less than halfway from one to the other.
 #[test]
 fn recover_colours_that_differ() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);

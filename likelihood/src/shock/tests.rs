@@ -127,8 +127,8 @@ fn exact_smoothed_states() {
     });
 }
 
-/// What a kick of plausible size, 0.3 m/s and 2 rad/s, adds to the log-likelihood: that of all measurements as one Gaussian with it less
-/// that without. None within half a second of the ends.
+/// What a kick of plausible size, 0.3 m/s and 2 rad/s, adds to the log-likelihood: that of all measurements as one Gaussian with it
+/// less that without. None within half a second of the ends.
 #[test]
 fn exact_gain_of_a_kick() {
     let linear = Linear::new();
@@ -157,8 +157,8 @@ fn exact_tail_by_weighted_moments() {
     }
 }
 
-/// Gains that are distributed as a generalised Pareto law says: those beyond a size are as many as it says, within what 200 of the tail
-/// leave of its shape.
+/// Gains that are distributed as a generalised Pareto law says: those beyond a size are as many as it says, within what 200 of the
+/// tail leave of its shape.
 #[test]
 fn recover_tail() {
     for shape in [1e-3_f64, 0.4] {
