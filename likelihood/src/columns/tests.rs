@@ -81,7 +81,7 @@ fn rotation([rx, ry, rz]: [f64; 3]) -> Rotation3<f64> {
 fn exact_what_is_shown_is_the_mean_along_the_motion() {
     const STEPS: u32 = 2000;
     let arm = Vector3::new(0.12, -0.07, 0.05);
-    let x = [0.1, -0.2, 0.3, 0.4 + 3.0 * TAU, -0.3, 0.2 - TAU, 0.5, -0.4, 0.3, 1.0, -0.8, 0.6];
+    let x = [0.1, -0.2, 0.3, 2.4 + 3.0 * TAU, -0.3, 0.2 - TAU, 0.5, -0.4, 0.3, 1.0, -0.8, 0.6];
     let rate: [f64; STATES] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.1, -2.3, 4.2, -5.3, 7.2, 6.1];
     let part = |x: &[f64], k: usize| Vector3::new(x[k], x[k + 1], x[k + 2]);
     let after = |t: f64| {
