@@ -67,11 +67,32 @@ mod tests {
     use crate::filter::{Keep, PassSetting, pass};
     use crate::noise::declared;
     use crate::run::Prepared;
+    use crate::shock::tests::{GUSTS, Linear, STATES};
     use windfall_model::{CATALOGUE, Flight, POSE};
     use windfall_sim::Seed;
 
-    /// Long gusts, which the motion shows: of the size at which they were flown their mean square is what is expected, within four errors of a
-    /// variance over that time; beside a model that has half of it, near four times.
+    /// Mean squares of states by all measurements, of one Gaussian written out: squares of means and variances, over what is
+    /// expected.
+    #[test]
+    fn exact_mean_square_by_all_measurements() {
+        let (linear, mut sums) = (Linear::new(), Sums::default());
+        backward(&linear.trace, STATES, |at, score, information| {
+            linear.trace.nodes[at].blowing.iter().for_each(|gust| sums.add(gust, score, information));
+        });
+        let (mut square, mut unseen, mut expected) = (0.0, 0.0, 0.0);
+        for (at, (place, variance)) in (0..linear.trace.nodes.len()).flat_map(|at| GUSTS.map(|gust| (at, gust))) {
+            let (mean, covariance) = linear.smoothed(at);
+            square += mean[place].powi(2);
+            unseen += covariance[(place, place)];
+            expected += variance;
+        }
+        let found = sums.blown().expect("gusts");
+        let (whole, unseen) = ((square + unseen) / expected, unseen / expected);
+        assert!((found.square - whole).abs() < 1e-9 && (found.unseen - unseen).abs() < 1e-9, "{found:?} {whole} {unseen}");
+    }
+
+    /// Long gusts, which the motion shows: of the size at which they were flown their mean square is what is expected, within four
+    /// errors of a variance over that time; beside a model that has half of it, near four times.
     #[test]
     fn recover_size_that_blew() {
         let file = windfall_scenarios::read_bundled("sage-unperturbed").expect("a bundled scenario");

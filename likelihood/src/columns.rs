@@ -268,28 +268,4 @@ fn turned<S: Scalar>([rx, ry, rz]: [S; 3]) -> [[S; 3]; 3] {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use windfall_pid::equations::Dual;
-
-    /// Slopes of what is shown are those of central differences, with and without a misaligned body and a scale.
-    #[test]
-    fn exact_slopes_of_what_is_shown() {
-        let arm = [0.02, -0.01, 0.03];
-        let x = [0.1, -0.2, 0.3, 0.4, -0.3, 0.2, 0.5, -0.4, 0.3, 1.0, -0.8, 0.6];
-        let rate: Vec<f64> = (0..16).map(|i| 0.3 * f64::from(i) - 1.0).collect();
-        for (misalignment, scale) in [([0.0; 3], 0.0), ([0.02, -0.03, 0.04], 0.01)] {
-            let sensors = Sensors { misalignment_rad: misalignment, length_scale: scale, ..Sensors::default() };
-            let of = |x: &[f64; STATES]| shown(&sensors, arm, x, &rate, [0.004, 3e-5]);
-            let duals = shown(&sensors, arm, &std::array::from_fn(|i| Dual::<STATES>::variable(x[i], i)), &rate, [0.004, 3e-5]);
-            for i in 0..STATES {
-                let at = |by: f64| of(&std::array::from_fn(|k| if k == i { x[k] + by } else { x[k] }));
-                let (up, down) = (at(1e-5), at(-1e-5));
-                for c in 0..POSE {
-                    // h²/6 of third derivatives of order one, and rounding over h.
-                    assert!((duals[c].slopes[i] - (up[c] - down[c]) / 2e-5).abs() < 1e-9, "{c} by {i}");
-                }
-            }
-        }
-    }
-}
+mod tests;

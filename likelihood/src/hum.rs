@@ -113,21 +113,23 @@ pub(crate) fn take_off(record: &mut Record, plant: &Plant) -> Vec<Hum> {
     all
 }
 
+/// An ordinate over the mean level of those beside it, its own lobe left out.
+fn over(power: &[f64], k: usize) -> f64 {
+    let beside = (k.saturating_sub(BESIDE)..=(k + BESIDE).min(power.len() - 1)).filter(|i| i.abs_diff(k) > LOBE);
+    let mut beside: Vec<f64> = beside.map(|i| power[i]).collect();
+    let middle = beside.len() / 2;
+    // An exponential's median is ln 2 of its mean.
+    power[k] / (*beside.select_nth_unstable_by(middle, f64::total_cmp).1 / std::f64::consts::LN_2)
+}
+
 /// Frequency, rad a sample, of the line in the upper spectrum of a series' differences that stands out most, if any does.
 fn line(series: &[f64]) -> Option<f64> {
     let n = series.len().checked_sub(1).filter(|n| *n >= 8 * BESIDE)?;
     let power = periodogram(series.windows(2).map(|w| w[1] - w[0]))?.power;
     let looked = BESIDE + LOBE..power.len().saturating_sub(LOBE + 1);
-    let over = |k: usize| {
-        let beside = (k.saturating_sub(BESIDE)..=(k + BESIDE).min(power.len() - 1)).filter(|i| i.abs_diff(k) > LOBE);
-        let mut beside: Vec<f64> = beside.map(|i| power[i]).collect();
-        let middle = beside.len() / 2;
-        // An exponential's median is ln 2 of its mean.
-        power[k] / (*beside.select_nth_unstable_by(middle, f64::total_cmp).1 / std::f64::consts::LN_2)
-    };
     // Peaks only: a level is asked for where it may matter.
     let peaks = looked.clone().filter(|&k| power[k] > power[k - 1] && power[k] >= power[k + 1]);
-    let (k, height) = peaks.map(|k| (k, over(k))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (k, height) = peaks.map(|k| (k, over(&power, k))).max_by(|a, b| a.1.total_cmp(&b.1))?;
     if height < ((looked.len() * POSE) as f64 / CHANCE).ln() {
         return None;
     }
@@ -156,29 +158,4 @@ fn sinusoid(series: &[f64], w: f64) -> (f64, f64) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn exact_swing_is_the_largest_motion() {
-        let angles: Vec<Vec<f64>> = [0.2, 0.1]
-            .map(|a| (0..3000).map(|i| 0.05 + a * (TAU * 0.8 * i as f64 / 150.0).sin() + 1e-3 * (1.7 * i as f64).cos()).collect())
-            .into();
-        // An ordinate is 1/20 Hz wide.
-        assert!((swing_hz(&angles, 1.0 / 150.0) - 0.8).abs() < 0.03);
-        assert!(swing_hz(&[], 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn recover_a_line_beside_motion() {
-        let (a, b, w) = (3e-4, -4e-4, 0.6661);
-        let line = |i: usize| a * (w * i as f64).cos() + b * (w * i as f64).sin();
-        let motion = |i: usize| 0.3 * (0.06 * i as f64).sin() + 1e-4 * i as f64;
-        let series: Vec<f64> = (0..2500).map(|i| motion(i) + line(i)).collect();
-        let found = super::line(&series).expect("a line");
-        // A thousandth of an ordinate's width is 2.5e-6; Hann's sidelobes of the motion, 0.3 m, are under 1e-3 of the line.
-        assert!((found - w).abs() < 1e-5, "{found}");
-        let (c, s) = sinusoid(&series, found);
-        assert!((c - a).abs() < 1e-2 * 5e-4 && (s - b).abs() < 1e-2 * 5e-4, "{c} {s}");
-    }
-}
+mod tests;

@@ -28,3 +28,20 @@ impl Intensity {
         ((1.0 - share) * logs[k] + share * logs[k + 1]).exp()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Logarithms along straight lines between knots; before the first and after the last those.
+    #[test]
+    fn exact_between_knots_and_beyond() {
+        let intensity = Intensity { logs: [vec![], vec![0.3, -0.7, 1.9], vec![0.4]] };
+        let of = |t_s| intensity.at(1, t_s).ln();
+        for (t_s, log) in [(-3.0, 0.3), (0.0, 0.3), (0.2, -0.1), (0.6, -0.18), (0.95, 1.64), (1.0, 1.9), (1.4, 1.9), (50.0, 1.9)]
+        {
+            assert!((of(t_s) - log).abs() < 1e-14, "{t_s}: {}", of(t_s));
+        }
+        assert!([0, 2].map(|axis| intensity.at(axis, 0.3)).iter().all(|v| (v - 1.0).abs() < 1e-15));
+    }
+}

@@ -151,20 +151,4 @@ pub(crate) fn shocks(trace: &Trace, n: usize) -> Vec<Shock> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Gains that are distributed as a generalised Pareto law says: those beyond a size are as many as it says, within what 200 of the tail
-    /// leave of its shape.
-    #[test]
-    fn recover_tail() {
-        for shape in [1e-3_f64, 0.4] {
-            let one = |share: f64| (share.powf(-shape) - 1.0) / shape;
-            let all: Vec<Shock> = (0..10_000).map(|i| Shock { t_s: 0.0, gain: one((f64::from(i) + 0.5) / 10_000.0) }).collect();
-            let found = expected_beyond(one(20.0 / 10_000.0), &all);
-            assert!((found / 20.0 - 1.0).abs() < 0.05, "{shape} {found}");
-            let found = expected_beyond(one(1e-6), &all);
-            assert!((1e-3..0.1).contains(&found), "{shape} {found} of 0.01");
-        }
-    }
-}
+pub(crate) mod tests;
