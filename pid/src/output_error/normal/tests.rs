@@ -46,8 +46,8 @@ fn exact_least_squares_are_the_normal_equations() {
     assert!((normal.largest_step() / in_errors - 1.0).abs() < 1e-12, "{} {in_errors}", normal.largest_step());
 }
 
-/// Columns `(1, ε)` and `(1, -ε)` have singular values √2 and √2 ε: undetermined below a ratio of 1e-10, on either side by a half; which
-/// of a column's unit does not matter. A column of zeros is named at once.
+/// Columns `(1, ε)` and `(1, -ε)` have singular values √2 and √2 ε: undetermined below a ratio of 1e-10, on either side by a half;
+/// which of a column's unit does not matter. A column of zeros is named at once.
 #[test]
 fn exact_rank_is_by_the_ratio_of_singular_values() {
     let of = |e: f64| vec![Linearised::only(DMatrix::from_row_slice(3, 3, &[1.0, 7.0, 0.1, e, -7.0 * e, 0.2, 0.0, 0.0, 0.0]))];
@@ -69,8 +69,8 @@ fn step(x: &[f64]) -> Normal {
     }
 }
 
-/// Where whole steps shrink by a ratio ρ, a part p of one leaves `(1 - p) + p ρ` of it for the next, and all that is left is `1/(1 - ρ)`
-/// times as long; from a quarter to ten. Steps at more than acos 0.9 to each other tell nothing.
+/// Where whole steps shrink by a ratio ρ, a part p of one leaves `(1 - p) + p ρ` of it for the next, and all that is left is as long
+/// as `1/(1 - ρ)` of them; from a quarter to ten. Steps at more than acos 0.9 to each other tell nothing.
 #[test]
 fn exact_pace_is_the_sum_of_a_geometric_series() {
     let first = [3.0, -1.2, 0.7];

@@ -34,8 +34,9 @@ fn nominals(plant: &Plant) -> Vec<Nominal> {
     [SAMPLES, 19].map(|n| Nominal { nodes: (0..n).step_by(5).map(|i| flight.node(i)).collect() }).to_vec()
 }
 
-/// Where only a linear error `e` is wrong, a part f of its step leaves a merit of `D (1 - f)²`, `D = N e²/s²`. It must not grow by more than one:
-/// of 6 and its halves, 1.5 lowers a large D; of D = 0.2, 3 makes 0.8, and of D = 0.5, 2.0. Before it a flight's gaps, below 0.1.
+/// Where only a linear error `e` is wrong, a part f of its step leaves a merit of `D (1 - f)²`, `D = N e²/s²`. It must not grow by
+/// more than one: of 6 and its halves, 1.5 lowers a large D; of D = 0.2, 3 makes 0.8, and of D = 0.5, 2.0. Before it a flight's
+/// gaps, below 0.1.
 #[test]
 fn exact_descent_on_a_parabola() {
     let plant = erring();
@@ -59,8 +60,8 @@ fn exact_descent_on_a_parabola() {
     }
 }
 
-/// Steps of 0.8, 0.24, 0.072 shrink by 0.3: `0.072 × 0.3/0.7` is left. Nothing is taken to shrink after a short part of a step, or slower than
-/// by halves.
+/// Steps of 0.8, 0.24, 0.072 shrink by 0.3: `0.072 × 0.3/0.7` is left. Nothing is taken to shrink after a short part of a step, or
+/// slower than by halves.
 #[test]
 fn exact_what_is_left_is_a_geometric_series() {
     assert!((left(0.072, 0.24, 1.0) - 0.072 * 3.0 / 7.0).abs() < 1e-16);
@@ -69,8 +70,8 @@ fn exact_what_is_left_is_a_geometric_series() {
     }
 }
 
-/// Twice the logarithm of normal densities of all residuals, with 2π left out, less what gaps, jumps and a prior take; and the noise that these
-/// residuals show, in angles and positions less two numbers a run.
+/// Twice the logarithm of normal densities of all residuals, with 2π left out, less what gaps, jumps and a prior take; and the
+/// noise that these residuals show, in angles and positions less two numbers a run.
 #[test]
 fn exact_likelihood_and_noise_by_hand() {
     let plant = erring();
@@ -106,8 +107,8 @@ fn exact_likelihood_and_noise_by_hand() {
     assert_eq!((solved.solution.iterations, solved.linear.len(), solved.residuals[1][3].len()), (3, 2, 4));
 }
 
-/// An error of R_y in records with noise, found from zero: within four standard errors, where no step is left (a thousandth of a standard
-/// error, and a little for the noise's variance, which ends as it is).
+/// An error of R_y in records with noise, found from zero: within four standard errors, where no step is left (a thousandth of a
+/// standard error, and a little for the noise's variance, which ends as it is).
 #[test]
 fn recover_an_error_of_an_angle() {
     let plant = erring();
@@ -132,8 +133,8 @@ fn recover_an_error_of_an_angle() {
     assert!(glance.step[0].abs() < 2e-3 * std_error, "{} {std_error}", glance.step[0]);
 }
 
-/// A merit too large for a number cannot be lowered: no answer, but where a step is shorter than 0.03 standard errors, for which rounding is to
-/// blame.
+/// A merit too large for a number cannot be lowered: no answer, but where a step is shorter than 0.03 standard errors, for which
+/// rounding is to blame.
 #[test]
 fn law_no_descent_is_no_answer() {
     let plant = erring();

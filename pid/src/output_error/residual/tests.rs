@@ -1,5 +1,5 @@
-//! pid tests: quality of fits by hand, the test for whiteness against plain sums and its closed form, the covariance of coloured residuals
-//! against the sum over all frequencies one by one.
+//! pid tests: quality of fits by hand, the test for whiteness against plain sums and its closed form, the covariance of coloured
+//! residuals against the sum over all frequencies one by one.
 
 use super::super::problem::Solution;
 use super::super::run::Nominal;
@@ -23,8 +23,8 @@ fn low_p(series: &[&[f64]], interval_s: &[f64]) -> f64 {
     low_frequency_p(series, interval_s, &mut RealFftPlanner::new())
 }
 
-/// Probability that F of an even number of degrees of freedom `2m` over `d` is larger: with `y = d/(d + 2mF)`, `y^a Σ_{j<m} (a)_j/j! (1 - y)^j`,
-/// `a = d/2` (Abramowitz and Stegun 1964, 26.6.4).
+/// Probability that F of an even number of degrees of freedom `2m` over `d` is larger: with `y = d/(d + 2mF)`, `y^a Σ_{j<m}
+/// (a)_j/j! (1 - y)^j`, `a = d/2` (Abramowitz and Stegun 1964, 26.6.4).
 fn f_larger(f: f64, m: usize, d: f64) -> f64 {
     let (y, a) = (d / (d + 2.0 * m as f64 * f), 0.5 * d);
     let (mut term, mut sum) = (1.0, 0.0);
@@ -97,7 +97,8 @@ fn solved(runs: &[PreparedRun<'_>], unknowns: Unknowns, residuals: Vec<PerChanne
     Solved { solution, first: DMatrix::default(), unknowns, nominals, linear, residuals }
 }
 
-/// A record of a flight, and a shorter one as of a slower flight, so that an average is over more than its fewest frequencies there.
+/// A record of a flight, and a shorter one as of a slower flight, so that an average is over more than its fewest frequencies
+/// there.
 fn records(plant: &Plant) -> [Record; 2] {
     let record = flown(plant, 0).record(plant, &Shown::default());
     let mut slow = record.clone();
@@ -137,8 +138,8 @@ fn exact_fits_by_hand() {
     }
 }
 
-/// `M⁻¹ (Σ_f Gᴴ P G) M⁻¹` over every frequency of twice the length by plain sums, negative ones too; P the mean over a quarter of a hertz on
-/// either side, at least four frequencies, within the spectrum. Then no variance below that of white noise.
+/// `M⁻¹ (Σ_f Gᴴ P G) M⁻¹` over every frequency of twice the length by plain sums, negative ones too; P the mean over a quarter of a
+/// hertz on either side, at least four frequencies, within the spectrum. Then no variance below that of white noise.
 #[test]
 fn exact_coloured_covariance_is_the_sum_over_all_frequencies() {
     let plant = erring();
@@ -190,7 +191,8 @@ fn exact_coloured_covariance_is_the_sum_over_all_frequencies() {
     }
 }
 
-/// A single pulse is white, at whatever half-width: its covariance is that of sums over time (Parseval), `Σ g gᵀ h²/n s⁻⁴` of its channel.
+/// A single pulse is white, at whatever half-width: its covariance is that of sums over time (Parseval), `Σ g gᵀ h²/n s⁻⁴` of its
+/// channel.
 #[test]
 fn law_a_pulse_is_white() {
     let plant = erring();

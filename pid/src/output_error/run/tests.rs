@@ -398,8 +398,8 @@ fn exact_elimination_is_dense_least_squares() {
     }
 }
 
-/// Slopes of the tunnel speed as it is shown, `S (v + t v' + t²/2 v'')` at the time t from the node to the instant whose speed the record
-/// shows with this sample: whole samples of a delay are in the record's index.
+/// Slopes of the tunnel speed as it is shown, `S (v + t v' + t²/2 v'')` at the time t from the node to the instant whose speed the
+/// record shows with this sample: whole samples of a delay are in the record's index.
 #[test]
 fn exact_slopes_of_a_late_wind() {
     let plant = erring();
@@ -425,9 +425,9 @@ fn exact_slopes_of_a_late_wind() {
     }
 }
 
-/// Nodes of a record without noise are the flight's own (a spline through the samples: derivatives to 3e-7 at its ends, measured), the
-/// second derivative of tunnel speed among them; its jump over five samples of 10 ms is that of Brownian motion. Both in units of the
-/// true speed, of which the record shows 1.02.
+/// Nodes of a record without noise are the flight's own (a spline through the samples: derivatives to 3e-7 at its ends, measured),
+/// the second derivative of tunnel speed among them; its jump over five samples of 10 ms is that of Brownian motion. Both in units
+/// of the true speed, of which the record shows 1.02.
 #[test]
 fn exact_runs_made_ready() {
     let plant = erring();
@@ -448,8 +448,8 @@ fn exact_runs_made_ready() {
     assert!((run.jump_std / (root * 0.05_f64.sqrt()) - 1.0).abs() < 1e-9, "{} {root}", run.jump_std);
 }
 
-/// A run still to be flown has a node at every sample: a flight of the equations leaves nothing there either, and a step's jump is that of
-/// Brownian motion.
+/// A run still to be flown has a node at every sample: a flight of the equations leaves nothing there either, and a step's jump is
+/// that of Brownian motion.
 #[test]
 fn exact_a_planned_run_is_flown_sample_by_sample() {
     let plant = struck();
