@@ -15,21 +15,22 @@ fn runs(count: usize) -> Vec<Linearised> {
     (0..2).map(|n| Linearised::only(DMatrix::from_fn(count + 1, count + 1, |i, j| entry(n, i, j)))).collect()
 }
 
-/// Two runs and two priors: `(Σ RᵀR + Σ e eᵀ/s²) step = Σ Rᵀr + Σ e off/s²`, the inverse of that matrix, and the condition number
+/// Two runs and three priors: `(Σ RᵀR + Σ e eᵀ/s²) step = Σ Rᵀr + Σ e off/s²`, the inverse of that matrix, and the condition number
 /// from its eigenvalues with a diagonal of ones. Rounding 1e-16 times a condition of order 100.
 #[test]
 fn exact_least_squares_are_the_normal_equations() {
     let (linear, mut unknowns) = (runs(3), free(3));
-    // Off by 1.7 and by -0.45.
+    // Off by 1.7, -0.45 and -0.5.
     unknowns.know(1, 1.3, 0.6);
     unknowns.know(2, -1.55, 0.35);
+    unknowns.know(1, -0.9, 0.8);
     let (mut information, mut right) = (DMatrix::zeros(3, 3), DVector::zeros(3));
     for l in &linear {
         let (r, b) = (l.information.columns(0, 3), l.information.column(3));
         information += r.transpose() * r;
         right += r.transpose() * b;
     }
-    for (column, off, std) in [(1, 1.7, 0.6), (2, -0.45, 0.35)] {
+    for (column, off, std) in [(1, 1.7, 0.6), (2, -0.45, 0.35), (1, -0.5, 0.8)] {
         information[(column, column)] += 1.0 / (std * std);
         right[column] += off / (std * std);
     }

@@ -368,6 +368,8 @@ fn exact_elimination_is_dense_least_squares() {
             let expected = a * &u + b;
             // Of the largest: one step brings speeds by some 0.1 m/s.
             assert!((z - &expected).amax() < 1e-2 * (1.0 + expected.amax()), "case {n}: {z} {expected}");
+            // Jumps of some 1e-3, through slopes that are polynomials.
+            assert!((z[NODE - 1] - expected[NODE - 1]).abs() < 1e-5, "case {n}: {z} {expected}");
         }
         let next = nominal.moved(&step, 0.5);
         assert!((next.nodes[2][7] - (nominal.nodes[2][7] + 0.5 * step.nodes[2][7])).abs() < 1e-15);
