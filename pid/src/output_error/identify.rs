@@ -239,3 +239,6 @@ pub(crate) fn estimates(
     }
     out
 }
+
+#[cfg(test)]
+mod tests;

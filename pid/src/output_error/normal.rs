@@ -97,3 +97,6 @@ impl Normal {
         self.in_errors().amax()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -133,9 +133,7 @@ pub(crate) fn solve_from(
         search.update_noise(&misfits);
         let settled = search.std.iter().zip(before).all(|(a, b)| (a / b).ln().abs() < STEP);
         let gaps: f64 = misfits.iter().map(|m| m.gaps).sum();
-        // Steps shrink by a ratio: what is left is their sum.
-        let ratio = if fraction > 0.5 { largest / before_last } else { f64::INFINITY };
-        let left = if ratio < MOST_SHRUNK { largest * ratio / (1.0 - ratio) } else { largest };
+        let left = left(largest, before_last, fraction);
         before_last = largest;
         if left < STEP && settled && fraction >= MOST_SHORT && gaps < 1e-3 {
             return search.finish(&normal, first, misfits, iteration, StopReason::Converged);
@@ -145,6 +143,12 @@ pub(crate) fn solve_from(
         }
     }
     Outcome::Stopped(StopReason::Iterations)
+}
+
+/// What is left to go after a fraction of a step: where steps shrink by a ratio, the sum of those to come.
+fn left(largest: f64, before_last: f64, fraction: f64) -> f64 {
+    let ratio = if fraction > 0.5 { largest / before_last } else { f64::INFINITY };
+    if ratio < MOST_SHRUNK { largest * ratio / (1.0 - ratio) } else { largest }
 }
 
 /// What the runs tell about the free unknowns: rows whose squares sum to the information.
@@ -257,3 +261,6 @@ impl Search<'_, '_> {
         }))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -154,3 +154,6 @@ fn add_middle(middle: &mut DMatrix<f64>, residual: &[Vec<Complex64>], g: &[Vec<V
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -212,3 +212,11 @@ impl Nominal {
         Self { nodes: self.nodes.iter().zip(&step.nodes).map(one).collect() }
     }
 }
+
+#[cfg(test)]
+impl Linearised {
+    /// What a run says about the parameters, `[R | r]`, without a trajectory.
+    pub(crate) fn only(information: DMatrix<f64>) -> Self {
+        Self { pieces: Vec::new(), start: DMatrix::default(), information }
+    }
+}

@@ -5,6 +5,7 @@ use super::*;
 use crate::equations::tests::plant;
 use crate::equations::{ADDED, MOTION};
 use nalgebra::{DMatrix, DVector};
+use windfall_model::Contact;
 use windfall_model::frames::{Body, EulerXyz, Rotation, Tunnel, Vec3};
 
 const RATE_HZ: f64 = 100.0;
@@ -122,6 +123,14 @@ pub(crate) fn erring() -> Plant {
     plant
 }
 
+/// The same, struck gently once: so the time of a sample counts.
+fn struck() -> Plant {
+    let mut plant = erring();
+    let (impulse, angular_impulse) = (Vec3::new(0.04, 0.1, -0.06), Vec3::new(0.002, -0.01, 0.007));
+    plant.contacts.push(Contact { run: 0, start_s: 0.03, duration_s: 0.31, impulse, angular_impulse });
+    plant
+}
+
 /// Nothing free, parameters as the plant has them.
 pub(crate) fn held(plant: &Plant) -> FreeColumns {
     FreeColumns {
@@ -142,7 +151,7 @@ fn sizes(residuals: &PerChannel<Vec<f64>>) -> PerChannel<f64> {
 /// metre a step, in pieces of five. Then a piece that does not meet the next, and a jump, each by hand.
 #[test]
 fn exact_a_flight_leaves_nothing() {
-    let plant = erring();
+    let plant = struck();
     let flight = flown(&plant, 0);
     let record = flight.record(&plant, &Shown::default());
     let mut run = PreparedRun::new("flown", &record, &plant).expect("it can be integrated");
@@ -174,7 +183,7 @@ fn exact_a_flight_leaves_nothing() {
 /// (rates of 20 rad/s² times (5 ms)³) and of the record's ends, where a delay leaves it.
 #[test]
 fn exact_errors_of_the_instruments_leave_nothing() {
-    let plant = erring();
+    let plant = struck();
     let flight = flown(&plant, 3);
     let step_s = 1.0 / (RATE_HZ * FINE as f64);
     let all = || Shown {
@@ -194,9 +203,12 @@ fn exact_errors_of_the_instruments_leave_nothing() {
         Shown { lever_m: [0.05, 0.03, -0.02], ..Shown::default() },
         all(),
     ] {
-        let record = flight.record(&plant, &shown);
+        let mut record = flight.record(&plant, &shown);
+        // A bias beside them.
+        record.attitude_rad[1].iter_mut().for_each(|ry| *ry += 0.012);
         let run = PreparedRun::new("flown", &record, &plant).expect("it can be integrated");
         let mut c = held(&plant);
+        c.biases[4] = 0.012;
         let ([mx, my, mz], [lx, ly, lz]) = (shown.misalignment_rad, shown.lever_m);
         let delays = [shown.wind_late, shown.angles_late].map(|n| n as f64 * step_s);
         c.errors =
@@ -361,6 +373,8 @@ fn exact_elimination_is_dense_least_squares() {
             let expected = a * &u + b;
             // Of the largest: one step brings speeds by some 0.1 m/s.
             assert!((z - &expected).amax() < 1e-2 * (1.0 + expected.amax()), "case {n}: {z} {expected}");
+            // Jumps of some 1e-3, through slopes that are polynomials.
+            assert!((z[NODE - 1] - expected[NODE - 1]).abs() < 1e-5, "case {n}: {z} {expected}");
         }
         let next = nominal.moved(&step, 0.5);
         assert!((next.nodes[2][7] - (nominal.nodes[2][7] + 0.5 * step.nodes[2][7])).abs() < 1e-15);
@@ -389,4 +403,89 @@ fn exact_elimination_is_dense_least_squares() {
             }
         }
     }
+}
+
+/// Slopes of the tunnel speed as it is shown, `S (v + t v' + t²/2 v'')` at the time t from the node to the instant whose speed the
+/// record shows with this sample: whole samples of a delay are in the record's index.
+#[test]
+fn exact_slopes_of_a_late_wind() {
+    let plant = erring();
+    let record = flown(&plant, 0).record(&plant, &Shown::default());
+    let run = PreparedRun::new("flown", &record, &plant).expect("it can be integrated");
+    let mut c = held(&plant);
+    let mut values = [0.0; ERRORS];
+    // A delay of 2.3 samples: two in the index.
+    (values[0], values[1]) = (-0.05, 0.023);
+    c.errors = Some(Errors { values, columns: [None; ERRORS] });
+    let mut work = Transition::default();
+    let (x, s) = split(&run.smoothed.nodes[1]);
+    assert!(run.segment(1, &c).differentiate(x, &s, &mut work));
+    for i in [1, 4] {
+        let outputs = run.outputs(run.piece + i, &work.states[i - 1], run.speed(i, &s), &c);
+        let mut out = [7.0; NODE];
+        run.slopes(i, RunChannel::Wind.at(), &outputs, &c, &work, &mut out);
+        let (scale, t) = (1.0 + 0.02 - 0.05, 0.01 * (i as f64 + 2.0) - 0.023);
+        for (j, found) in out.into_iter().enumerate() {
+            let expected = if j < STATES { 0.0 } else { [scale, scale * t, scale * 0.5 * t * t][j - STATES] };
+            assert!((found - expected).abs() < 1e-15, "{i} {j}: {found} {expected}");
+        }
+    }
+}
+
+/// Nodes of a record without noise are the flight's own (a spline through the samples: derivatives to 3e-7 at its ends, measured),
+/// the second derivative of tunnel speed among them; its jump over five samples of 10 ms is that of Brownian motion. Both in units
+/// of the true speed, of which the record shows 1.02.
+#[test]
+fn exact_runs_made_ready() {
+    let plant = erring();
+    let flight = flown(&plant, 0);
+    let mut record = flight.record(&plant, &Shown::default());
+    let run = PreparedRun::new("flown", &record, &plant).expect("it can be integrated");
+    for (node, expected) in run.smoothed.nodes.iter().zip((0..).step_by(5).map(|i| flight.node(i))) {
+        assert!(node.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{node:?} {expected:?}");
+    }
+    record
+        .vw_m_s
+        .iter_mut()
+        .enumerate()
+        .for_each(|(i, v)| *v += 0.01 * ((3 * i * i) as f64).sin() + 0.02 * (0.9 * i as f64).cos());
+    let run = PreparedRun::new("flown", &record, &plant).expect("it can be integrated");
+    let root = liveliness(&record.vw_m_s, 0.01).intensity.sqrt() / 1.02;
+    assert!(root > 1.0 && (run.jerk_root / root - 1.0).abs() < 1e-9, "{} {root}", run.jerk_root);
+    assert!((run.jump_std / (root * 0.05_f64.sqrt()) - 1.0).abs() < 1e-9, "{} {root}", run.jump_std);
+}
+
+/// A run still to be flown has a node at every sample: a flight of the equations leaves nothing there either, and a step's jump is
+/// that of Brownian motion.
+#[test]
+fn exact_a_planned_run_is_flown_sample_by_sample() {
+    let plant = struck();
+    let flight = flown(&plant, 0);
+    let record = flight.record(&plant, &Shown::default());
+    let run = PreparedRun::planned(&record, &plant, flight.node(0), 0.7, [1e-3; CHANNELS]).expect("it can be integrated");
+    let nominal = flight.nominal(&run);
+    assert_eq!((nominal.nodes.len(), run.smoothed.nodes.as_slice()), (SAMPLES, &nominal.nodes[..1]));
+    let misfit = run.misfit(&nominal, &held(&plant), &mut Transition::default()).expect("flies");
+    // Errors of a step as above.
+    assert!(sizes(&misfit.residuals).iter().all(|r| *r < 1e-12) && misfit.gaps < 0.1, "{misfit:?}");
+    // 0.7 m/s³ in the square root of a second, over 10 ms.
+    assert!((run.jump_std - 0.07).abs() < 1e-15);
+}
+
+/// Nobody flies on from the last sample: whether that could be done does not matter (past a nose that points across, it cannot).
+#[test]
+fn law_a_flight_ends_at_the_last_sample() {
+    let plant = erring();
+    let flight = flown(&plant, 0);
+    let mut record = flight.record(&plant, &Shown::default());
+    let keep = SAMPLES - 1;
+    let series = record.position_m.iter_mut().chain(&mut record.attitude_rad);
+    series.chain([&mut record.t_s, &mut record.vw_m_s, &mut record.ps_pa, &mut record.ts_k]).for_each(|x| x.truncate(keep));
+    let run = PreparedRun::new("flown", &record, &plant).expect("it can be integrated");
+    let (mut nominal, c, mut work) = (flight.nominal(&run), held(&plant), Transition::default());
+    assert_eq!(run.span(5), (25, 1));
+    nominal.nodes[5][4] = 1.6;
+    assert!(run.misfit(&nominal, &c, &mut work).is_some());
+    nominal.nodes[4][4] = 1.6;
+    assert!(run.misfit(&nominal, &c, &mut work).is_none());
 }
