@@ -132,7 +132,7 @@ mod tests {
         }
     }
 
-    /// A column that stands almost along the first row, either way: nothing cancels, so its products with the others keep their digits.
+    /// A column almost along the first row, either way: nothing cancels, so its products with the others keep their digits.
     #[test]
     fn exact_column_along_the_first_row_keeps_its_digits() {
         for first in [1.7, -1.7] {

@@ -98,8 +98,8 @@ fn by_channel(rows: &[WideRow]) -> PerChannel<Vec<f64>> {
     series
 }
 
-/// Number of intervals for a knot interval in samples: at least one, and two samples to each, so that the shortest run that is smoothed
-/// has more samples than coefficients.
+/// Number of intervals for a knot interval in samples: at least one, and two samples to each, so that the shortest run that is
+/// smoothed has more samples than coefficients.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small positive number")]
 fn intervals_of(samples: f64, n: usize) -> usize {
     let last = (n - 1) as f64;

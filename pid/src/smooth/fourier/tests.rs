@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Standard deviation about the mean as Welford (1962) adds it up; the same to the last digits about a mean that squares would drown in.
+/// Standard deviation about the mean as Welford (1962) adds it up; the same about a mean that squares would drown in.
 #[test]
 fn exact_noise_is_the_standard_deviation_about_the_mean() {
     let raw = [3.75, -1.25, 5.875, 0.5, 2.75];
@@ -15,6 +15,6 @@ fn exact_noise_is_the_standard_deviation_about_the_mean() {
     }
     let std = (square / 4.0_f64).sqrt();
     assert!((noise(&raw, &smoothed) - std).abs() < 1e-14);
-    // Eighths beside 2²⁷ are exact; their mean, 3.275 more, is not, and 2²⁸ times what it is off shows wherever squares do not drop out.
+    // Eighths beside 2²⁷ are exact, their mean, 3.275 more, is not: what it is off by counts 2²⁸ times unless it is squared.
     assert!((noise(&raw.map(|a| a + f64::from(1 << 27)), &smoothed) - std).abs() < 1e-12);
 }

@@ -3,7 +3,7 @@
 use super::*;
 use nalgebra::DVector;
 
-/// Weights of value, rate and second derivative (per sample) at a place among m samples: by powers of the distance and a pseudo-inverse.
+/// Weights of value, rate and second derivative (per sample) at a place among m samples: powers of the distance, pseudo-inverse.
 fn dense(m: usize, place: f64, degree: usize) -> [DVector<f64>; 3] {
     let powers = DMatrix::from_fn(m, degree + 1, |i, j| (i as f64 - place).powi(i32::try_from(j).expect("small")));
     let inverse = powers.pseudo_inverse(1e-14).expect("a small number");

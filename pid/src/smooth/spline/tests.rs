@@ -91,7 +91,7 @@ fn exact_fit_is_the_least_squares_spline_in_truncated_powers() {
     }
 }
 
-/// Normal equations square the condition number: one solution leaves 3e-13 here, the second nothing but round-off of 700 values below 8.
+/// Normal equations square the condition number: one solution leaves 3e-13, the second the round-off of 700 values below 8.
 #[test]
 fn exact_second_solution_restores_the_digits() {
     let n = 101;
@@ -174,8 +174,8 @@ fn exact_residual_keeps_seven_digits_however_small() {
     }
 }
 
-/// Standard deviations of second derivatives by reflections: `R⁻ᵀ` times their row. Seventeen samples are four intervals, after which places
-/// repeat: their mean in the middle of a run is that of every four intervals, as far as the ends do not reach.
+/// Standard deviations of second derivatives by reflections: `R⁻ᵀ` times their row. Seventeen samples are four intervals, after which
+/// places repeat: their mean in the middle of a run is that of every four intervals, as far as the ends do not reach.
 #[test]
 fn exact_weights_are_ratios_of_standard_deviations() {
     let n = 341;
