@@ -92,7 +92,18 @@ fn exact_missing_rank_names_a_column_that_is_part_of_it() {
     zero.iter_mut().for_each(|s| s.regressors[1].fill(0.0));
     assert_eq!(ols(&zero), Ok(RegressionOutcome::Deficient { column: 1, rank: 2 }));
     let few = RegressionSeries { regressors: vec![vec![1.0], vec![2.0]], response: vec![1.0], ..RegressionSeries::default() };
-    assert!(matches!(ols(&[few]), Err(PidError::TooFewSamples { samples: 1, .. })));
+    assert!(matches!(ols(&[few]), Err(PidError::TooFewSamples { samples: 1, needed: 3, .. })));
+}
+
+/// Two unit columns at a small angle have singular values of ratio tan(angle/2): of 1e-10 as the documents say, and no other.
+#[test]
+fn exact_rank_counts_singular_values_against_the_largest() {
+    let outcome = |angle: f64| {
+        let regressors = vec![vec![0.5; 4], [1.0, -1.0, 1.0, -1.0].map(|side| 0.5 + angle * 0.5 * side).to_vec()];
+        ols(&[RegressionSeries { regressors, response: vec![0.3, 1.7, -0.4, 0.9], ..RegressionSeries::default() }])
+    };
+    assert!(matches!(outcome(1.9e-10), Ok(RegressionOutcome::Deficient { rank: 1, .. })));
+    assert!(matches!(outcome(2.1e-10), Ok(RegressionOutcome::Fit(_))));
 }
 
 /// Slow regressor, residuals first-order autoregressive with coefficient 0.9: what smoothing does to noise.
@@ -164,21 +175,26 @@ fn exact_weighting_by_spectrum_keeps_exact_data_exact() {
     }
 }
 
-/// The double sum of Morelli and Klein and Parzen's window as they are written, for two weighted series.
+/// The double sum of Morelli and Klein and Parzen's window as they are written, for two weighted series; lags end with the series.
 #[test]
 fn exact_coloured_covariance_is_the_double_sum_over_lags() {
-    const LAGS: usize = 9;
+    double_sum(9, 9);
+    double_sum(1000, 39);
+}
+
+fn double_sum(declared: usize, lags: usize) {
     let mut series = example();
     for s in &mut series {
-        s.residuals = Colour::Corrected(LAGS);
+        s.residuals = Colour::Corrected(declared);
     }
     let fit = solved(&series);
     let parzen = |x: f64| if x <= 0.5 { 1.0 - 6.0 * x.powi(2) + 6.0 * x.powi(3) } else { 2.0 * (1.0 - x).powi(3) };
     let (mut normal, mut meat, mut freedom) = (DMatrix::zeros(3, 3), DMatrix::zeros(3, 3), -3.0);
     for (s, e) in series.iter().zip(&fit.residuals) {
         let x = DMatrix::from_fn(40, 3, |i, j| s.weight[i] * s.regressors[j][i]);
-        let r: Vec<f64> =
-            (0..=LAGS).map(|k| parzen(k as f64 / 10.0) * (0..40 - k).map(|i| e[i] * e[i + k]).sum::<f64>() / 40.0).collect();
+        let r: Vec<f64> = (0..=lags)
+            .map(|k| parzen(k as f64 / (lags + 1) as f64) * (0..40 - k).map(|i| e[i] * e[i + k]).sum::<f64>() / 40.0)
+            .collect();
         let coloured = DMatrix::from_fn(40, 40, |i: usize, j: usize| r.get(i.abs_diff(j)).copied().unwrap_or(0.0));
         normal += x.transpose() * &x;
         meat += x.transpose() * coloured * &x;
@@ -187,7 +203,7 @@ fn exact_coloured_covariance_is_the_double_sum_over_lags() {
     let bread = normal.try_inverse().expect("three independent columns");
     let expected = &bread * meat * &bread;
     // Round-off of transforms over 50 numbers and of the normal equations, relative to the largest element.
-    assert!((&fit.covariance - &expected).amax() < 1e-10 * expected.amax(), "{} {expected}", fit.covariance);
+    assert!((&fit.covariance - &expected).norm() < 1e-10 * expected.norm(), "{} {expected}", fit.covariance);
     assert!((fit.freedom - freedom).abs() < 1e-9, "{} {freedom}", fit.freedom);
     // Singular values of the columns at unit length.
     let x = DMatrix::from_fn(80, 3, |i, j| series[i / 40].weight[i % 40] * series[i / 40].regressors[j][i % 40]);

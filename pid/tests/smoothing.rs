@@ -46,7 +46,9 @@ fn errors(s: &Smoothed, f: impl Fn(f64) -> [f64; 3]) -> [f64; 3] {
         for (i, t) in s.t_s.iter().enumerate() {
             let truth = f(*t);
             for (k, found) in [c.value[i], c.rate[i], c.second[i]].into_iter().enumerate() {
-                worst[k] = worst[k].max((found - truth[k]).abs());
+                let error = (found - truth[k]).abs();
+                assert!(error.is_finite());
+                worst[k] = worst[k].max(error);
             }
         }
     }

@@ -73,3 +73,6 @@ pub(super) fn ljung_box(residuals: &[Vec<f64>]) -> f64 {
     }
     ChiSquared::new(freedom).map_or(1.0, |c| c.sf(q))
 }
+
+#[cfg(test)]
+mod tests;

@@ -126,9 +126,23 @@ mod tests {
             let b = t.inverse().expect("full rank") * &t.z;
             let x = DMatrix::from_fn(rows, 5, |i, j| all[j][i]);
             let left = DVector::from_column_slice(&all[5]) - &x * b;
-            assert!((x.transpose() * left).amax() < 1e-12 * rows as f64, "{rows} rows");
+            assert!((x.transpose() * left).norm() < 1e-12 * rows as f64, "{rows} rows");
             let unit = DMatrix::from_fn(rows, 5, |i, j| all[j][i] / t.scale[j]);
-            assert!((t.r.transpose() * &t.r - unit.transpose() * &unit).amax() < 1e-13, "{rows} rows");
+            assert!((t.r.transpose() * &t.r - unit.transpose() * &unit).norm() < 1e-13, "{rows} rows");
+        }
+    }
+
+    /// A column almost along the first row, either way: nothing cancels, so its products with the others keep their digits.
+    #[test]
+    fn exact_column_along_the_first_row_keeps_its_digits() {
+        for first in [1.7, -1.7] {
+            let all = vec![vec![first, 1.1e-6, -0.7e-6, 0.4e-6], vec![0.3, -0.8, 0.6, 1.9], vec![0.2, 0.5, -1.4, 0.9]];
+            let t = Triangle::of(all.clone());
+            let unit = DMatrix::from_fn(4, 2, |i, j| all[j][i] / t.scale[j]);
+            assert!((t.r.transpose() * &t.r - unit.transpose() * unit).norm() < 1e-15);
+            let left = DVector::from_column_slice(&all[2])
+                - DMatrix::from_fn(4, 2, |i, j| all[j][i]) * (t.inverse().expect("full rank") * &t.z);
+            assert!((0..2).all(|j| left.dot(&DVector::from_column_slice(&all[j])).abs() < 1e-14));
         }
     }
 

@@ -150,10 +150,9 @@ fn freed(s: &Cosines, columns: &[usize], estimate: &[f64], bread: &DMatrix<f64>,
 
 /// Moving average of squares, one-sided at the ends. Its floor is rounding: 1e-14 of the mean.
 fn spectrum(e: &[f64]) -> Vec<f64> {
-    let mut sum = Vec::with_capacity(e.len() + 1);
-    sum.push(0.0);
-    for v in e {
-        sum.push(sum[sum.len() - 1] + v * v);
+    let mut sum = vec![0.0; e.len() + 1];
+    for (k, v) in e.iter().enumerate() {
+        sum[k + 1] = sum[k] + v * v;
     }
     let floor = (1.0e-14 * sum[e.len()] / e.len() as f64).max(f64::MIN_POSITIVE);
     let average = |k: usize| {
@@ -182,3 +181,6 @@ fn solve(series: &[&Cosines], spectra: &[Vec<f64>], columns: &[usize]) -> Option
     let unscaled = triangle.inverse()?;
     Some(((&unscaled * &triangle.z).as_slice().to_vec(), &unscaled * unscaled.transpose()))
 }
+
+#[cfg(test)]
+mod tests;

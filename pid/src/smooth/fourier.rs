@@ -123,3 +123,6 @@ fn cutoff_hz(b: &[f64], dt: f64) -> f64 {
     });
     sunk.unwrap_or(half) as f64 * per_k
 }
+
+#[cfg(test)]
+mod tests;

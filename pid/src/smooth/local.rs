@@ -96,3 +96,6 @@ fn chebyshev(x: f64, degree: usize) -> Vec<[f64; 3]> {
     }
     t
 }
+
+#[cfg(test)]
+mod tests;

@@ -39,11 +39,7 @@ pub(super) fn smooth(raw: PerChannel<&[f64]>, dt: f64, knot_s: Option<f64>) -> R
         None => choose(&samples, dt),
     };
     let grid = Grid::shared(intervals, n);
-    let factor = grid.factor.as_ref().ok_or(PidError::TooFewSamples {
-        what: "spline through a run".to_owned(),
-        samples: n,
-        needed: intervals + ORDER,
-    })?;
+    let factor = grid.factor()?;
     let (orders, rss) = Arch::new().dispatch(Smoothing { grid: &grid, factor, samples: &samples, dt });
     let [values, rates, seconds] = orders.map(|rows| by_channel(&rows));
     let mut channels: PerChannel<Signal> = Default::default();
@@ -102,11 +98,12 @@ fn by_channel(rows: &[WideRow]) -> PerChannel<Vec<f64>> {
     series
 }
 
-/// Number of intervals for a knot interval in samples: at least one, and more samples than coefficients.
+/// Number of intervals for a knot interval in samples: at least one, and two samples to each, so that the shortest run that is
+/// smoothed has more samples than coefficients.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small positive number")]
 fn intervals_of(samples: f64, n: usize) -> usize {
     let last = (n - 1) as f64;
-    ((last / samples).round() as usize).clamp(1, (n - ORDER).min(((n - 1) / 2).max(1)))
+    ((last / samples).round() as usize).clamp(1, (n - 1) / 2)
 }
 
 /// Number of intervals: cross-validation, then undersmoothing.
@@ -126,9 +123,7 @@ fn cross_validate(samples: &[WideRow], dt: f64) -> usize {
         let grid = Grid::shared(intervals_of(knot, n), n);
         if let Some(rss) = Arch::new().dispatch(Trial { grid: &grid, samples, size2 }) {
             let left = 1.0 - grid.knots.count() as f64 / n as f64;
-            // A channel that is fitted to rounding error says nothing more.
-            let score: f64 =
-                rss.iter().zip(size2).filter(|(_, s)| *s > 0.0).map(|(r, s)| (r.max(1.0e-28 * s) / (left * left)).ln()).sum();
+            let score = log_gcv(rss, size2, left);
             if score < best.0 {
                 best = (score, grid.knots.intervals);
             }
@@ -136,6 +131,12 @@ fn cross_validate(samples: &[WideRow], dt: f64) -> usize {
         knot *= RATIO;
     }
     best.1
+}
+
+/// Of what is left of sums of squares, and the share of the samples that the coefficients leave; n is no matter.
+fn log_gcv(rss: WideRow, size2: WideRow, left: f64) -> f64 {
+    // A channel that is fitted to rounding error says nothing more.
+    rss.iter().zip(size2).filter(|(_, s)| *s > 0.0).map(|(r, s)| (r.max(1.0e-28 * s) / (left * left)).ln()).sum()
 }
 
 fn sum_of_squares(samples: &[WideRow]) -> WideRow {
@@ -178,7 +179,7 @@ impl Grid {
         let (slopes, weights) = (OnceLock::new(), OnceLock::new());
         let mut grid = Self { knots, per_sample, n, starts: Vec::new(), values: Vec::new(), factor: None, slopes, weights };
         let mut gram = Banded::zeros(knots.count());
-        let mut starts = Vec::with_capacity(intervals + 1);
+        let mut starts = Vec::new();
         grid.values = (0..n)
             .map(|i| {
                 let (first, x) = grid.place(i);
@@ -192,6 +193,13 @@ impl Grid {
         grid.starts = starts;
         grid.factor = gram.factor();
         grid
+    }
+    fn factor(&self) -> Result<&BandedFactor, PidError> {
+        self.factor.as_ref().ok_or_else(|| PidError::TooFewSamples {
+            what: "spline through a run".to_owned(),
+            samples: self.n,
+            needed: self.knots.count() + 1,
+        })
     }
     fn samples_per_interval(&self) -> f64 {
         1.0 / self.per_sample
@@ -317,7 +325,7 @@ impl Grid {
     fn second_deviation(&self, factor: &BandedFactor, i: usize) -> f64 {
         let (first, x) = self.place(i);
         let second = self.knots.slopes(first, x)[1];
-        // The forward solution fades geometrically: 6 orders past the last value it is below rounding of the sum.
+        // The forward solution fades geometrically: 42 coefficients past the last value the rest is below 1e-12 of the sum.
         let to = (first + ORDER + 6 * DEGREE).min(self.knots.count());
         let mut z = vec![0.0; to];
         for (z, b) in z[first..].iter_mut().zip(second) {
@@ -342,26 +350,4 @@ fn plus_square<S: Simd>(simd: S, sum: S::f64s, x: S::f64s) -> S::f64s {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::{Grid, Smoothing, Trial, WideRow, sum_of_squares};
-    use pulp::{Arch, Scalar, WithSimd};
-
-    /// On the widest unit and on none at all.
-    #[test]
-    fn exact_bits_on_every_unit() {
-        let sample = |i: usize| -> WideRow {
-            std::array::from_fn(|k| (0.01 * (1 + k * i) as f64).sin() + (17.3 * (i * i + k) as f64).sin() * 1e-3)
-        };
-        let samples: Vec<WideRow> = (0..400).map(sample).collect();
-        let size2 = sum_of_squares(&samples);
-        let grid = Grid::new(40, samples.len());
-        let factor = grid.factor.as_ref().expect("more samples than coefficients");
-        let smoothing = || Smoothing { grid: &grid, factor, samples: &samples, dt: 0.01 };
-        let trial = |scale: f64| Trial { grid: &grid, samples: &samples, size2: size2.map(|s| s * scale) };
-        assert_eq!(Arch::new().dispatch(smoothing()), smoothing().with_simd(Scalar::new()));
-        // The larger sum makes the residual be taken sample by sample.
-        for scale in [1.0, 1e-9] {
-            assert_eq!(Arch::new().dispatch(trial(scale)), trial(scale).with_simd(Scalar::new()));
-        }
-    }
-}
+mod tests;
