@@ -158,11 +158,13 @@ fn filled(record: &Record, channel: usize) -> (Vec<f64>, f64) {
         each.iter().sum::<f64>() / each.len().max(1) as f64
     };
     let measured = fourth(&series, false);
-    // A bridge has about half the variance of its ends. Any sequence without memory will do: an additive recurrence.
-    let (std, mut phase) = (measured.sqrt(), 0.5);
+    // A bridge has about half the variance of its ends, and the sequence without memory has the other half: phases that grow with the square
+    // of the place are spread evenly and without correlation (Weyl 1916), of each channel by another number.
+    let (std, mut phase, mut turn) = (measured.sqrt(), 0.0, 0.5);
     for (x, _) in series.iter_mut().zip(&record.bridged).filter(|(_, b)| **b) {
-        phase = (phase + 0.754_877_666_246_692_7_f64 * (1.0 + channel as f64)) % 1.0;
-        *x += std * (std::f64::consts::TAU * phase * 37.0).cos();
+        *x += std * (std::f64::consts::TAU * phase).cos();
+        turn = (turn + 0.754_877_666_246_692_7_f64 * (1.0 + channel as f64)) % 1.0;
+        phase = (phase + turn) % 1.0;
     }
     let ratio = measured / fourth(&series, true).max(1e-300);
     (series, ratio)
