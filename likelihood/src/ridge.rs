@@ -62,7 +62,7 @@ impl Engine {
         }
         let added = |(id, crest): (Id, Crest)| {
             let (step, std) = step(&fit, id)?;
-            (crest.std > std).then(|| step * ((crest.std / std).powi(2) - 1.0).sqrt())
+            beyond(step, std, crest.std)
         };
         let added = crests.into_iter().filter_map(added).collect();
         (fit, added)
@@ -122,6 +122,11 @@ fn step(fit: &Fit, strength: Id) -> Option<(DVector<f64>, f64)> {
     let at = fit.numbers.iter().position(|n| n.id == strength)?;
     let std = fit.covariance[(at, at)].sqrt();
     (std > 0.0).then(|| (fit.covariance.column(at) / std, std))
+}
+
+/// What a ridge of that reach adds to a covariance, times its transpose: the strength's standard deviation becomes the reach where that is more.
+fn beyond(step: DVector<f64>, std: f64, reach: f64) -> Option<DVector<f64>> {
+    (reach > std).then(|| step * ((reach / std).powi(2) - 1.0).sqrt())
 }
 
 /// A model some steps further, numbers within their ranges.

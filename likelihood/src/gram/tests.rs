@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// Two numbers that stand for each other, the first at its low end and driven out: the second goes to its own top, and not by the step of both,
-/// which leads downhill.
+/// Two numbers that stand for each other, the first at its low end and driven out: the second goes to its own top, and not by the
+/// step of both, which leads downhill.
 #[test]
 fn exact_a_number_at_its_end_stays() {
     let a = DMatrix::from_row_slice(2, 2, &[1.0, 0.9, 0.9, 1.0]);
@@ -30,8 +30,8 @@ fn gram() -> Gram {
     Gram::new(numbers, g, DVector::from_vec(vec![1.1, -0.8, 2.3]), 4.2)
 }
 
-/// `∫ exp(L) N(θ; 0, S²) dθ` over the numbers at `places`, all others null, with mean and second moments: sums over a grid, which of Gaussians are exact
-/// once a step is shorter than the narrowest standard deviation.
+/// `∫ exp(L) N(θ; 0, S²) dθ` over the numbers at `places`, all others null, with mean and second moments: sums over a grid, which
+/// of Gaussians are exact once a step is shorter than the narrowest standard deviation.
 fn integrals(gram: &Gram, places: &[usize], likelihood: impl Fn(&[f64; 3]) -> f64) -> (f64, DVector<f64>, DMatrix<f64>) {
     const HALF: i32 = 25;
     const STEP: f64 = 0.22;
@@ -65,8 +65,8 @@ fn integrals(gram: &Gram, places: &[usize], likelihood: impl Fn(&[f64; 3]) -> f6
     (sum.ln() + STEP.ln() * places.iter().map(|_| 1.0).sum::<f64>(), mean, covariance)
 }
 
-/// What a set is worth, its means and covariance, the value and step of Laplace's approximation (of a parabola exact), and what is left beside numbers that
-/// are always in: all by integrals over a grid.
+/// What a set is worth, its means and covariance, the value and step of Laplace's approximation (of a parabola exact), and what is
+/// left beside numbers that are always in: all by integrals over a grid.
 #[test]
 fn exact_integrals_over_numbers() {
     let gram = gram();

@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// The form's own variance is what was asked for, at every length, the lag takes some of it, and its covariance stays what it is from step to step.
+/// The form's own variance is what was asked for, at every length, the lag takes some of it, and its covariance stays what it is
+/// from step to step.
 #[test]
 fn exact_stationary_covariance() {
     for time_s in [0.01, 0.08, 0.5] {
@@ -62,8 +63,9 @@ fn exact_von_karman() {
     }
 }
 
-/// A band's variance is what was asked for, its output's rate has no white noise in it, and its density is the filter's: with gentle edges
-/// the model's own, with steep ones σ²/(1 + ε² T₃²) over the same with one, T₃ Chebyshev's polynomial of `(ω/ω₀ - ω₀/ω)/b`.
+/// A band's variance is what was asked for, its output's rate has no white noise in it, and its density is the filter's: with
+/// gentle edges the model's own, with steep ones σ²/(1 + ε² T₃²) over the same with one, T₃ Chebyshev's polynomial of `(ω/ω₀ -
+/// ω₀/ω)/b`.
 #[test]
 fn exact_band() {
     let (centre_rad_s, bandwidth_rad_s) = (12.0, 16.0);
@@ -136,7 +138,8 @@ fn shapes() -> [(Shape, Spectra, usize); 7] {
     ]
 }
 
-/// Of every shape the states beyond its order decay by themselves, undriven, and the others keep their covariance from step to step.
+/// Of every shape the states beyond its order decay by themselves, undriven, and the others keep their covariance from step to
+/// step.
 #[test]
 fn law_states_without_a_use_decay() {
     for (shape, spectra, order) in shapes() {
@@ -154,8 +157,8 @@ fn law_states_without_a_use_decay() {
     }
 }
 
-/// An oscillator in white noise: place and rate are uncorrelated, the rate's variance is the place's times the frequency's square (Gelb 1974, §4.3),
-/// and a step is the decaying oscillation of textbooks.
+/// An oscillator in white noise: place and rate are uncorrelated, the rate's variance is the place's times the frequency's square
+/// (Gelb 1974, §4.3), and a step is the decaying oscillation of textbooks.
 #[test]
 fn exact_oscillator() {
     let (w, d, h, rms) = (9.0_f64, 2.5_f64, 0.02_f64, 0.3_f64);
@@ -171,8 +174,8 @@ fn exact_oscillator() {
     }
 }
 
-/// A form of gusts behind its lag: by the response to a sine, numerator over denominator of the form times 1/(1 + jω lag), the lag a tenth of the
-/// gust's own time within 2 to 20 ms; before the lag the form is what the lag follows.
+/// A form of gusts behind its lag: by the response to a sine, numerator over denominator of the form times 1/(1 + jω lag), the lag
+/// a tenth of the gust's own time within 2 to 20 ms; before the lag the form is what the lag follows.
 #[test]
 fn exact_form_behind_a_lag() {
     type C = nalgebra::Complex<f64>;

@@ -1,11 +1,12 @@
-//! likelihood tests: scores and steps of random members' numbers against dense algebra, brute-force integrals and passes of their own.
+//! likelihood tests: scores and steps of random members' numbers against dense algebra, brute-force integrals and passes of their
+//! own.
 
 use super::*;
 use crate::flown::flown;
 use windfall_model::Constant;
 
-/// SAGE in gusts along and across the stream, one of its declared parameters the only number beside their sizes and lengths: a constant of that standard
-/// deviation, declared too large by as much as is given. The model has the gusts that are given.
+/// SAGE in gusts along and across the stream, one of its declared parameters the only number beside their sizes and lengths: a
+/// constant of that standard deviation, declared too large by as much as is given. The model has the gusts that are given.
 pub(crate) fn gusty(values: &[f64], (off, std): (f64, f64)) -> (Engine, Model) {
     let (mut engine, mut model) = flown(1.2, "turbulence", &[0.3, 0.25, 0.3, 0.4, 0.0]);
     engine.campaign.declared.fill(false);
@@ -16,7 +17,8 @@ pub(crate) fn gusty(values: &[f64], (off, std): (f64, f64)) -> (Engine, Model) {
     (engine, model)
 }
 
-/// Slopes of normal innovations by two numbers, against derivatives by hand: an innovation `ν` of variance `v` moves by `dν` and by `v dl`.
+/// Slopes of normal innovations by two numbers, against derivatives by hand: an innovation `ν` of variance `v` moves by `dν` and by
+/// `v dl`.
 #[test]
 fn exact_slopes_of_innovations() {
     let (v, nu) = ([[0.4, 0.0, 2.3], [1.7, 0.9, 0.3]], [[0.7, 0.0, -1.1], [0.2, -0.6, 0.8]]);
@@ -46,7 +48,8 @@ fn exact_slopes_of_innovations() {
     assert!((found.likelihood[0] - 0.7).abs() < 1e-12 && (found.likelihood[1] + 1.9).abs() < 1e-12);
 }
 
-/// Expected information is the mean product of scores: of independent normal numbers, by a sum over a grid of each, which for a Gaussian is exact.
+/// Expected information is the mean product of scores: of independent normal numbers, by a sum over a grid of each, which for a
+/// Gaussian is exact.
 #[test]
 fn exact_information_is_the_mean_product_of_scores() {
     let of = |innovations: [f64; 2], variances: [f64; 2]| Slopes {
@@ -66,8 +69,8 @@ fn exact_information_is_the_mean_product_of_scores() {
     assert!((one.information(&two) - expected).abs() < 1e-12, "{} {expected}", one.information(&two));
 }
 
-/// A random number's range: of a size five decades below its largest, of a shape three or what is plausible; a step of it for differences leads away from
-/// the upper end.
+/// A random number's range: of a size five decades below its largest, of a shape three or what is plausible; a step of it for
+/// differences leads away from the upper end.
 #[test]
 fn exact_ranges_of_logarithms() {
     let (_, mut model) = gusty(&[0.3, 0.25, 0.3, 0.4, 0.0], (0.0, 1.0));
@@ -88,8 +91,8 @@ fn exact_ranges_of_logarithms() {
     }
 }
 
-/// The price of random numbers is half the logarithm of the determinant of `I + 9 M`, by eigenvalues of the information M, and that of bursts where
-/// gusts act; none without such numbers.
+/// The price of random numbers is half the logarithm of the determinant of `I + 9 M`, by eigenvalues of the information M, and that
+/// of bursts where gusts act; none without such numbers.
 #[test]
 fn exact_price_of_random_numbers() {
     let (mut engine, model) = gusty(&[0.3, 0.25, 0.3, 0.4, 0.0], (0.0, 1.0));
@@ -101,8 +104,8 @@ fn exact_price_of_random_numbers() {
     assert!(engine.random_price(&Model { members: Vec::new(), ..model }).abs() < 1e-300);
 }
 
-/// Slopes by random numbers, and what they and a number tell of each other: against passes with each moved, to a hundredth of their standard deviation and,
-/// as the filter's gain is held in a number's column, a tenth of the largest that it may be.
+/// Slopes by random numbers, and what they and a number tell of each other: against passes with each moved, to a hundredth of their
+/// standard deviation and, as the filter's gain is held in a number's column, a tenth of the largest that it may be.
 #[test]
 fn law_slopes_are_those_of_passes() {
     let (mut engine, model) = gusty(&[0.2, 0.4, 0.5, 0.3, 0.0], (0.05, 0.05));
@@ -154,8 +157,8 @@ fn departure(from: &Model, to: &Model) -> DVector<f64> {
     DVector::from_vec(all)
 }
 
-/// A step of scoring is that of a dense solve, whole near the top (where the prior takes more off than the step gains) and of 1.2 in the logarithm that moves
-/// most where far from it.
+/// A step of scoring is that of a dense solve, whole near the top (where the prior takes more off than the step gains) and of 1.2
+/// in the logarithm that moves most where far from it.
 #[test]
 fn exact_a_step_of_scoring() {
     for (values, constant, is_far) in [([0.25, 0.3, 0.3, 0.35, 0.0], -0.17, false), ([0.02, 0.02, 0.3, 0.35, 0.0], -0.1, true)] {
@@ -182,8 +185,8 @@ fn held(model: &mut Model, above: f64) {
     }
 }
 
-/// No step: where sizes that should grow stand above their ranges, a step takes them down and the likelihood with them, by less than the prior of a number
-/// that stays where it is.
+/// No step: where sizes that should grow stand above their ranges, a step takes them down and the likelihood with them, by less
+/// than the prior of a number that stays where it is.
 #[test]
 fn law_no_step_lowers_the_posterior() {
     let (engine, mut model) = gusty(&[0.1, 0.1, 0.3, 0.4, 0.0], (0.05, 0.05));
@@ -200,8 +203,8 @@ fn law_no_step_lowers_the_posterior() {
     assert!(engine.scored_in(&model, &[]).is_none());
 }
 
-/// A number that its prior draws far past the likelihood's top: the step is cut to 0.35 of itself, as often as passes of their own say that the
-/// log posterior does not rise.
+/// A number that its prior draws far past the likelihood's top: the step is cut to 0.35 of itself, as often as passes of their own
+/// say that the log posterior does not rise.
 #[test]
 fn law_a_step_is_cut_until_the_posterior_rises() {
     let (engine, mut model) = gusty(&[0.3, 0.25, 0.3, 0.4, 0.0], (0.0, 50.0));

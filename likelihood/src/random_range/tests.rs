@@ -13,8 +13,8 @@ fn exact_an_unknown_size_has_its_range() {
     assert!((low / 0.1 - (-0.196_f64).exp()).abs() < 1e-12 && (high / 0.1 - 0.196_f64.exp()).abs() < 1e-12);
 }
 
-/// A model that is as likely as another of the same size leaves the interval, one that is far likelier gives its own, and one far from the
-/// other opens it to both.
+/// A model that is as likely as another of the same size leaves the interval, one that is far likelier gives its own, and one far
+/// from the other opens it to both.
 #[test]
 fn exact_average_over_two_models() {
     let range = |value: f64| RandomRange { place: (0, 0), value, std: 0.1 * value, ci95: log_normal(value, 0.1, [0.0, 10.0]) };
@@ -27,8 +27,8 @@ fn exact_average_over_two_models() {
     assert!((both.std - (0.5 * (0.01 + 0.04 + 1.0_f64)).sqrt()).abs() < 1e-12);
 }
 
-/// A band that is seen whole keeps its interval about the size that blew; of one half of which is not seen the size may be as much larger as
-/// twice that half's is.
+/// A band that is seen whole keeps its interval about the size that blew; of one half of which is not seen the size may be as much
+/// larger as twice that half's is.
 #[test]
 fn exact_size_that_blew() {
     let range = RandomRange { place: (0, 0), value: 0.1, std: 0.005, ci95: log_normal(0.1, 0.05, [0.0, 1.0]) };
@@ -72,7 +72,8 @@ fn law_a_flat_side_is_in_the_interval() {
     assert!(size.ci95[1].ln() > 0.9, "{size:?}");
 }
 
-/// Of gusts half as long as those that were flown damping and stiffness take up a part: the ridge with them is higher than the one on which they stay.
+/// Of gusts half as long as those that were flown damping and stiffness take up a part: the ridge with them is higher than the one
+/// on which they stay.
 #[test]
 fn law_the_ridge_follows_all_other_numbers() {
     let (engine, model) = flown(12.0, "turbulence", &[0.1, 0.1, 0.3, 0.3, 0.0]);
@@ -91,7 +92,8 @@ fn law_the_ridge_follows_all_other_numbers() {
     assert!(followed.declared.iter().zip(&fit.model.declared).any(|(a, b)| (a - b).abs() > 1e-6 * b.abs()));
 }
 
-/// Strengths are estimated within their whole plausible range, ten times as wide as that which sets are weighed with; no other number's prior changes.
+/// Strengths are estimated within their whole plausible range, ten times as wide as that which sets are weighed with; no other
+/// number's prior changes.
 #[test]
 fn exact_priors_of_an_estimate() {
     let (engine, model) = flown(3.0, "loose-mass", &[0.05, 2.0, 0.05, 0.1, 1.0]);
@@ -119,7 +121,8 @@ fn exact_range_in_bursts() {
     assert!((narrow.std - 0.25).abs() < 1e-15 && (narrow.ci95[1] - 0.55).abs() < 1e-15);
 }
 
-/// Of a mean square 1.3 times the expected, of which 0.4 are not seen, those may be four times as much: the size goes with the root of the sum.
+/// Of a mean square 1.3 times the expected, of which 0.4 are not seen, those may be four times as much: the size goes with the root
+/// of the sum.
 #[test]
 fn exact_size_with_a_part_unseen() {
     let range = RandomRange { place: (0, 0), value: 0.1, std: 0.005, ci95: log_normal(0.1, 0.05, [0.0, 1.0]) };
@@ -132,8 +135,9 @@ fn exact_size_with_a_part_unseen() {
     );
 }
 
-/// The intervals of a ridge with few and unequal steps: the fall's root is straight, so that the density is that of the normal logarithm, whose mean
-/// square departure from an estimate is `e^{2m + 2s²} - 2e e^{m + s²/2} + e²` (Johnson, Kotz and Balakrishnan 1994, ch. 14).
+/// The intervals of a ridge with few and unequal steps: the fall's root is straight, so that the density is that of the normal
+/// logarithm, whose mean square departure from an estimate is `e^{2m + 2s²} - 2e e^{m + s²/2} + e²` (Johnson, Kotz and Balakrishnan
+/// 1994, ch. 14).
 #[test]
 fn exact_intervals_of_few_points() {
     let (m, s, estimates) = (0.7_f64, 0.3_f64, [1.5, 0.6]);
@@ -169,8 +173,8 @@ fn exact_partner_of_a_shape() {
     assert_eq!([2, 3].map(|w| partner(&model, &places, &covariance, w)), [Some(0), Some(1)]);
 }
 
-/// Log posterior by a pass of its own with another size of the gusts along the stream, by its logarithm: every number's square in standard deviations of
-/// its prior, halved, off the log-likelihood.
+/// Log posterior by a pass of its own with another size of the gusts along the stream, by its logarithm: every number's square in
+/// standard deviations of its prior, halved, off the log-likelihood.
 fn posterior(engine: &Engine, model: &Model, size: f64) -> f64 {
     let mut model = model.clone();
     model.members[0].values[0] = size.exp();
@@ -181,8 +185,8 @@ fn posterior(engine: &Engine, model: &Model, size: f64) -> f64 {
 /// Places of the length and the size of gusts along the stream.
 const ALONG: [(usize, usize); 2] = [(0, 2), (0, 0)];
 
-/// Across a ridge: the size is where the log posterior of passes of their own is highest, its height is that over how much too steep it is, the spread by the
-/// curvature; the number beside has moved, by less than its prior takes off.
+/// Across a ridge: the size is where the log posterior of passes of their own is highest, its height is that over how much too
+/// steep it is, the spread by the curvature; the number beside has moved, by less than its prior takes off.
 #[test]
 fn law_across_a_ridge() {
     let (engine, mut model) = gusty(&[0.3, 0.25, 0.3, 0.4, 0.0], (0.2, 0.05));
@@ -226,8 +230,8 @@ fn law_no_number_follows_downhill() {
     assert!(kept);
 }
 
-/// Along a ridge from 0.12 m: steps grow by half each to both ends of the range, and at each the size is the likeliest, by a parabola through passes of their
-/// own, where short gusts of the same variance times length stand for each other.
+/// Along a ridge from 0.12 m: steps grow by half each to both ends of the range, and at each the size is the likeliest, by a
+/// parabola through passes of their own, where short gusts of the same variance times length stand for each other.
 #[test]
 fn law_a_walk_over_lengths() {
     let (mut engine, mut model) = gusty(&[0.4, 0.25, 0.12, 0.4, 0.0], (0.0, 1.0));
@@ -246,8 +250,9 @@ fn law_a_walk_over_lengths() {
     }
 }
 
-/// Numbers that are no wide shapes are as well known as their logarithms' covariance says; a wide shape is known by its ridge, walked in steps of its standard
-/// error, with the size following by the regression (from the precision of both), as much less steep as its variance is larger than the model's.
+/// Numbers that are no wide shapes are as well known as their logarithms' covariance says; a wide shape is known by its ridge,
+/// walked in steps of its standard error, with the size following by the regression (from the precision of both), as much less
+/// steep as its variance is larger than the model's.
 #[test]
 fn law_ranges_of_all_numbers() {
     let (mut engine, mut model) = gusty(&[0.3, 0.25, 0.3, 0.4, 0.0], (0.0, 1.0));
@@ -280,8 +285,8 @@ fn law_ranges_of_all_numbers() {
     }
 }
 
-/// Averaged over forms of the spectrum, one that is beyond doubt has it all: the own form's ranges where the fit is far likelier than von Kármán's can be, that
-/// form's, as departures from the fit's values, where far less likely.
+/// Averaged over forms of the spectrum, one that is beyond doubt has it all: the own form's ranges where the fit is far likelier
+/// than von Kármán's can be, that form's, as departures from the fit's values, where far less likely.
 #[test]
 fn law_ranges_of_the_likelier_form() {
     let (mut engine, mut model) = gusty(&[0.3, 0.25, 0.3, 0.4, 0.0], (0.0, 1.0));

@@ -3,7 +3,8 @@
 use super::*;
 use crate::flown::flown;
 
-/// The posterior of a loose mass' size is what its interval says: 1.92 below the top at the farther end of 95 %, all other numbers following.
+/// The posterior of a loose mass' size is what its interval says: 1.92 below the top at the farther end of 95 %, all other numbers
+/// following.
 #[test]
 fn law_a_loose_mass_is_known_as_well_as_said() {
     let (engine, model) = flown(12.0, "loose-mass", &[0.05, 2.0, 0.05, 0.1, 1.0]);
@@ -26,7 +27,8 @@ fn law_a_loose_mass_is_known_as_well_as_said() {
     assert!((least - 1.92).abs() < 0.3, "{fallen:?} at {std} for {own}");
 }
 
-/// Of a parabola: its own top and standard deviation, whichever places of it are known; of one that is steeper below: what it is above.
+/// Of a parabola: its own top and standard deviation, whichever places of it are known; of one that is steeper below: what it is
+/// above.
 #[test]
 fn exact_crest_of_a_parabola() {
     for places in [vec![-1.0, 1.0, 4.0, 9.0], vec![2.5, 3.5, 5.0], vec![-4.0, -2.0, 0.0, 1.0]] {
@@ -73,8 +75,8 @@ fn posterior(engine: &Engine, model: &Model) -> f64 {
     engine.sum(model, &[], &[]).expect("a pass").log_likelihood - squares / 2.0
 }
 
-/// Along a ridge from a fit whose covariance is a quarter of what it should be: heights are log posteriors, steps grow by half each, and the walk ends
-/// where the posterior has fallen by 2.2 standard deviations' worth or the mass' range ends.
+/// Along a ridge from a fit whose covariance is a quarter of what it should be: heights are log posteriors, steps grow by half
+/// each, and the walk ends where the posterior has fallen by 2.2 standard deviations' worth or the mass' range ends.
 #[test]
 fn law_a_walk_along_a_ridge() {
     let (engine, mut fit) = loose();
@@ -91,10 +93,27 @@ fn law_a_walk_along_a_ridge() {
         let sum: f64 = [1.0, 1.5, 2.25, 3.375].iter().take(away).sum();
         assert!(((p.value - places[own].value).abs() - sum * std).abs() < 1e-9, "{i}: {} {sum} {std}", p.value);
         assert!((p.height - posterior(&engine, &p.model)).abs() < 1e-6);
+        assert!((p.model.members[0].values[0] - p.value).abs() < 1e-12);
         let ends = i == 0 || i + 1 == places.len();
         assert!(ends == (highest - p.height > 0.5 * 2.2 * 2.2), "{i} {}", highest - p.height);
     }
     assert!(own > 1 && places.len() > own + 2);
+    // The fit on the crest has the strength there; near the fit's own top it is as likely.
+    let (top, crest) = engine.on_crest(&fit, mass).expect("a crest");
+    assert!((top.model.members[0].values[0] - crest.value).abs() < 1e-9, "{crest:?}");
+    assert!((crest.value - places[own].value).abs() > 1e-6);
+}
+
+/// A ridge of that reach makes the strength's variance its own, and of other numbers the part that follows the strength; a shorter one adds nothing.
+#[test]
+fn exact_what_a_ridge_adds() {
+    let (std, reach) = (0.3_f64, 0.7_f64);
+    let step = DVector::from_vec(vec![-0.2, std, 0.5]);
+    let added = beyond(step.clone(), std, reach).expect("a longer reach");
+    let along = &step * step.transpose() + &added * added.transpose();
+    assert!((along[(1, 1)] - reach * reach).abs() < 1e-15);
+    assert!((along - &step * step.transpose() * (reach / std).powi(2)).amax() < 1e-14);
+    assert!(beyond(step, std, 0.29).is_none());
 }
 
 /// A strength with shapes lies on a ridge from four times the standard error on that it has beside known numbers.
