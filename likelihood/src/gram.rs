@@ -127,19 +127,4 @@ impl Gram {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two numbers that stand for each other, the first at its low end and driven out: the second goes to its own top, and not by the step of both,
-    /// which leads downhill.
-    #[test]
-    fn exact_a_number_at_its_end_stays() {
-        let a = DMatrix::from_row_slice(2, 2, &[1.0, 0.9, 0.9, 1.0]);
-        let r = DVector::from_vec(vec![-1.0, -0.5]);
-        let (both, _) = step_within(a.clone(), r.clone(), |_, _| false).expect("positive definite");
-        assert!(both[0] < 0.0 && both[1] > 0.0);
-        let (step, _) = step_within(a.clone(), r.clone(), |i, by| i == 0 && by < 0.0).expect("positive definite");
-        assert!(step[0].abs() < 1e-15 && (step[1] + 0.5).abs() < 1e-15);
-        assert!(step_within(-a, r, |_, _| false).is_none());
-    }
-}
+mod tests;

@@ -234,3 +234,6 @@ pub(crate) fn log_range(model: &Model, member: usize, i: usize) -> [f64; 2] {
     let low = if p.role == Role::Strength { SMALLEST * p.high } else { p.low.max(SMALLEST_SHAPE * p.high) };
     [low.ln(), p.high.ln()]
 }
+
+#[cfg(test)]
+pub(crate) mod tests;

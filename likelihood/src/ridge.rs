@@ -62,7 +62,7 @@ impl Engine {
         }
         let added = |(id, crest): (Id, Crest)| {
             let (step, std) = step(&fit, id)?;
-            (crest.std > std).then(|| step * ((crest.std / std).powi(2) - 1.0).sqrt())
+            beyond(step, std, crest.std)
         };
         let added = crests.into_iter().filter_map(added).collect();
         (fit, added)
@@ -124,6 +124,11 @@ fn step(fit: &Fit, strength: Id) -> Option<(DVector<f64>, f64)> {
     (std > 0.0).then(|| (fit.covariance.column(at) / std, std))
 }
 
+/// What a ridge of that reach adds to a covariance, times its transpose: the strength's standard deviation becomes the reach where that is more.
+fn beyond(step: DVector<f64>, std: f64, reach: f64) -> Option<DVector<f64>> {
+    (reach > std).then(|| step * ((reach / std).powi(2) - 1.0).sqrt())
+}
+
 /// A model some steps further, numbers within their ranges.
 fn along(model: &Model, numbers: &[Number], step: &DVector<f64>, by: f64) -> Model {
     let mut moved = model.clone();
@@ -171,50 +176,4 @@ fn crest(places: &[(f64, f64)]) -> Option<Crest> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::flown::flown;
-
-    /// The posterior of a loose mass' size is what its interval says: 1.92 below the top at the farther end of 95 %, all other numbers following.
-    #[test]
-    fn law_a_loose_mass_is_known_as_well_as_said() {
-        let (engine, model) = flown(12.0, "loose-mass", &[0.05, 2.0, 0.05, 0.1, 1.0]);
-        let engine = engine.without_priors_of_strengths();
-        let fit = engine.climb(&model, true, 12).expect("a fit");
-        let (mass, before) = (Id::Member(0, 0), height(&fit));
-        let (fit, added) = engine.along_ridges(fit);
-        let at = fit.numbers.iter().position(|n| n.id == mass).expect("a strength");
-        let std = added.iter().fold(fit.covariance[(at, at)], |sum, column| sum + column[at] * column[at]).sqrt();
-        assert!(!added.is_empty() && height(&fit) > before - 1e-6, "{before} {}", height(&fit));
-        let (step, own) = step(&fit, mass).expect("a step");
-        let held = engine.holding(mass);
-        let fallen = [-1.0, 1.0].map(|side| {
-            let start = along(&fit.model, &fit.numbers, &step, side * NORMAL_95 * std / own);
-            let there = held.climb(&start, true, 12).expect("a fit").model;
-            let sum = engine.sum(&there, &[], &[]).expect("a pass");
-            height(&fit) - sum.log_likelihood + penalty(&engine.free(&there, true))
-        });
-        let least = fallen[0].min(fallen[1]);
-        assert!((least - 1.92).abs() < 0.3, "{fallen:?} at {std} for {own}");
-    }
-
-    /// Of a parabola: its own top and standard deviation, whichever places of it are known; of one that is steeper below: what it is above.
-    #[test]
-    fn exact_crest_of_a_parabola() {
-        for places in [vec![-1.0, 1.0, 4.0, 9.0], vec![2.5, 3.5, 5.0], vec![-4.0, -2.0, 0.0, 1.0]] {
-            let ridge: Vec<(f64, f64)> =
-                places.into_iter().map(|x: f64| (x, 7.0 - 0.5 * ((x - 3.0) / 2.0_f64).powi(2))).collect();
-            let found = crest(&ridge).expect("three places");
-            let top = found.value.min(ridge[ridge.len() - 1].0);
-            assert!((top - 3.0_f64.min(ridge[ridge.len() - 1].0)).abs() < 1e-12, "{found:?}");
-            if ridge[ridge.len() - 1].0 > 3.0 {
-                assert!((found.std - 2.0).abs() < 1e-9, "{found:?}");
-            }
-        }
-        let std = |x: f64| if x < 0.0 { 1.0 } else { 3.0 };
-        let ridge: Vec<(f64, f64)> = (-30..=70).map(|i| 0.1 * f64::from(i)).map(|x| (x, -0.5 * (x / std(x)).powi(2))).collect();
-        let found = crest(&ridge).expect("many places");
-        assert!(found.value.abs() < 0.2 && (found.std - 3.0).abs() < 0.1, "{found:?}");
-        assert!(crest(&ridge[..2]).is_none());
-    }
-}
+mod tests;
