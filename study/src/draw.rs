@@ -350,4 +350,22 @@ mod tests {
         let cut = sample(&Distribution::Normal { mean: 0.0, std: 1.0, low: -0.5, high: 0.25 });
         assert!(cut.iter().all(|x| (-0.5..=0.25).contains(x)));
     }
+
+    /// What a normal number stands for, closed: cut at −1 and 1/2 standard deviations, z = 0 has half of the probability between, 0.425059, whose
+    /// quantile is −0.188968 (tables of the normal distribution); cut at the mean alone 0.75 is left at z = 0, quantile 0.674490.
+    #[test]
+    fn exact_values_of_a_normal_number() {
+        let free = f64::INFINITY;
+        let cases = [
+            (Distribution::Normal { mean: 3.0, std: 2.5, low: -free, high: free }, 1.5, 6.75),
+            (Distribution::Normal { mean: 3.0, std: 2.5, low: 0.5, high: 4.25 }, 0.0, 3.0 - 2.5 * 0.188_968_232),
+            (Distribution::Normal { mean: 3.0, std: 2.5, low: 3.0, high: free }, 0.0, 3.0 + 2.5 * 0.674_489_75),
+            (Distribution::LogNormal { median: 3.0, sigma: 0.4 }, 1.5, 3.0 * 0.6_f64.exp()),
+        ];
+        for (d, z, by_hand) in cases {
+            assert!((value(&d, z) - by_hand).abs() < 1e-6, "{d:?}: {}, not {by_hand}", value(&d, z));
+        }
+        // The largest number that a cumulative probability rounds to is 1.
+        assert_eq!([choose(0.0, 3), choose(0.5, 3), choose(0.99, 3), choose(1.0, 3)], [0, 1, 2, 2]);
+    }
 }

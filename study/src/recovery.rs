@@ -252,6 +252,7 @@ mod tests {
             ("swirl", "effect", "swirl", Some(0.95)),
             ("swirl+mass", "effect", "mass+swirl", Some(0.97)),
             ("swirl", "effect", "magnus", Some(0.6)),
+            ("swirl", "effect", "swirl", Some(1.0)),
             ("swirl", "unexplained", "", None),
             ("swirl", "", "", None),
         ];
@@ -281,11 +282,11 @@ mod tests {
         let expected = [
             line("mass+swirl", &[("mass+swirl", 1)]),
             line("none", &[("none", 1)]),
-            line("swirl", &[("magnus", 1), ("swirl", 1), ("unexplained", 1)]),
+            line("swirl", &[("magnus", 1), ("swirl", 2), ("unexplained", 1)]),
         ];
         assert_eq!(lines, expected);
         let points: Vec<(u64, u64)> = c.reliability.iter().map(|r| (r.count, r.of)).collect();
-        assert_eq!(points, [(0, 1), (1, 1), (2, 2)]);
+        assert_eq!(points, [(0, 1), (1, 1), (2, 2), (1, 1)]);
         assert!((c.reliability[2].stated - 0.96).abs() < 1e-12);
         assert!(closings(&columns[1..], &each).expect("reads").is_none());
     }
