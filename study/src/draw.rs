@@ -7,7 +7,7 @@ use crate::StudyError;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use windfall_model::study::{Cell, Column, Distribution, DrawnSetup, Row, StudyOrder};
+use windfall_model::study::{Cell, Column, Distribution, DrawnSetup, Root, Row, StudyOrder};
 use windfall_model::{Campaign, Data, Flight, Plant, Record, Run, Use};
 use windfall_pid::output_error::EstimateOptions;
 use windfall_pid::{DataSet, Method, estimated, identify_by};
@@ -218,12 +218,8 @@ impl PreparedStudy {
 
     /// Standard normals behind what varies, correlated as ordered.
     fn normals(&self, seed: Seed) -> Vec<f64> {
-        let z: Vec<f64> = (0..self.study.vary.len()).map(|v| normal(seed, u8::try_from(v).unwrap_or(u8::MAX))).collect();
-        let root = &self.study.correlation_root;
-        if root.is_empty() {
-            return z;
-        }
-        (0..z.len()).map(|i| (0..=i).map(|j| root[(i, j)] * z[j]).sum()).collect()
+        let z = (0..self.study.vary.len()).map(|v| normal(seed, u8::try_from(v).unwrap_or(u8::MAX)));
+        correlated(&self.study.correlation_root, z.collect())
     }
 
     fn identified(
@@ -288,6 +284,14 @@ fn flights_like(campaign: &Campaign, plant: &Plant) -> Result<Vec<Flight>, Study
 
 fn normal(seed: Seed, stream: u8) -> f64 {
     seed.normals(Channel::Varied(stream)).next().unwrap_or(0.0)
+}
+
+/// Independent normals made correlated; as they are without a root.
+fn correlated(root: &Root, z: Vec<f64>) -> Vec<f64> {
+    if root.is_empty() {
+        return z;
+    }
+    (0..z.len()).map(|i| (0..=i).map(|j| root[(i, j)] * z[j]).sum()).collect()
 }
 
 /// Φ(z).
@@ -367,5 +371,13 @@ mod tests {
         }
         // The largest number that a cumulative probability rounds to is 1.
         assert_eq!([choose(0.0, 3), choose(0.5, 3), choose(0.99, 3), choose(1.0, 3)], [0, 1, 2, 2]);
+    }
+
+    /// Of correlation 0.6 the second normal is 0.6 of the first and 0.8 of its own.
+    #[test]
+    fn exact_correlated_normals() {
+        let root = StudyOrder::root_of_correlation(2, &[(0, 1, 0.6)]).expect("positive definite");
+        let z = correlated(&root, vec![0.5, -2.0]);
+        assert!((z[0] - 0.5).abs() < 1e-15 && (z[1] - (0.3 - 1.6)).abs() < 1e-15, "{z:?}");
     }
 }

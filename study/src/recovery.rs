@@ -228,9 +228,9 @@ mod tests {
         let names = ["m.C.p.estimate", "m.C.p.error", "m.C.p.std_error"];
         let columns = names.map(|n| column(n, CellKind::Number));
         let cells = |c: &Column| match c.name.rsplit('.').next() {
-            Some("estimate") => [Some(7.5), None, Some(8.5), Some(4.5)],
-            Some("error") => [Some(0.5), None, Some(1.5), Some(-2.5)],
-            _ => [Some(1.0), None, Some(1.0), Some(1.0)],
+            Some("estimate") => [Some(7.5), None, Some(10.0), Some(4.5)],
+            Some("error") => [Some(0.5), None, Some(3.0), Some(-2.5)],
+            _ => [Some(1.0), None, Some(2.0), Some(1.0)],
         };
         let each = |c: &Column, see: &mut dyn FnMut(Cell)| {
             cells(c).into_iter().for_each(|x| see(Cell::Number(x)));

@@ -56,7 +56,7 @@ pub(super) fn scatter(places: &[[f64; 2]]) -> Option<LandingScatter> {
 mod tests {
     use super::*;
 
-    /// Eight places on an ellipse of half axes 3 and 1 whose longer axis heads 30°, or 120°: covariance (8/7)·(9, 1)/2 along the axes.
+    /// Eight places on an ellipse of half axes 3 and 1 whose longer axis heads 30°, 90°, or 120°: covariance (8/7)·(9, 1)/2 along the axes.
     #[test]
     fn exact_ellipse() {
         let half = |a: f64| (CHI2_95 * 8.0 / 7.0 * a * a / 2.0).sqrt();
@@ -68,7 +68,7 @@ mod tests {
             };
             (0..8).map(place).collect()
         };
-        for heading_deg in [30.0, 120.0] {
+        for heading_deg in [30.0, 90.0, 120.0] {
             let found = scatter(&places(heading_deg)).expect("eight");
             assert!((found.mean_m[0] - 10.0).abs() < 1e-12 && (found.mean_m[1] + 4.0).abs() < 1e-12);
             assert!((found.half_axes95_m[0] - half(3.0)).abs() < 1e-9 && (found.half_axes95_m[1] - half(1.0)).abs() < 1e-9);

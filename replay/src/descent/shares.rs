@@ -143,10 +143,10 @@ mod tests {
         assert!((share - r).abs() < 1e-12 && low.abs() < 1e-300 && (high - r - reach).abs() < 1e-6, "{share} {low} {high}");
     }
 
-    /// Two parameters of five models that are not at right angles: R² = (r₁² + r₂² − 2 r₁ r₂ r₁₂)/(1 − r₁₂²) and coefficients
-    /// (r₁ − r₂ r₁₂)/(1 − r₁₂²) as textbooks have them, less what chance has: 1/4 a parameter.
+    /// Two parameters of five descents that are not at right angles: R² = (r₁² + r₂² − 2 r₁ r₂ r₁₂)/(1 − r₁₂²) and coefficients
+    /// (r₁ − r₂ r₁₂)/(1 − r₁₂²) as textbooks have them, less what chance has, of twenty models 1/19 a parameter.
     #[test]
-    fn exact_shares_of_five_models() {
+    fn exact_shares_of_two_parameters() {
         let rows = [[1.0, 4.0], [2.0, 1.0], [4.0, 3.0], [7.0, 9.0], [9.0, 5.0]];
         let y = [2.0, -3.0, 4.0, 5.0, 13.0];
         let n = 5.0;
@@ -156,11 +156,11 @@ mod tests {
         let [a, b] = [0, 1].map(|k| rows.map(|r| r[k]));
         let (r1, r2, r12) = (r(&a, &y), r(&b, &y), r(&a, &b));
         let values: Vec<&[f64]> = rows.iter().map(<[f64; 2]>::as_slice).collect();
-        let (linear, shares) = Regressors::new(vec!["a".to_owned(), "b".to_owned()], &values, 5).shares(&y);
+        let (linear, shares) = Regressors::new(vec!["a".to_owned(), "b".to_owned()], &values, 20).shares(&y);
         let all = (r1 * r1 + r2 * r2 - 2.0 * r1 * r2 * r12) / (1.0 - r12 * r12);
-        assert!((linear - (all - 0.5) / 0.5).abs() < 1e-12, "{linear} {all}");
+        assert!((linear - (all - 2.0 / 19.0) / (17.0 / 19.0)).abs() < 1e-12, "{linear} {all}");
         // 97.5 % of two is a normal quantile of 2.2414.
-        let share = |r: f64| if r * r > 2.2414_f64.powi(2) / 4.0 { (r * r - 0.25) / 0.75 } else { 0.0 };
+        let share = |r: f64| if r * r > 2.2414_f64.powi(2) / 19.0 { (r * r - 1.0 / 19.0) / (18.0 / 19.0) } else { 0.0 };
         for (name, own, other) in [("a", r1, r2), ("b", r2, r1)] {
             let p = shares.iter().find(|p| p.name == name).expect("named");
             let std = (product(&y, &y) * (1.0 - share(own))).sqrt();

@@ -3,7 +3,7 @@
 use super::*;
 use windfall_model::planet::GustProfile;
 
-/// A step is a tenth of a second, 0.3 rad of the fastest pitch mode, or an eighth of the time that the shortest gust passes in at the
+/// Heights go down from 20 km in forty steps. A step is a tenth of a second, 0.3 rad of the fastest pitch mode, or an eighth of the time that the shortest gust passes in at the
 /// largest speed, whichever is least.
 #[test]
 fn exact_step_resolves_pitch_and_gusts() {
@@ -24,6 +24,8 @@ fn exact_step_resolves_pitch_and_gusts() {
             GustProfile::steady(gust)
         });
     };
+    let heights = heights(&s.flights[0]);
+    assert!(heights.len() == 41 && heights.iter().zip(0..).all(|(h, k)| (h - 500.0 * f64::from(40 - k)).abs() < 1e-9));
     with(&mut s, None);
     near(step(&s, &theory), 0.3 / (2.0 * std::f64::consts::PI * 1.7));
     near(step(&s, &[fall(31.0, Some(0.06))]), 0.1);

@@ -110,7 +110,7 @@ fn quantiles(mut x: Vec<f64>) -> [f64; 3] {
     ENDS.map(|p| {
         let place = (p * (x.len() + 1) as f64 - 1.0).max(0.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place in the list")]
-        let i = (place as usize).min(x.len() - 1);
+        let i = place as usize;
         x[i] + (place - i as f64) * (x[(i + 1).min(x.len() - 1)] - x[i])
     })
 }

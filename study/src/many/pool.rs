@@ -195,6 +195,7 @@ mod tests {
         assert!((p.mean - 12.0).abs() < 1e-12 && (p.tau - 12_f64.sqrt()).abs() < 1e-7, "{p:?}");
         let error = 13_f64.sqrt() / 3_f64.sqrt();
         assert!((p.std_error - error).abs() < 1e-7 && (p.ci95[1] - 12.0 - 4.302_653 * error).abs() < 1e-5, "{p:?}");
+        assert!((p.ci95[0] - 12.0 + 4.302_653 * error).abs() < 1e-5, "{p:?}");
         assert!((p.q - 26.0).abs() < 1e-12 && (p.p_value - (-13_f64).exp()).abs() < 1e-15, "chi-squared of two is exp(−q/2)");
     }
 
