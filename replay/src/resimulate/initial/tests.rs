@@ -78,3 +78,15 @@ fn recover_the_release_of_an_exact_record() {
     let found = estimate_initial(&record, &plant).expect("estimates");
     assert!(found.misfit < 1e-4 && (found.span_s - 0.5).abs() < 1e-12, "{found:?}");
 }
+
+/// Twelve equations apart, r x = rhs with x in units of its scale: half of the solution's step takes three quarters off the sum of squares,
+/// and standard errors are scale over r.
+#[test]
+fn exact_gain_and_errors_of_equations_apart() {
+    let of = |f: fn(f64) -> f64| SVector::<f64, N>::from_iterator((0..12).map(|k| f(f64::from(k))));
+    let (diagonal, rhs, scale) = (of(|k| 0.5 + 0.3 * k), of(|k| 1.0 - 0.7 * k), of(|k| 0.02 + 0.01 * k));
+    let square = Square { r: SMatrix::from_diagonal(&diagonal), rhs, scale };
+    let half = scale.component_mul(&rhs).component_div(&diagonal) * 0.5;
+    assert!((square.predicted_gain(&half) / (0.75 * rhs.norm_squared()) - 1.0).abs() < 1e-13);
+    assert!((0..N).all(|k| (square.std_error()[k] * diagonal[k] / scale[k] - 1.0).abs() < 1e-13));
+}
