@@ -110,8 +110,12 @@ pub fn bootstrap(
             reason: failed.first().cloned().unwrap_or_else(|| "fewer than two copies".to_owned()),
         });
     }
-    let ratio_std_error = 1.0 / (2.0 * (sets.len() as f64 - 1.0)).sqrt();
-    Ok(Bootstrap { draws, failed, ratio_std_error, parameters })
+    Ok(Bootstrap { draws, failed, ratio_std_error: ratio_std_error(sets.len()), parameters })
+}
+
+/// Relative standard error of a standard deviation of so many normal numbers.
+fn ratio_std_error(n: usize) -> f64 {
+    1.0 / (2.0 * (n as f64 - 1.0)).sqrt()
 }
 
 /// Priors as they come out when what is flown is measured elsewhere again.
@@ -144,3 +148,6 @@ fn line(p: &Estimate, plant: &Plant, sets: &[DataSet]) -> Option<BootstrapLine> 
         covered,
     })
 }
+
+#[cfg(test)]
+mod tests;

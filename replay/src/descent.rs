@@ -143,3 +143,6 @@ fn step(scenario: &PlanetScenario, theory: &[SteadyFall]) -> f64 {
     let limits = [Some(PHASE_RAD / fastest), of_gusts].into_iter().flatten().filter(|x| x.is_finite());
     limits.fold(STEP_S, f64::min)
 }
+
+#[cfg(test)]
+mod tests;

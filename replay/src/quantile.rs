@@ -14,3 +14,6 @@ pub fn quantile(sorted: &[f64], p: f64) -> f64 {
     let below = (place.floor() as usize).min(last);
     sorted[below] + (place - below as f64) * (sorted[(below + 1).min(last)] - sorted[below])
 }
+
+#[cfg(test)]
+mod tests;

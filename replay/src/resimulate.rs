@@ -335,3 +335,6 @@ fn specific_residual(replay: &Replay, plant: &Plant) -> ([f64; 3], [f64; 3]) {
     let n = rows.len().max(1) as f64;
     (force.map(|s| (s / n).sqrt()), moment.map(|s| (s / n).sqrt()))
 }
+
+#[cfg(test)]
+mod tests;

@@ -90,4 +90,24 @@ mod tests {
         assert!(dependence("rate", &same, &right).is_none());
         assert_eq!(dependence("rate", &values, &[Some(true); 12]).expect("a line").score, None);
     }
+
+    /// With ties: each draw has the mean rank of its value, and the right ones' sum of ranks has, over all ways to choose as many draws, the
+    /// mean n₁(n + 1)/2 and the variance n₁n₀/(n(n − 1))·Σ(rank − mean)² of drawing without replacement (any textbook of sampling).
+    #[test]
+    fn exact_score_with_ties() {
+        let values = [1.0, 1.0, 1.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0, 4.0, 4.0, 5.0, 6.0];
+        let right = [false, true, false, false, false, true, false, true, true, true, false, true, true];
+        let rank = |v: f64| {
+            let below = values.iter().filter(|x| **x < v).count() as f64;
+            let same = values.iter().filter(|x| x.total_cmp(&v).is_eq()).count() as f64;
+            below + f64::midpoint(same, 1.0)
+        };
+        let n = 13.0;
+        let own = right.iter().filter(|r| **r).count() as f64;
+        let sum: f64 = values.iter().zip(right).filter(|(_, r)| *r).map(|(v, _)| rank(*v)).sum();
+        let squares: f64 = values.iter().map(|v| (rank(*v) - 7.0).powi(2)).sum();
+        let by_hand = (sum - own * 7.0) / (own * (n - own) / (n * (n - 1.0)) * squares).sqrt();
+        let line = dependence("mass", &values.map(Some), &right.map(Some)).expect("a line");
+        assert!((line.score.expect("both") - by_hand).abs() < 1e-12, "{:?} {by_hand}", line.score);
+    }
 }

@@ -7,7 +7,7 @@ use crate::StudyError;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use windfall_model::study::{Cell, Column, Distribution, DrawnSetup, Row, StudyOrder};
+use windfall_model::study::{Cell, Column, Distribution, DrawnSetup, Root, Row, StudyOrder};
 use windfall_model::{Campaign, Data, Flight, Plant, Record, Run, Use};
 use windfall_pid::output_error::EstimateOptions;
 use windfall_pid::{DataSet, Method, estimated, identify_by};
@@ -218,12 +218,8 @@ impl PreparedStudy {
 
     /// Standard normals behind what varies, correlated as ordered.
     fn normals(&self, seed: Seed) -> Vec<f64> {
-        let z: Vec<f64> = (0..self.study.vary.len()).map(|v| normal(seed, u8::try_from(v).unwrap_or(u8::MAX))).collect();
-        let root = &self.study.correlation_root;
-        if root.is_empty() {
-            return z;
-        }
-        (0..z.len()).map(|i| (0..=i).map(|j| root[(i, j)] * z[j]).sum()).collect()
+        let z = (0..self.study.vary.len()).map(|v| normal(seed, u8::try_from(v).unwrap_or(u8::MAX)));
+        correlated(&self.study.correlation_root, z.collect())
     }
 
     fn identified(
@@ -290,6 +286,14 @@ fn normal(seed: Seed, stream: u8) -> f64 {
     seed.normals(Channel::Varied(stream)).next().unwrap_or(0.0)
 }
 
+/// Independent normals made correlated; as they are without a root.
+fn correlated(root: &Root, z: Vec<f64>) -> Vec<f64> {
+    if root.is_empty() {
+        return z;
+    }
+    (0..z.len()).map(|i| (0..=i).map(|j| root[(i, j)] * z[j]).sum()).collect()
+}
+
 /// Φ(z).
 fn unit(z: f64) -> f64 {
     Normal::standard().cdf(z)
@@ -349,5 +353,31 @@ mod tests {
         }
         let cut = sample(&Distribution::Normal { mean: 0.0, std: 1.0, low: -0.5, high: 0.25 });
         assert!(cut.iter().all(|x| (-0.5..=0.25).contains(x)));
+    }
+
+    /// What a normal number stands for, closed: cut at −1 and 1/2 standard deviations, z = 0 has half of the probability between, 0.425059, whose
+    /// quantile is −0.188968 (tables of the normal distribution); cut at the mean alone 0.75 is left at z = 0, quantile 0.674490.
+    #[test]
+    fn exact_values_of_a_normal_number() {
+        let free = f64::INFINITY;
+        let cases = [
+            (Distribution::Normal { mean: 3.0, std: 2.5, low: -free, high: free }, 1.5, 6.75),
+            (Distribution::Normal { mean: 3.0, std: 2.5, low: 0.5, high: 4.25 }, 0.0, 3.0 - 2.5 * 0.188_968_232),
+            (Distribution::Normal { mean: 3.0, std: 2.5, low: 3.0, high: free }, 0.0, 3.0 + 2.5 * 0.674_489_75),
+            (Distribution::LogNormal { median: 3.0, sigma: 0.4 }, 1.5, 3.0 * 0.6_f64.exp()),
+        ];
+        for (d, z, by_hand) in cases {
+            assert!((value(&d, z) - by_hand).abs() < 1e-6, "{d:?}: {}, not {by_hand}", value(&d, z));
+        }
+        // The largest number that a cumulative probability rounds to is 1.
+        assert_eq!([choose(0.0, 3), choose(0.5, 3), choose(0.99, 3), choose(1.0, 3)], [0, 1, 2, 2]);
+    }
+
+    /// Of correlation 0.6 the second normal is 0.6 of the first and 0.8 of its own.
+    #[test]
+    fn exact_correlated_normals() {
+        let root = StudyOrder::root_of_correlation(2, &[(0, 1, 0.6)]).expect("positive definite");
+        let z = correlated(&root, vec![0.5, -2.0]);
+        assert!((z[0] - 0.5).abs() < 1e-15 && (z[1] - (0.3 - 1.6)).abs() < 1e-15, "{z:?}");
     }
 }

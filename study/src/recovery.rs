@@ -228,9 +228,9 @@ mod tests {
         let names = ["m.C.p.estimate", "m.C.p.error", "m.C.p.std_error"];
         let columns = names.map(|n| column(n, CellKind::Number));
         let cells = |c: &Column| match c.name.rsplit('.').next() {
-            Some("estimate") => [Some(7.5), None, Some(8.5), Some(4.5)],
-            Some("error") => [Some(0.5), None, Some(1.5), Some(-2.5)],
-            _ => [Some(1.0), None, Some(1.0), Some(1.0)],
+            Some("estimate") => [Some(7.5), None, Some(10.0), Some(4.5)],
+            Some("error") => [Some(0.5), None, Some(3.0), Some(-2.5)],
+            _ => [Some(1.0), None, Some(2.0), Some(1.0)],
         };
         let each = |c: &Column, see: &mut dyn FnMut(Cell)| {
             cells(c).into_iter().for_each(|x| see(Cell::Number(x)));
@@ -252,6 +252,7 @@ mod tests {
             ("swirl", "effect", "swirl", Some(0.95)),
             ("swirl+mass", "effect", "mass+swirl", Some(0.97)),
             ("swirl", "effect", "magnus", Some(0.6)),
+            ("swirl", "effect", "swirl", Some(1.0)),
             ("swirl", "unexplained", "", None),
             ("swirl", "", "", None),
         ];
@@ -281,11 +282,11 @@ mod tests {
         let expected = [
             line("mass+swirl", &[("mass+swirl", 1)]),
             line("none", &[("none", 1)]),
-            line("swirl", &[("magnus", 1), ("swirl", 1), ("unexplained", 1)]),
+            line("swirl", &[("magnus", 1), ("swirl", 2), ("unexplained", 1)]),
         ];
         assert_eq!(lines, expected);
         let points: Vec<(u64, u64)> = c.reliability.iter().map(|r| (r.count, r.of)).collect();
-        assert_eq!(points, [(0, 1), (1, 1), (2, 2)]);
+        assert_eq!(points, [(0, 1), (1, 1), (2, 2), (1, 1)]);
         assert!((c.reliability[2].stated - 0.96).abs() < 1e-12);
         assert!(closings(&columns[1..], &each).expect("reads").is_none());
     }

@@ -69,4 +69,15 @@ mod tests {
         let half: f64 = 0.5 * 0.3;
         assert!((off_vertical_rad([half.cos(), 0.0, half.sin(), 0.0]) - 0.3).abs() < 1e-15);
     }
+
+    /// What is written beside an estimate: its error is it less the truth.
+    #[test]
+    fn exact_cells_of_an_estimate() {
+        let names = ["p.estimate", "p.error", "p.std_error", "p.low", "p.high", "p.covered"];
+        let places: HashMap<String, usize> = names.iter().zip(0..).map(|(n, i)| ((*n).to_owned(), i)).collect();
+        let mut cells = Cells { cells: vec![Cell::Number(None); 6], places: &places };
+        cells.estimate("p", 5.5, Some(0.7), Some([4.0, 7.0]), 3.25);
+        let numbers = [5.5, 2.25, 0.7, 4.0, 7.0].map(|x| Cell::Number(Some(x)));
+        assert!(cells.cells[..5] == numbers && cells.cells[5] == Cell::Flag(Some(false)), "{:?}", cells.cells);
+    }
 }

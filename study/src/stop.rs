@@ -155,4 +155,20 @@ mod tests {
         let half = 4.302_653 / 3.0_f64.sqrt();
         assert!((a - (2.0 - half)).abs() < 1e-6 && (b - (2.0 + half)).abs() < 1e-6);
     }
+
+    /// The same interval, in two parts, ends a study where half of it is little enough and draws are many enough.
+    #[test]
+    fn exact_end_of_a_study() {
+        let part = |x: &[f64]| {
+            let mut m = Moments::default();
+            x.iter().for_each(|x| m.push(*x));
+            m
+        };
+        for (half_width, least_draws, ends) in [(2.485, 7, true), (2.484, 7, false), (2.485, 8, false)] {
+            let stop = StopRule { column: "x".to_owned(), half_width, least_draws };
+            let mut progress = Progress::new(stop, 0, CellKind::Number);
+            assert!(!progress.add(&part(&[3.0]), 3));
+            assert_eq!(progress.add(&part(&[1.0, 2.0]), 4), ends, "{half_width} {least_draws}");
+        }
+    }
 }

@@ -308,7 +308,7 @@ fn parameter(column: &Column, numbers: &[NumberLine], rates: &[Rate]) -> Option<
 mod tests {
     use super::*;
 
-    /// Errors −1, 0, 1, 2: bias ½, scatter √(5/3), rms √1.5; χ²(3) quantiles 9.348404 and 0.215795.
+    /// Errors −1, 0, 1, 2, stated 0.4 in the mean: bias ½, scatter √(5/3), rms √1.5; χ²(3) quantiles 9.348404 and 0.215795.
     #[test]
     fn exact_summary_of_four_errors() {
         let cells: Vec<Cell> = [-1.0, 0.0, 1.0, 2.0].iter().map(|x| Cell::Number(Some(*x))).collect();
@@ -318,12 +318,15 @@ mod tests {
                 Ok::<(), ()>(())
             }
         };
-        let numbers = vec![number_line("m.C.p.error", &of(cells)).expect("reads").expect("four numbers")];
+        let stated: Vec<Cell> = [0.5, 1.5].iter().map(|x| Cell::Number(Some(0.4 * x))).collect();
+        let numbers = [("m.C.p.error", cells), ("m.C.p.std_error", stated)];
+        let numbers = numbers.map(|(name, cells)| number_line(name, &of(cells)).expect("reads").expect("numbers"));
         let flags = [Cell::Flag(Some(true)), Cell::Flag(Some(false)), Cell::Flag(None), Cell::Flag(Some(true))];
         let rates = vec![rate("m.C.p.covered", &of(flags.to_vec())).expect("reads")];
         let column = Column { name: "m.C.p.error".to_owned(), kind: CellKind::Number };
         let p = parameter(&column, &numbers, &rates).expect("a parameter");
         assert!((p.bias - 0.5).abs() < 1e-15 && (p.rms_error - 1.5_f64.sqrt()).abs() < 1e-15);
+        assert!((p.scatter_over_std_error.expect("stated 0.4") - (5.0_f64 / 3.0).sqrt() / 0.4).abs() < 1e-14);
         let [a, b] = p.scatter_ci95.expect("four numbers");
         assert!((a - (5.0_f64 / 9.348_404).sqrt()).abs() < 1e-6 && (b - (5.0_f64 / 0.215_795).sqrt()).abs() < 1e-4, "{a} {b}");
         assert_eq!((p.coverage.count, p.coverage.of), (2, 3));

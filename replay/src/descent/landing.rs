@@ -56,20 +56,24 @@ pub(super) fn scatter(places: &[[f64; 2]]) -> Option<LandingScatter> {
 mod tests {
     use super::*;
 
-    /// Eight places on an ellipse of half axes 3 and 1 whose longer axis heads 30°: covariance (8/7)·(9, 1)/2 along the axes.
+    /// Eight places on an ellipse of half axes 3 and 1 whose longer axis heads 30°, 90°, or 120°: covariance (8/7)·(9, 1)/2 along the axes.
     #[test]
     fn exact_ellipse() {
-        let (s, c) = 30.0_f64.to_radians().sin_cos();
-        let place = |k: u32| {
-            let (y, x) = (f64::from(k) * std::f64::consts::FRAC_PI_4).sin_cos();
-            [10.0 + 3.0 * x * c - y * s, -4.0 + 3.0 * x * s + y * c]
-        };
-        let places: Vec<[f64; 2]> = (0..8).map(place).collect();
-        let found = scatter(&places).expect("eight");
-        assert!((found.mean_m[0] - 10.0).abs() < 1e-12 && (found.mean_m[1] + 4.0).abs() < 1e-12);
         let half = |a: f64| (CHI2_95 * 8.0 / 7.0 * a * a / 2.0).sqrt();
-        assert!((found.half_axes95_m[0] - half(3.0)).abs() < 1e-9 && (found.half_axes95_m[1] - half(1.0)).abs() < 1e-9);
-        assert!((found.heading_deg - 30.0).abs() < 1e-9 && (found.inside - 1.0).abs() < 1e-15);
-        assert!(scatter(&places[..2]).is_none());
+        let places = |heading_deg: f64| -> Vec<[f64; 2]> {
+            let (s, c) = heading_deg.to_radians().sin_cos();
+            let place = |k: u32| {
+                let (y, x) = (f64::from(k) * std::f64::consts::FRAC_PI_4).sin_cos();
+                [10.0 + 3.0 * x * c - y * s, -4.0 + 3.0 * x * s + y * c]
+            };
+            (0..8).map(place).collect()
+        };
+        for heading_deg in [30.0, 90.0, 120.0] {
+            let found = scatter(&places(heading_deg)).expect("eight");
+            assert!((found.mean_m[0] - 10.0).abs() < 1e-12 && (found.mean_m[1] + 4.0).abs() < 1e-12);
+            assert!((found.half_axes95_m[0] - half(3.0)).abs() < 1e-9 && (found.half_axes95_m[1] - half(1.0)).abs() < 1e-9);
+            assert!((found.heading_deg - heading_deg).abs() < 1e-9 && (found.inside - 1.0).abs() < 1e-15);
+        }
+        assert!(scatter(&places(30.0)[..2]).is_none());
     }
 }

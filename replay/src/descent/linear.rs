@@ -97,3 +97,6 @@ fn mode(body: &PlanetBody, mut fall: SteadyFall, gravity: f64) -> SteadyFall {
     fall.pitch_damping_per_s = pair.map_or(slowest, |e| -e.re);
     fall
 }
+
+#[cfg(test)]
+mod tests;

@@ -132,4 +132,40 @@ mod tests {
         let (linear, both) = Regressors::new(vec!["a".to_owned(), "a2".to_owned()], &values, rows.len() / 2).shares(&y);
         assert!((linear - 9.0 / 14.0).abs() < 0.02 && (both[0].share - both[1].share).abs() < 1e-12, "{linear} {both:?}");
     }
+
+    /// Correlation of pairs by Fisher 1925, §38: twice the sum of products over the sum of squares, both about the mean of all. Pairs (1, 3),
+    /// (4, 8), (9, 5), five times with the mean moved from 5 to 105: 2·5/46.
+    #[test]
+    fn exact_correlation_of_pairs() {
+        let three = [[101.0, 103.0], [104.0, 108.0], [109.0, 105.0]];
+        let (share, [low, high]) = of_pairs(&three.repeat(5));
+        let (r, reach) = (10.0 / 46.0, 1.959_964 * (1.0 - (10.0_f64 / 46.0).powi(2)) / 15_f64.sqrt());
+        assert!((share - r).abs() < 1e-12 && low.abs() < 1e-300 && (high - r - reach).abs() < 1e-6, "{share} {low} {high}");
+    }
+
+    /// Two parameters of five descents that are not at right angles: R² = (r₁² + r₂² − 2 r₁ r₂ r₁₂)/(1 − r₁₂²) and coefficients
+    /// (r₁ − r₂ r₁₂)/(1 − r₁₂²) as textbooks have them, less what chance has, of twenty models 1/19 a parameter.
+    #[test]
+    fn exact_shares_of_two_parameters() {
+        let rows = [[1.0, 4.0], [2.0, 1.0], [4.0, 3.0], [7.0, 9.0], [9.0, 5.0]];
+        let y = [2.0, -3.0, 4.0, 5.0, 13.0];
+        let n = 5.0;
+        let mean = |x: &[f64]| x.iter().sum::<f64>() / n;
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>() / n - mean(a) * mean(b);
+        let r = |a: &[f64], b: &[f64]| product(a, b) / (product(a, a) * product(b, b)).sqrt();
+        let [a, b] = [0, 1].map(|k| rows.map(|r| r[k]));
+        let (r1, r2, r12) = (r(&a, &y), r(&b, &y), r(&a, &b));
+        let values: Vec<&[f64]> = rows.iter().map(<[f64; 2]>::as_slice).collect();
+        let (linear, shares) = Regressors::new(vec!["a".to_owned(), "b".to_owned()], &values, 20).shares(&y);
+        let all = (r1 * r1 + r2 * r2 - 2.0 * r1 * r2 * r12) / (1.0 - r12 * r12);
+        assert!((linear - (all - 2.0 / 19.0) / (17.0 / 19.0)).abs() < 1e-12, "{linear} {all}");
+        // 97.5 % of two is a normal quantile of 2.2414.
+        let share = |r: f64| if r * r > 2.2414_f64.powi(2) / 19.0 { (r * r - 1.0 / 19.0) / (18.0 / 19.0) } else { 0.0 };
+        for (name, own, other) in [("a", r1, r2), ("b", r2, r1)] {
+            let p = shares.iter().find(|p| p.name == name).expect("named");
+            let std = (product(&y, &y) * (1.0 - share(own))).sqrt();
+            assert!((p.standardised - (own - other * r12) / (1.0 - r12 * r12)).abs() < 1e-12, "{p:?}");
+            assert!((p.share - share(own)).abs() < 1e-12 && (p.std_if_known - std).abs() < 1e-12, "{p:?}");
+        }
+    }
 }

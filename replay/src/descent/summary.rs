@@ -174,3 +174,6 @@ pub(super) fn rows(all: &[FlownDraw]) -> Vec<Row> {
     };
     all.iter().enumerate().map(row).collect()
 }
+
+#[cfg(test)]
+mod tests;

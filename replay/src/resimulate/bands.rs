@@ -108,9 +108,9 @@ fn band(quantity: &str, record: &Record, test: &[f64], draws: &[Vec<f64>]) -> Ba
 fn quantiles(mut x: Vec<f64>) -> [f64; 3] {
     x.sort_by(f64::total_cmp);
     ENDS.map(|p| {
-        let place = (p * (x.len() + 1) as f64 - 1.0).clamp(0.0, (x.len() - 1) as f64);
+        let place = (p * (x.len() + 1) as f64 - 1.0).max(0.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place in the list")]
-        let i = (place as usize).min(x.len() - 1);
+        let i = place as usize;
         x[i] + (place - i as f64) * (x[(i + 1).min(x.len() - 1)] - x[i])
     })
 }
@@ -135,5 +135,27 @@ mod tests {
         // 39 draws: the ends are the smallest and the largest.
         let q = quantiles((0..39).map(f64::from).collect());
         assert!((q[0] - 0.0).abs() < 1e-12 && (q[1] - 19.0).abs() < 1e-12 && (q[2] - 38.0).abs() < 1e-12, "{q:?}");
+        // 59 draws k²: places 0.5, 29 and 57.5 from the first. Of three, the ends are the ends.
+        let q = quantiles((0..59).map(|k| f64::from(k * k)).collect());
+        assert!((q[0] - 0.5).abs() < 1e-12 && (q[1] - 841.0).abs() < 1e-12 && (q[2] - (3249.0 + 57.5)).abs() < 1e-9, "{q:?}");
+        let of_three = quantiles(vec![5.0, 1.5, 3.0]);
+        assert!(of_three.iter().zip([1.5, 3.0, 5.0]).all(|(q, end)| (q - end).abs() < 1e-15), "{of_three:?}");
+        let [_, median, _] = quantiles(vec![1.0, 9.0, 4.0, 2.0]);
+        assert!((median - 3.0).abs() < 1e-15);
+    }
+
+    /// 700 samples are shown by every third, from the first on, as far as the shortest draw goes; time is from the first sample, at 3.7 s.
+    #[test]
+    fn exact_band_of_a_long_run() {
+        let record = Record { t_s: (0..700).map(|i| 3.7 + 0.01 * f64::from(i)).collect(), ..Record::default() };
+        let test: Vec<f64> = (0..700).map(f64::from).collect();
+        let draws = [690, 700, 695].map(|n| (0..n).map(|i| f64::from(i) + f64::from(n)).collect::<Vec<f64>>());
+        let b = band("theta_deg", &record, &test, &draws);
+        assert_eq!([b.t_s.len(), b.low.len(), b.test.len()], [230; 3]);
+        for (i, t) in b.t_s.iter().enumerate() {
+            let k = 3.0 * i as f64;
+            assert!((t - 0.01 * k).abs() < 1e-12 && (b.test[i] - k).abs() < 1e-12);
+            assert!((b.low[i] - k - 690.0).abs() + (b.median[i] - k - 695.0).abs() + (b.high[i] - k - 700.0).abs() < 1e-12);
+        }
     }
 }

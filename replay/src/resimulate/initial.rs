@@ -211,10 +211,7 @@ impl Problem<'_> {
     fn step(&self, release: Release, residual: &DVector<f64>, square: &Square, damping: &mut f64) -> Stepped {
         let before = residual.norm_squared();
         for _ in 0..12 {
-            let Some(delta) = square.solve(*damping) else {
-                *damping *= 10.0;
-                continue;
-            };
+            let Some(delta) = square.solve(*damping) else { return Stepped::None };
             if square.predicted_gain(&delta) < 1e-9 * before {
                 return Stepped::NotWorth;
             }
@@ -278,3 +275,6 @@ fn moved(r: Release, by: &[f64; N]) -> Release {
         rates_rad_s: add(r.rates_rad_s, 9),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -161,3 +161,6 @@ pub(crate) fn turned(attitude_rad: [f64; 3], by_rad: [f64; 3]) -> [f64; 3] {
     let near = |angle: f64, to: f64| angle + std::f64::consts::TAU * ((to - angle) / std::f64::consts::TAU).round();
     [near(e.rx_rad, attitude_rad[0]), e.ry_rad, near(e.rz_rad, attitude_rad[2])]
 }
+
+#[cfg(test)]
+mod tests;

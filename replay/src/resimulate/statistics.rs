@@ -190,9 +190,33 @@ mod tests {
             ..Record::default()
         };
         // At any R_x and R_y a change of R_z alone turns by that angle.
-        let e = Squares::new(&record(0.0, 0.1), &[[0.0; 3]; 2], &record(0.03, 0.15), &[[0.0, 0.3, 0.4]; 2]).error();
+        let part = Squares::new(&record(0.0, 0.1), &[[0.0; 3]; 2], &record(0.03, 0.15), &[[0.0, 0.3, 0.4]; 2]);
+        let e = part.error();
         assert!((e.position_rms_m - 0.03).abs() < 1e-15);
         assert!((e.attitude_rms_deg - 0.05_f64.to_degrees()).abs() < 1e-12);
         assert!((e.rate_rms_deg_s - 0.5_f64.to_degrees()).abs() < 1e-12);
+        // Two equal parts say what one says.
+        let mut twice = part;
+        twice.add(&part);
+        let t = twice.error();
+        let pairs = [
+            (t.position_rms_m, e.position_rms_m),
+            (t.attitude_rms_deg, e.attitude_rms_deg),
+            (t.rate_rms_deg_s, e.rate_rms_deg_s),
+        ];
+        assert!(pairs.iter().all(|(both, one)| (both / one - 1.0).abs() < 1e-14), "{pairs:?}");
+    }
+
+    /// Places (1, 2, −3) and (4, −2, 9) are √(9 + 16 + 144) = 13 apart; the shorter record has one sample.
+    #[test]
+    fn exact_errors_at_an_instant() {
+        let record = |p: [f64; 3], rx: f64, samples: usize| Record {
+            position_m: p.map(|x| vec![x; samples]),
+            attitude_rad: [vec![rx; samples], vec![0.2; samples], vec![-0.4; samples]],
+            t_s: vec![0.0; samples],
+            ..Record::default()
+        };
+        let e = instant_errors(&record([1.0, 2.0, -3.0], 0.1, 2), &record([4.0, -2.0, 9.0], 0.1, 1));
+        assert!(e.len() == 1 && (e[0].position_rms_m - 13.0).abs() < 1e-14 && e[0].attitude_rms_deg < 1e-5, "{e:?}");
     }
 }

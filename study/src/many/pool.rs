@@ -195,6 +195,7 @@ mod tests {
         assert!((p.mean - 12.0).abs() < 1e-12 && (p.tau - 12_f64.sqrt()).abs() < 1e-7, "{p:?}");
         let error = 13_f64.sqrt() / 3_f64.sqrt();
         assert!((p.std_error - error).abs() < 1e-7 && (p.ci95[1] - 12.0 - 4.302_653 * error).abs() < 1e-5, "{p:?}");
+        assert!((p.ci95[0] - 12.0 + 4.302_653 * error).abs() < 1e-5, "{p:?}");
         assert!((p.q - 26.0).abs() < 1e-12 && (p.p_value - (-13_f64).exp()).abs() < 1e-15, "chi-squared of two is exp(−q/2)");
     }
 
@@ -268,5 +269,24 @@ mod tests {
         let [mean, _, _, alarms] = held(0.0, 4000);
         assert!(mean > 0.95 - bound, "mean without spread {mean}");
         assert!((alarms - 0.05).abs() < bound, "p < 0.05 without spread {alarms}");
+    }
+
+    /// Two campaigns of equal errors s at a distance d: Q = d²/2/(s² + τ²), so that τ² = d²/(2χ²) − s²; chi-squared of one degree of freedom is
+    /// below 0.000982069 with 2.5 %. And three, the first in the middle: τ² = 16 − 1, whatever the order.
+    #[test]
+    fn exact_spread_of_two_and_of_three_from_the_middle() {
+        let p = pool(&[(3.0, 0.5), (7.0, 0.5)]).expect("sound");
+        let upper = 8.0 / 0.000_982_069_117 - 0.25;
+        assert!((p.tau_ci95[1].powi(2) / upper - 1.0).abs() < 1e-7 && (p.tau.powi(2) - 7.75).abs() < 1e-9, "{p:?}");
+        let p = pool(&[(12.0, 1.0), (8.0, 1.0), (16.0, 1.0)]).expect("sound");
+        assert!((p.tau.powi(2) - 15.0).abs() < 1e-9, "{p:?}");
+    }
+
+    /// A first campaign that knows little, far from two that agree: its weight is nothing beside theirs, so that Q is that of the two,
+    /// d²/(2s²) = 4.5, and (y₁ − mean)²/s₁² = 1/25. What two numbers near 1 lose at a distance of 3e-8 is 1e-8 of it.
+    #[test]
+    fn exact_heterogeneity_beside_a_far_campaign() {
+        let p = pool(&[(0.0, 5.0), (1.0, 1e-8), (1.0 + 3e-8, 1e-8)]).expect("sound");
+        assert!((p.q - 4.54).abs() < 1e-6, "{}", p.q);
     }
 }
