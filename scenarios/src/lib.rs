@@ -29,6 +29,7 @@ mod names;
 mod numerics;
 mod open;
 mod own;
+mod parquet_pages;
 mod parquet_rows;
 mod planet;
 mod planet_out;

@@ -1,12 +1,13 @@
 //! scenarios: rows of a study as Parquet. In: columns and rows. Out: the same bytes for the same rows; and back.
 
+use crate::parquet_pages;
 use bytes::Bytes;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::column::reader::ColumnReader;
 use parquet::column::writer::ColumnWriter;
 use parquet::data_type::ByteArray;
 use parquet::errors::{ParquetError, Result};
-use parquet::file::metadata::ColumnChunkMetaData;
+use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData, ParquetMetaDataReader};
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::reader::{ChunkReader, FileReader, RowGroupReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
@@ -134,26 +135,28 @@ fn guarded<T>(decode: impl FnOnce() -> Result<T>) -> Result<T> {
 
 /// Any Parquet file, which may be damaged.
 pub(crate) fn open<R: ChunkReader + 'static>(from: R) -> Result<SerializedFileReader<R>> {
-    let size = from.len();
-    let file = guarded(|| SerializedFileReader::new(from))?;
-    sound(&file, size)?;
-    Ok(file)
+    let metadata = guarded(|| ParquetMetaDataReader::new().parse_and_finish(&from))?;
+    sound(&metadata, &from)?;
+    guarded(|| SerializedFileReader::new(from))
 }
 
-/// Sizes and places in the file that cannot be: the decoder takes them as they are.
-fn sound<R: ChunkReader + 'static>(file: &SerializedFileReader<R>, size: u64) -> Result<()> {
-    let inside = |from: i64, length: i64| {
-        let end = from.checked_add(length).and_then(|end| u64::try_from(end).ok());
-        from >= 0 && length >= 0 && end.is_some_and(|end| end <= size)
+/// Sizes, places and counts that cannot be: the decoder takes them as they are.
+fn sound<R: ChunkReader>(metadata: &ParquetMetaData, from: &R) -> Result<()> {
+    let place = |c: &ColumnChunkMetaData| {
+        let [first, length] =
+            [c.dictionary_page_offset().unwrap_or(c.data_page_offset()), c.compressed_size()].map(u64::try_from);
+        let (first, length) = (first.ok()?, length.ok()?);
+        let inside = c.num_values() >= 0 && c.data_page_offset() >= 0 && first.checked_add(length)? <= from.len();
+        inside.then_some((first, usize::try_from(length).ok()?))
     };
-    for group in file.metadata().row_groups() {
-        let whole = group.num_rows() >= 0;
-        let column = |c: &ColumnChunkMetaData| {
-            let from = c.dictionary_page_offset().unwrap_or(c.data_page_offset());
-            c.num_values() >= 0 && c.data_page_offset() >= 0 && inside(from, c.compressed_size())
-        };
-        if !whole || !group.columns().iter().all(column) {
-            return Err(ParquetError::General("a column lies outside the file; it may be cut short".to_owned()));
+    for group in metadata.row_groups() {
+        for c in group.columns() {
+            let Some((first, length)) = place(c).filter(|_| group.num_rows() >= 0) else {
+                return Err(ParquetError::General("a column lies outside the file; it may be cut short".to_owned()));
+            };
+            if !parquet_pages::are_sound(&from.get_bytes(first, length)?) {
+                return Err(ParquetError::General("a page states more than it can have".to_owned()));
+            }
         }
     }
     Ok(())
