@@ -2,7 +2,6 @@
 
 use crate::columns::fault;
 use crate::error::ReadError;
-use crate::record::LONGEST_BRIDGE_S;
 use std::path::Path;
 
 /// Largest deviation of a sample interval from the usual one, as a fraction of it.
@@ -13,6 +12,8 @@ const ROUNDED_TO_S: [f64; 6] = [0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 /// rounded or cut off, and what the fit is off by.
 const OFF_CLOCK: f64 = 1.05;
 
+/// Longest dropout that is bridged, s.
+pub const LONGEST_BRIDGE_S: f64 = 0.1;
 /// Missing rows that are kept of a gap, or twice what is bridged, if that is more: a run is split there in any case, and no spike is told by
 /// samples so far away.
 const MISSING: f64 = 500.0;

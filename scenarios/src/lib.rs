@@ -63,6 +63,7 @@ pub use file_set::{FileSet, settle};
 pub use find::{FindError, FoundCampaign, FoundCampaigns, find_campaigns};
 pub use free_out::{write_free_campaign, write_resolved_free};
 pub use free_scenario::{FreeFile, FreeOrder, read_bundled_free, read_free};
+pub use grid::LONGEST_BRIDGE_S;
 pub use guess::campaign_of_run;
 pub use in_memory::{RunColumns, runs_of_columns};
 pub use kind::{FileKind, kind_of};
@@ -71,8 +72,8 @@ pub use planet::{PlanetFile, read_bundled_planet, read_planet};
 pub use planet_out::write_resolved_planet;
 pub use point::{Down, read_track};
 pub use record::{
-    FEWEST_SAMPLES, LONGEST_BRIDGE_S, Piece, SHORTEST_PIECE_S, read_record_csv, read_record_pieces, record_columns,
-    sensors_of_table_a3, write_record_csv,
+    FEWEST_SAMPLES, Piece, SHORTEST_PIECE_S, read_record_csv, read_record_pieces, record_columns, sensors_of_table_a3,
+    write_record_csv,
 };
 pub use reference::{KeyMeaning, key_reference, meanings};
 pub use scenario::{EffectValues, ScenarioFile, read_bundled, read_scenario_file};

@@ -4,7 +4,7 @@ use crate::clean::{SIGMAS, Spike, bridge, pieces, remove_spikes, unwrap_deg};
 use crate::columns::{Columns, fault, some_of, write_columns_csv};
 use crate::error::{Fault, ReadError, WriteError};
 use crate::formats::read_columns;
-use crate::grid::Grid;
+use crate::grid::{Grid, LONGEST_BRIDGE_S};
 use crate::own::{Own, QUATERNION};
 use crate::run_columns::{Who, is_of_tunnel, names_of};
 use crate::units;
@@ -12,8 +12,6 @@ use std::borrow::Cow;
 use std::path::Path;
 use windfall_model::{CHANNEL_NAMES, POSE, Record, RunChannel, Sensors};
 
-/// Longest dropout that is bridged, s.
-pub const LONGEST_BRIDGE_S: f64 = 0.1;
 /// Shortest piece of a split run that is kept, s.
 pub const SHORTEST_PIECE_S: f64 = 1.0;
 /// Fewest samples of a run or piece.
