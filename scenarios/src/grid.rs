@@ -46,8 +46,8 @@ impl Grid {
     }
     fn even(path: &Path, t: &[f64], lines: &[usize]) -> Result<Self, ReadError> {
         let usual = usual_step(t);
-        let at = |i: usize, what: &str, try_instead: &str| {
-            ReadError::Faults(vec![fault(path, Some(lines[i]), "t_s", &t[i].to_string(), what, try_instead)])
+        let refused = |line: usize, value: &str, what: &str, remedy: &str| {
+            ReadError::Faults(vec![fault(path, Some(line), "t_s", value, what, remedy)])
         };
         let kept = MISSING.max(2.0 * LONGEST_BRIDGE_S / usual);
         let (mut places, mut samples) = (vec![0], 1);
@@ -59,7 +59,8 @@ impl Grid {
                 uneven.push((lines[i + 1], step));
             }
             if count > 1e7 {
-                return Err(at(i + 1, "leaves a gap of more than ten million samples", "seconds, one run"));
+                let what = "leaves a gap of more than ten million samples";
+                return Err(refused(lines[i + 1], &w[1].to_string(), what, "seconds, one run"));
             }
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and 1e7, checked above")]
             let [rows, missed] = [count.min(kept), count].map(|x| x as usize);
@@ -72,19 +73,13 @@ impl Grid {
                 uneven.len(),
                 t.len() - 1
             );
-            return Err(ReadError::Faults(vec![fault(
-                path,
-                Some(*line),
-                "t_s",
-                "",
-                &what,
-                "resample the run to a uniform rate",
-            )]));
+            return Err(refused(*line, "", &what, "resample the run to a uniform rate"));
         }
         let rows = places[t.len() - 1] + 1;
         if rows > MOST_ROWS[0] * t.len() + MOST_ROWS[1] {
             let what = format!("long gaps take most of the samples: {} of {samples} are there", t.len());
-            return Err(at(t.len() - 1, &what, "a run with fewer dropouts, or a part of it"));
+            let last = t.len() - 1;
+            return Err(refused(lines[last], &t[last].to_string(), &what, "a run with fewer dropouts, or a part of it"));
         }
         let mut t_s = vec![f64::NAN; rows];
         places.iter().zip(t).for_each(|(p, t)| t_s[*p] = *t);

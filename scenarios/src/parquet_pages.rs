@@ -20,15 +20,14 @@ const MOST_UNPACKED: [i64; 2] = [10_000_000, 100];
 pub(crate) fn are_sound(column: &[u8]) -> bool {
     let mut rest = column;
     loop {
-        let mut thrift = Thrift { rest, left: rest.len() };
-        let mut page = Page::default();
-        match thrift.fields(DEEPEST, &mut |path, value| page.take(path, value)) {
+        let mut header = Header { rest, left: rest.len(), page: Page::default() };
+        match header.fields(Some(0), DEEPEST) {
             Err(Stop::Endless) => return false,
             Err(Stop::Cut) => return true,
-            Ok(()) if !page.is_sound() => return false,
+            Ok(()) if !header.page.is_sound() => return false,
             Ok(()) => {}
         }
-        let Some(next) = usize::try_from(page.packed).ok().and_then(|n| thrift.rest.get(n..)) else { return true };
+        let Some(next) = usize::try_from(header.page.packed).ok().and_then(|n| header.rest.get(n..)) else { return true };
         if next.is_empty() {
             return true;
         }
@@ -49,23 +48,26 @@ impl Page {
         let most = MOST_UNPACKED[0].saturating_add(MOST_UNPACKED[1].saturating_mul(self.packed));
         (0..=most).contains(&self.size) && (0..=self.size).contains(&self.values)
     }
-    fn take(&mut self, path: [i64; 2], value: i64) {
-        match path {
-            [0, 2] => self.size = value,
-            [0, 3] => self.packed = value,
-            [7, 1] => self.values = value,
+    /// A whole number in a field of the header, or of the struct in one.
+    fn take(&mut self, of: Option<i64>, id: i64, value: i64) {
+        match (of, id) {
+            (Some(0), 2) => self.size = value,
+            (Some(0), 3) => self.packed = value,
+            (Some(7), 1) => self.values = value,
             _ => {}
         }
     }
 }
 
-struct Thrift<'a> {
+/// A header that is read.
+struct Header<'a> {
     rest: &'a [u8],
     /// Elements that may still come: one for each byte.
     left: usize,
+    page: Page,
 }
 
-impl Thrift<'_> {
+impl Header<'_> {
     fn byte(&mut self) -> Result<u8, Stop> {
         let (first, rest) = self.rest.split_first().ok_or(Stop::Cut)?;
         self.rest = rest;
@@ -95,8 +97,8 @@ impl Thrift<'_> {
         self.left = usize::try_from(count).ok().and_then(|n| self.left.checked_sub(n)).ok_or(Stop::Endless)?;
         Ok(())
     }
-    /// Fields of a struct up to its end; whole numbers are told with the struct's field (0 for the outermost) and their own.
-    fn fields(&mut self, depth: usize, tell: &mut dyn FnMut([i64; 2], i64)) -> Result<(), Stop> {
+    /// Fields of a struct up to its end: of the header (0), of a struct in one of its fields, or of one deeper.
+    fn fields(&mut self, of: Option<i64>, depth: usize) -> Result<(), Stop> {
         let mut id = 0;
         loop {
             let head = self.byte()?;
@@ -105,10 +107,11 @@ impl Thrift<'_> {
             }
             id = if head >> 4 > 0 { id + i64::from(head >> 4) } else { self.signed()? };
             match head & 0xf {
-                4..=6 => tell([0, id], self.signed()?),
-                12 if depth > 0 => {
-                    self.fields(depth - 1, &mut |path, value| tell([if path[0] == 0 { id } else { -1 }, path[1]], value))?
+                4..=6 => {
+                    let value = self.signed()?;
+                    self.page.take(of, id, value);
                 }
+                12 if depth > 0 => self.fields((of == Some(0)).then_some(id), depth - 1)?,
                 kind => self.skip(kind, depth)?,
             }
         }
@@ -133,7 +136,7 @@ impl Thrift<'_> {
                 let kinds = if count > 0 { self.byte()? } else { 0 };
                 (0..count).try_for_each(|_| self.skip(kinds >> 4, deeper).and_then(|()| self.skip(kinds & 0xf, deeper)))
             }
-            12 => self.fields(deeper, &mut |_, _| {}),
+            12 => self.fields(None, deeper),
             13 => self.bytes(16),
             _ => Err(Stop::Cut),
         }

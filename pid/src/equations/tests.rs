@@ -8,6 +8,27 @@ use windfall_model::{
 
 const TABLE_5_5: [f64; 11] = [6.662, 3.5129, -2.0035, 0.0125, -5.6816, -2.0655, 2.5278, -3.3025, -205.4289, -3.1, -190.0];
 
+/// Samples from a run's first on, with these parameters held.
+fn segment<'a>(craft: &'a Craft<'a>, drive: &'a Drive, interval_s: f64, density: &'a [f64]) -> Segment<'a> {
+    Segment {
+        craft,
+        drive,
+        parameters: &TABLE_5_5,
+        columns: &[None; 11],
+        free: 0,
+        start_s: 0.0,
+        interval_s,
+        density,
+        steps: density.len(),
+        spread_m_s: [0.0; 3],
+    }
+}
+
+/// A tunnel speed that stays.
+fn steady(steps: usize) -> Drive {
+    Drive { states: 1, at: vec![vec![1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]; 2 * steps + 1] }
+}
+
 /// A lander with everything that these equations know, none of it null.
 pub(crate) fn plant() -> Plant {
     let mut tether = Tether::declared(Vec3::new(-0.25, 0.01, 0.02), Vec3::new(-3.0, 0.1, 0.0), 0.0013, 0.0165);
@@ -111,18 +132,7 @@ fn exact_variational_equations_are_the_derivatives_of_the_map() {
     let mut columns: Vec<Option<usize>> = (0..9).map(Some).collect();
     columns.extend([Some(7), Some(8)]);
     columns[3] = None;
-    let base = Segment {
-        craft: &craft,
-        drive: &drive,
-        parameters: &plant.aero.values,
-        columns: &columns,
-        free: 9,
-        start_s: 0.0,
-        interval_s: 1.0 / 150.0,
-        density: &[1.18; 20],
-        steps: 20,
-        spread_m_s: [0.0; 3],
-    };
+    let base = Segment { columns: &columns, free: 9, ..segment(&craft, &drive, 1.0 / 150.0, &[1.18; 20]) };
     let inputs = [7.4, 0.2, -1.0, 0.3];
     let mut out = Transition::default();
     assert!(base.differentiate(STATE, &inputs, &mut out));
@@ -167,19 +177,8 @@ fn exact_a_contact_acts_at_the_time_of_the_run() {
     }];
     let craft = Craft::new(&plant).expect("integrable");
     let (start_s, h, steps, vw_m_s) = (0.11, 0.013, 5, 7.4);
-    let drive = Drive { states: 1, at: vec![[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0].to_vec(); 2 * steps + 1] };
-    let segment = Segment {
-        craft: &craft,
-        drive: &drive,
-        parameters: &TABLE_5_5,
-        columns: &[None; 11],
-        free: 0,
-        start_s,
-        interval_s: h,
-        density: &[1.18; 5],
-        steps,
-        spread_m_s: [0.0; 3],
-    };
+    let drive = steady(steps);
+    let segment = Segment { start_s, ..segment(&craft, &drive, h, &[1.18; 5]) };
     let mut out = Transition::default();
     assert!(segment.fly(STATE, &[vw_m_s], &mut out));
     let mut x = [0.0; MOTION];
@@ -214,20 +213,9 @@ fn order_four_of_the_integrator() {
             m
         };
         let drive = Drive { states: 2, at: (0..=2 * steps).map(|i| row(0.5 * h * i as f64)).collect() };
-        let segment = Segment {
-            craft: &craft,
-            drive: &drive,
-            parameters: &plant.aero.values,
-            columns: &[None; 11],
-            free: 0,
-            start_s: 0.0,
-            interval_s: h,
-            density: &vec![1.18; steps],
-            steps,
-            spread_m_s: [0.0; 3],
-        };
+        let density = vec![1.18; steps];
         let mut out = Transition::default();
-        assert!(segment.fly(STATE, &[7.4, 0.2], &mut out));
+        assert!(segment(&craft, &drive, h, &density).fly(STATE, &[7.4, 0.2], &mut out));
         out.states[steps - 1]
     };
     let exact = end(640);
@@ -243,19 +231,8 @@ fn law_nose_on_flow_has_finite_slopes() {
     plant.tether = None;
     plant.vehicle.p_origin_cm = Vec3::zero();
     let craft = Craft::new(&plant).expect("integrable");
-    let drive = Drive { states: 1, at: vec![[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0].to_vec(); 3] };
-    let segment = Segment {
-        craft: &craft,
-        drive: &drive,
-        parameters: &TABLE_5_5,
-        columns: &[None; 11],
-        free: 0,
-        start_s: 0.0,
-        interval_s: 0.01,
-        density: &[1.18],
-        steps: 1,
-        spread_m_s: [0.0; 3],
-    };
+    let drive = steady(1);
+    let segment = segment(&craft, &drive, 0.01, &[1.18]);
     let mut out = Transition::default();
     assert!(segment.differentiate([0.0; STATES], &[7.4], &mut out));
     // A pitch angle of dθ turns the nose by dθ: C_m,sin α pulls it back, q̇ = q S d C_m,sin/I_yy dθ.
@@ -273,23 +250,12 @@ fn exact_unknown_gust_adds_the_mean_of_damping_that_grows_with_the_angle() {
     plant.tether = None;
     plant.vehicle.p_origin_cm = Vec3::zero();
     let craft = Craft::new(&plant).expect("integrable");
-    let drive = Drive { states: 1, at: vec![[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0].to_vec(); 3] };
+    let drive = steady(1);
     let (h, q, sigma, vw) = (1e-4, 0.1, 0.1, 7.4);
     let mut x = [0.0; STATES];
     x[10] = q;
     let rate = |spread_m_s: [f64; 3]| {
-        let segment = Segment {
-            craft: &craft,
-            drive: &drive,
-            parameters: &TABLE_5_5,
-            columns: &[None; 11],
-            free: 0,
-            start_s: 0.0,
-            interval_s: h,
-            density: &[1.18],
-            steps: 1,
-            spread_m_s,
-        };
+        let segment = Segment { spread_m_s, ..segment(&craft, &drive, h, &[1.18]) };
         let mut out = Transition::default();
         assert!(segment.fly(x, &[vw], &mut out));
         (out.states[0][10] - q) / h
