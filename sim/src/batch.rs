@@ -351,7 +351,7 @@ fn fly<S: Simd, const N: usize, const M: usize>(
     let rate_hz = f64::from_bits(kin.rate_bits);
     let method = match kin.pace {
         Pace::Rk4 { steps_per_sample } => {
-            return rk4::fly(simd, &kernel, &mut inputs, StepGrid { samples: kin.samples, rate_hz, steps_per_sample }, y, sink);
+            return rk4::fly(simd, &kernel, &mut inputs, StepGrid { rate_hz, steps_per_sample }, y, sink);
         }
         Pace::Adaptive(method) => method,
     };

@@ -4,7 +4,7 @@
 //! the function that the vector unit's instructions are enabled for; a call would leave it.
 
 use pulp::Simd;
-use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// One `f64` for each lane of the vector unit `S`. In memory on lines of the cache: across two of them a flight takes up to 1.4 times
 /// as long, and where the stack begins is chance.
@@ -179,6 +179,14 @@ impl<S: Simd> Lanes<S> {
         let size = (self.like(1.0) - e) * e.plus(1.0).recip();
         self.where_above(0.0, size, -size)
     }
+
+    /// sech² x = 4e/(1 + e)² with e = e^(−2|x|).
+    #[inline(always)]
+    pub(super) fn sech2(self) -> Self {
+        let e = self.abs().scale(-2.0).exp_of_negative();
+        let per = e.plus(1.0).recip();
+        (e * per).scale(4.0) * per
+    }
 }
 
 const PI: f64 = std::f64::consts::PI;
@@ -220,12 +228,6 @@ impl<S: Simd> Add for Lanes<S> {
         self.with(self.simd.add_f64s(self.x, o.x))
     }
 }
-impl<S: Simd> AddAssign for Lanes<S> {
-    #[inline(always)]
-    fn add_assign(&mut self, o: Self) {
-        *self = *self + o;
-    }
-}
 impl<S: Simd> Sub for Lanes<S> {
     type Output = Self;
     #[inline(always)]
@@ -260,8 +262,17 @@ mod tests {
     use super::*;
     use pulp::{Arch, Scalar, WithSimd};
 
-    /// Applies a function of two numbers lane by lane.
-    struct Both<'a>(&'a [[f64; 2]], bool);
+    #[derive(Clone, Copy)]
+    enum Function {
+        Atan2,
+        Exp,
+        Tanh,
+        Sech2,
+    }
+    use Function::{Atan2, Exp, Sech2, Tanh};
+
+    /// Applies a function of two numbers, or of the first, lane by lane.
+    struct Both<'a>(&'a [[f64; 2]], Function);
     impl WithSimd for Both<'_> {
         type Output = Vec<f64>;
         #[inline(always)]
@@ -271,7 +282,13 @@ mod tests {
                 let pick = |k: usize| -> Vec<f64> { (0..S::F64_LANES).map(|i| chunk[i.min(chunk.len() - 1)][k]).collect() };
                 let (a, b) = (Lanes::load(simd, &pick(0)), Lanes::load(simd, &pick(1)));
                 let mut row = vec![0.0; S::F64_LANES];
-                (if self.1 { a.atan2(b) } else { a.exp_of_negative() }).store(&mut row);
+                let value = match self.1 {
+                    Atan2 => a.atan2(b),
+                    Exp => a.exp_of_negative(),
+                    Tanh => a.tanh(),
+                    Sech2 => a.sech2(),
+                };
+                value.store(&mut row);
                 out.extend(&row[..chunk.len()]);
             }
             out
@@ -299,7 +316,7 @@ mod tests {
     #[test]
     fn exact_arc_tangent_within_two_ulp() {
         let pairs = pairs();
-        for values in [Arch::new().dispatch(Both(&pairs, true)), Both(&pairs, true).with_simd(Scalar::new())] {
+        for values in [Arch::new().dispatch(Both(&pairs, Atan2)), Both(&pairs, Atan2).with_simd(Scalar::new())] {
             let worst = pairs.iter().zip(&values).map(|([y, x], a)| (a - y.atan2(*x)).abs() / ulp(y.atan2(*x)));
             let worst = worst.fold(0.0, f64::max);
             assert!(worst <= 2.0, "{worst} ulp");
@@ -310,7 +327,7 @@ mod tests {
     fn exact_arc_tangent_on_the_axes() {
         let cases =
             [[0.0, 1.0], [-0.0, 1.0], [0.0, -1.0], [-0.0, -1.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 0.0], [1.0, 1.0], [1.0, -1.0]];
-        for ([y, x], a) in cases.iter().zip(Arch::new().dispatch(Both(&cases, true))) {
+        for ([y, x], a) in cases.iter().zip(Arch::new().dispatch(Both(&cases, Atan2))) {
             assert_eq!(a.to_bits(), y.atan2(*x).to_bits(), "atan2({y}, {x}) = {a}");
         }
     }
@@ -319,8 +336,8 @@ mod tests {
     #[test]
     fn exact_bits_on_every_unit() {
         let pairs: Vec<[f64; 2]> = pairs().into_iter().map(|[y, x]| [-y.abs(), x]).collect();
-        for atan2 in [true, false] {
-            let (unit, scalar) = (Arch::new().dispatch(Both(&pairs, atan2)), Both(&pairs, atan2).with_simd(Scalar::new()));
+        for function in [Atan2, Exp, Tanh] {
+            let (unit, scalar) = (Arch::new().dispatch(Both(&pairs, function)), Both(&pairs, function).with_simd(Scalar::new()));
             assert!(unit.iter().zip(&scalar).all(|(a, b)| a.to_bits() == b.to_bits()));
         }
     }
@@ -329,10 +346,22 @@ mod tests {
     #[test]
     fn exact_exponential_within_two_ulp() {
         let x: Vec<[f64; 2]> = (0..300_000).map(|k| [-0.002_333_1 * f64::from(k), 0.0]).collect();
-        for values in [Arch::new().dispatch(Both(&x, false)), Both(&x, false).with_simd(Scalar::new())] {
+        for values in [Arch::new().dispatch(Both(&x, Exp)), Both(&x, Exp).with_simd(Scalar::new())] {
             let worst = x.iter().zip(&values).map(|([x, _], e)| (e - x.exp()).abs() / ulp(x.exp())).fold(0.0, f64::max);
             assert!(worst <= 2.0, "{worst} ulp");
         }
-        assert_eq!(Arch::new().dispatch(Both(&[[0.0, 0.0], [-1e300, 0.0]], false)), [1.0, (-700.0_f64).exp()]);
+        assert_eq!(Arch::new().dispatch(Both(&[[0.0, 0.0], [-1e300, 0.0]], Exp)), [1.0, (-700.0_f64).exp()]);
+    }
+
+    /// Both signs, and where e²ˣ is beyond numbers; the exponential is within two ulp, sums, quotients and products round once each, all of
+    /// numbers of at most 2.
+    #[test]
+    fn exact_hyperbolic_functions() {
+        let x: Vec<[f64; 2]> = (-700..700).map(|k| [0.031_7 * f64::from(k), 0.0]).chain([[-400.0, 0.0], [900.0, 0.0]]).collect();
+        let values = [Tanh, Sech2].map(|function| Arch::new().dispatch(Both(&x, function)));
+        for (k, [x, _]) in x.iter().enumerate() {
+            assert!((values[0][k] - x.tanh()).abs() <= 4.0 * f64::EPSILON, "tanh {x} = {}", values[0][k]);
+            assert!((values[1][k] - x.cosh().powi(-2)).abs() <= 4.0 * f64::EPSILON, "sech² {x} = {}", values[1][k]);
+        }
     }
 }

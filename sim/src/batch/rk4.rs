@@ -14,7 +14,6 @@ const BLOCK: usize = 32;
 /// Sampling and stepping, the same for all lanes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct StepGrid {
-    pub(super) samples: usize,
     pub(super) rate_hz: f64,
     pub(super) steps_per_sample: usize,
 }
@@ -40,10 +39,10 @@ pub(super) fn fly<S: Simd, const N: usize>(
     let width = channels.count() * S::F64_LANES;
     let mut table = vec![0.0; (2 * BLOCK + 1) * width];
     let mut slots = [Lanes::zero(simd); ROOM];
-    let steps = (grid.samples - 1) * grid.steps_per_sample;
     let h = grid.step_s();
     let one_speed = inputs[1..].iter().all(|other| other.same_speed(&inputs[0]));
-    for n in 0..=steps {
+    // Ended by the tracks, which know how many samples there are.
+    for n in 0.. {
         let place = n % BLOCK;
         if place == 0 {
             tabulate(inputs, one_speed, channels, n, grid, &mut table);

@@ -185,7 +185,7 @@ impl Layout {
         let (step, weights) = if late { (&self.late, &weights[early..]) } else { (&self.early, &weights[..early]) };
         for &(slot, shape, width) in &step.shapes {
             let value = match shape {
-                Shape::Bump(v) => sech2(slots[usize::from(v) % ROOM] * per_width[usize::from(width)]),
+                Shape::Bump(v) => (slots[usize::from(v) % ROOM] * per_width[usize::from(width)]).sech2(),
                 Shape::Cos(n) => harmonic(slots, n).0,
                 Shape::Sin(n) => harmonic(slots, n).1,
             };
@@ -199,14 +199,6 @@ impl Layout {
             *sum = weight.mul_add(slots[usize::from(slot) % ROOM], *sum);
         }
     }
-}
-
-/// sech² x = 4e/(1 + e)² with e = exp(−2|x|).
-#[inline(always)]
-fn sech2<S: Simd>(x: Lanes<S>) -> Lanes<S> {
-    let e = x.abs().scale(-2.0).exp_of_negative();
-    let per = (e.plus(1.0)).recip();
-    (e * per).scale(4.0) * per
 }
 
 /// cos nφ and sin nφ by the recurrence of the complex power.

@@ -187,7 +187,7 @@ impl<'a, 't, S: Simd> Tracks<'a, 't, S> {
         // Finite and below the limit when every state is finite and the spin is.
         let mut spin = y[10].mul_add(y[10], y[11].mul_add(y[11], y[12] * y[12]));
         for x in y {
-            spin += x.scale(0.0);
+            spin = x.mul_add(Lanes::zero(simd), spin);
         }
         let mut calm = [0.0; LANES_MAX];
         spin.store(&mut calm[..S::F64_LANES]);
