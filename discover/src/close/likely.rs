@@ -384,3 +384,6 @@ fn side(campaign: &Campaign, engine: &Engine, fit: &Fit, held: &[usize], options
     };
     After { parameters: parameters(campaign, fit), hold_out }
 }
+
+#[cfg(test)]
+mod tests;
