@@ -21,7 +21,8 @@ fn exact_analysis_of_variance() {
     let y: Vec<f64> =
         x.iter().enumerate().map(|(i, x)| 3.0 + 0.4 * (0.05 * x).floor().powi(2).sin() + (31 * i % 7) as f64 / 3.0).collect();
     let c = curve(&x, &y).expect("enough samples");
-    let of = |g: usize| -> Vec<f64> { (0..200).filter(|i| (x[*i] / 20.0).floor() == g as f64).map(|i| y[i]).collect() };
+    let of =
+        |g: usize| -> Vec<f64> { (0..200).filter(|i| (0.0..1.0).contains(&(x[*i] / 20.0 - g as f64))).map(|i| y[i]).collect() };
     let mean = |y: &[f64]| y.iter().sum::<f64>() / y.len() as f64;
     let square = |y: &[f64]| y.iter().map(|v| (v - mean(y)).powi(2)).sum::<f64>();
     let within: f64 = (0..10).map(|g| square(&of(g))).sum();
