@@ -78,8 +78,8 @@ mod tests {
         assert!((all[4][0] - 10.0).abs() < 1e-9 && all[5][0].abs() < 1e-9, "from below at first");
     }
 
-    /// A turn about one slanting axis of the body by an angle that grows with the cube of time: over the times that are no further than a twentieth
-    /// of a second, two on either side at least, of samples that are dense at first and sparse then.
+    /// A turn about one slanting axis of the body by an angle that grows with the cube of time: over the times that are no further
+    /// than a twentieth of a second, two on either side at least, of samples that are dense at first and sparse then.
     #[test]
     fn exact_turn_about_a_slanting_axis() {
         let axis = [2.0 / 7.0, -3.0 / 7.0, 6.0 / 7.0];

@@ -110,7 +110,8 @@ mod tests {
         }
     }
 
-    /// ln 20 is 2.996: a family takes another's place within it by plausibility or by fit alone, and in the best set's company only.
+    /// ln 20 is 2.996: a family takes another's place within it by plausibility or by fit alone, and in the best set's company
+    /// only.
     #[test]
     fn exact_rivals_within_twenty_to_one() {
         let best = set(&["magnus", "swirl"], 40.0, 70.0);

@@ -52,9 +52,9 @@ mod tests {
         assert!(slope(&[0.0], &[1.0])[0].is_nan());
     }
 
-    /// Of a cubic at uneven times, dense at first and sparse then: least squares by a factorisation, over the samples no further than a twentieth of
-    /// a second or two places away. Far from zero of place and time, where sums of squares about zero would be rounding: a straight line
-    /// whose numbers are exact has its slope to nine digits.
+    /// Of a cubic at uneven times, dense at first and sparse then: least squares by a factorisation, over the samples no further
+    /// than a twentieth of a second or two places away. Far from zero of place and time, where sums of squares about zero would be
+    /// rounding: a straight line whose numbers are exact has its slope to nine digits.
     #[test]
     fn exact_slopes_by_a_factorisation() {
         let t: Vec<f64> = (0..30).map(|i| if i < 18 { 0.013 * f64::from(i) } else { 0.221 + 0.07 * f64::from(i - 17) }).collect();

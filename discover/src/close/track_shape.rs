@@ -124,8 +124,8 @@ mod tests {
         assert!(shapes(&channel(1), &sides).is_empty());
     }
 
-    /// Sides of ±1.7 and ±9 mm: the histogram ends at three times the lesser, or at four standard deviations of the stated noise where that is more; a
-    /// bell is drawn where its standard deviation is over a twentieth of the end.
+    /// Sides of ±1.7 and ±9 mm: the histogram ends at three times the lesser, or at four standard deviations of the stated noise
+    /// where that is more; a bell is drawn where its standard deviation is over a twentieth of the end.
     #[test]
     fn exact_ends_and_bell_of_a_distribution() {
         let flat = |size: f64| vec![residual((0..60).map(|i| if i % 2 == 0 { size } else { -size }).collect())];

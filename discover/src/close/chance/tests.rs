@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// χ² of two degrees has the tail e^(−x/2), and the best of n independent tries does as well as one does with 1 − (1 − p)ⁿ: of none never, of
-/// what is certain always. To rounding of the incomplete gamma function.
+/// χ² of two degrees has the tail e^(−x/2), and the best of n independent tries does as well as one does with 1 − (1 − p)ⁿ: of none
+/// never, of what is certain always. To rounding of the incomplete gamma function.
 #[test]
 fn exact_best_of_several() {
     for (x, tried) in [(3.1_f64, 1), (5.7, 3), (0.4, 11)] {

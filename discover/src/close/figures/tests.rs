@@ -17,8 +17,8 @@ fn exact_means_over_settings() {
     assert!(means(&time, &residual).is_some_and(|m| m.x.len() >= INTERVALS - 1));
 }
 
-/// Twelve intervals of ten neighbours each; settings of unlike counts have a share of variance of one less what is left within them. Neither
-/// the unit of a variable nor where it has its zero matters, as long as its steps are above rounding.
+/// Twelve intervals of ten neighbours each; settings of unlike counts have a share of variance of one less what is left within
+/// them. Neither the unit of a variable nor where it has its zero matters, as long as its steps are above rounding.
 #[test]
 fn exact_intervals_and_share_of_variance() {
     let time: Vec<f64> = (0..120).map(f64::from).collect();

@@ -9,8 +9,8 @@ fn exact_degrees_and_millimetres_apart() {
     assert!((angle[0] - 0.3).abs() < 1e-15 && (distance[0] - 4.2).abs() < 1e-12);
 }
 
-/// Up to a fifth more than the largest that was measured: 5 deg and 20 deg/s, in either of two runs, whatever flights reach. The area is the share
-/// inside: of three flown angles one is beyond 6 deg.
+/// Up to a fifth more than the largest that was measured: 5 deg and 20 deg/s, in either of two runs, whatever flights reach. The
+/// area is the share inside: of three flown angles one is beyond 6 deg.
 #[test]
 fn exact_ends_of_a_distribution() {
     let runs: [Vec<SwingSeries>; 2] = [

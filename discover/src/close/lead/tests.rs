@@ -1,8 +1,10 @@
-//! discover tests: the share of variance between intervals of a variable, and its chance, against one-way analysis of variance by hand.
+//! discover tests: the share of variance between intervals of a variable, and its chance, against one-way analysis of variance by
+//! hand.
 
 use super::*;
 
-/// Tail of the F distribution of 9 and 10 degrees of freedom, as the second is even: a finite sum (Abramowitz and Stegun 1964, 26.6.5).
+/// Tail of the F distribution of 9 and 10 degrees of freedom, as the second is even: a finite sum (Abramowitz and Stegun 1964,
+/// 26.6.5).
 fn tail(f: f64) -> f64 {
     let w = 10.0 / (10.0 + 9.0 * f);
     let (mut term, mut sum) = (1.0, 0.0);
@@ -13,8 +15,8 @@ fn tail(f: f64) -> f64 {
     1.0 - (1.0 - w).powf(4.5) * sum
 }
 
-/// 200 samples in no order, ten intervals of twenty: the mean of each, what is between them, and the F test of a tenth as many. To rounding of
-/// the incomplete beta function.
+/// 200 samples in no order, ten intervals of twenty: the mean of each, what is between them, and the F test of a tenth as many. To
+/// rounding of the incomplete beta function.
 #[test]
 fn exact_analysis_of_variance() {
     let x: Vec<f64> = (0..200).map(|i| f64::from(77 * i % 200)).collect();

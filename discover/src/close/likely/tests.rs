@@ -62,7 +62,8 @@ fn of_all(p: f64) -> f64 {
     1.0 - (0..CATALOGUE.len()).map(|_| 1.0 - p).product::<f64>()
 }
 
-/// A mean square 1.96 standard deviations, each 0.04, above one: 2 over a count of 20000/7, and the square of 3 % that noise is known to.
+/// A mean square 1.96 standard deviations, each 0.04, above one: 2 over a count of 20000/7, and the square of 3 % that noise is
+/// known to.
 #[test]
 fn exact_chance_of_a_channel() {
     let c = sage(1.5);
@@ -102,8 +103,8 @@ fn exact_constants_depart_from_what_is_declared() {
     assert!((line.std_error.expect("free") - 0.02).abs() < 1e-15, "{line:?}");
 }
 
-/// Two strengths of 2.1 and −1.2 standard errors apart have Wald's statistic 2.1² + 1.2², those of a random input twice their gain; χ² of two
-/// degrees has the tail e^(−x/2).
+/// Two strengths of 2.1 and −1.2 standard errors have Wald's statistic 2.1² + 1.2², those of a random input twice their gain;
+/// χ² of two degrees has the tail e^(−x/2).
 #[test]
 fn exact_chances_anywhere_in_the_catalogue() {
     let c = sage(1.5);
@@ -138,8 +139,8 @@ fn exact_checks_of_a_form() {
     assert!(held_out_gain(&side(-120.0), &side(-97.5)).is_some_and(|gain| (gain - 22.5).abs() < 1e-12));
 }
 
-/// Columns that share no information: a mean is b/(g + 1/s²), its variance 1/(g + 1/s²). Two columns of swirl, one of mass in two forms of which the
-/// likelier counts.
+/// Columns that share no information: a mean is b/(g + 1/s²), its variance 1/(g + 1/s²). Two columns of swirl, one of mass in two
+/// forms of which the likelier counts.
 #[test]
 fn exact_candidates_and_bounds() {
     let c = sage(1.5);

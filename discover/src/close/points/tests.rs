@@ -48,8 +48,8 @@ fn exact_rivals_of_one_of_two() {
     assert!(rivals(&found, 1).is_empty());
 }
 
-/// Twice 12 nats by one number, of which six runs allow (6 − 1 − ½ − 1)/6, with the tail of χ² of one degree, the error function's; the best of three
-/// families.
+/// Twice 12 nats by one number, of which six runs allow (6 − 1 − ½ − 1)/6, with the tail of χ² of one degree, the error function's;
+/// the best of three families.
 #[test]
 fn exact_chance_of_a_gain() {
     let c = drops();
@@ -68,8 +68,8 @@ fn exact_chance_of_a_gain() {
     }
 }
 
-/// A push of −1.1 ± √0.12 m/s² beside drag is under its size and 1.96 standard errors; two numbers of it were not free and have no bound. One far off is
-/// under what a body can have, 3.
+/// A push of −1.1 ± √0.12 m/s² beside drag is under its size and 1.96 standard errors; two numbers of it were not free and have no
+/// bound. One far off is under what a body can have, 3.
 #[test]
 fn exact_bounds() {
     let c = drops();
@@ -83,7 +83,8 @@ fn exact_bounds() {
     }
 }
 
-/// White noise, and no part of the residual that is not: the log-likelihood of held-out runs differs by half of the whitened squares.
+/// White noise, and no part of the residual that is not: the log-likelihood of held-out runs differs by half of the whitened
+/// squares.
 #[test]
 fn exact_gain_on_runs_held_out() {
     let mut c = drops();

@@ -5,8 +5,8 @@ use crate::close::tests::{body, campaign};
 use windfall_model::PointRecord;
 use windfall_sim::fly_point;
 
-/// A track that is t² a unit of the coefficient, measured with 0.4 more than modelled: 0.4 is found, with σ/√Σt⁴; an axis that was not
-/// measured counts for nothing.
+/// A track that is t² a unit of the coefficient, measured with 0.4 more than modelled: 0.4 is found, with σ/√Σt⁴; an axis that was
+/// not measured counts for nothing.
 #[test]
 fn exact_what_a_launch_has_beyond_the_coefficient() {
     let t: Vec<f64> = (0..50).map(|i| 0.02 * f64::from(i)).collect();
@@ -35,8 +35,8 @@ fn exact_push_of_a_parabola() {
     assert!(push(&t[..1], &e[..1], 0.002).is_none());
 }
 
-/// Launches at 6 m/s with spins of 5, 12 and 9 rev/s and 0.03 more lift than the model's line 0.1 + 0.02 n: each is found at its spin ratio 2πn r/V. A
-/// coefficient is linear to 1e-3 of the excess; error bars are 1.96 standard deviations.
+/// Launches at 5.9 m/s with spins of 5, 12 and 9 rev/s and 0.03 more lift than the model's line 0.1 + 0.02 n: each is found at its spin
+/// ratio 2πn r/V. Flights are linear in the coefficient to a hundredth of the excess; error bars are 1.96 standard deviations.
 #[test]
 fn recover_lift_of_every_launch() {
     let mut plant = body();

@@ -5,8 +5,8 @@ use crate::close::tests::sage;
 use rand::SeedableRng as _;
 use rand_distr::{Distribution, StandardNormal};
 
-/// White noise of standard deviation σ has the one-sided density 2σ²Δt at every frequency; a drift adds nothing. Bands above 5 Hz hold
-/// 200 lines and more of two runs: each is within 5/√200 of it.
+/// White noise of standard deviation σ has the one-sided density 2σ²Δt at every frequency; a drift adds nothing. Bands above 5 Hz
+/// hold 200 lines and more of two runs: each is within 5/√200 of it.
 #[test]
 fn exact_density_of_white_noise() {
     let (dt, std) = (1.0 / 150.0, 0.3);
@@ -48,7 +48,8 @@ fn exact_a_line_leaves_nothing() {
     assert!(without_line(&x).iter().all(|v| v.abs() < 0.1 * bit), "{:?}", without_line(&x));
 }
 
-/// Nine samples have four lines, each in a band of its own: 2 Δt |Σ w e^(−2πi k j/n) e|²/Σ w² of what the straight line by a factorisation leaves.
+/// Nine samples have four lines, each in a band of its own: 2 Δt |Σ w e^(−2πi k j/n) e|²/Σ w² of what the straight line by a
+/// factorisation leaves.
 #[test]
 fn exact_density_of_nine_samples() {
     let (n, dt, tau) = (9, 0.3, std::f64::consts::TAU);

@@ -4,8 +4,8 @@ use super::*;
 use crate::close::tests::sage;
 use windfall_model::{Coefficient, StaticPoint};
 
-/// Sixty steps up to the last angle, of points or of runs; the axisymmetric lander's normal force there. Bars are 1.96 standard deviations, none long where
-/// a test states none.
+/// Sixty steps up to the last angle, of points or of runs; the axisymmetric lander's normal force there. Bars are 1.96 standard
+/// deviations, none long where a test states none.
 #[test]
 fn exact_angles_and_bars() {
     let mut c = sage(1.5);

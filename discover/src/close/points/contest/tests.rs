@@ -70,9 +70,10 @@ pub(in crate::close::points) fn contest<'a>(
     }
 }
 
-/// Two families beside a declared effect, an uncertain constant, a declared parameter and a shape. The integral of a normal likelihood of
-/// covariance C about x over a normal prior of covariance P about zero is √(|C|/|C + P|) exp(−½ xᵀ(C + P)⁻¹x); where the prior is in C already,
-/// P is none. Box's factor of six runs and five numbers more than one is a quarter. To rounding of two factorisations.
+/// Two families beside a declared effect, an uncertain constant, a declared parameter and a shape. The integral of a normal
+/// likelihood of covariance C about x over a normal prior of covariance P about zero is √(|C|/|C + P|) exp(−½ xᵀ(C + P)⁻¹x); where
+/// the prior is in C already, P is none. Box's factor of six runs and five numbers more than one is a quarter. To rounding of two
+/// factorisations.
 #[test]
 fn exact_score_of_two_families() {
     let c = drops();

@@ -20,8 +20,8 @@ fn mean_product(all: &[Vec<f64>], i: usize, j: usize) -> f64 {
 
 const TWO: [[f64; 2]; 5] = [[20.0, 0.3], [35.0, 0.1], [28.0, 0.45], [50.0, 0.2], [41.0, 0.38]];
 
-/// Correlated settings of unlike units have no mean, unit scatter and no correlation. One that no run changes by more than rounding, or that follows another
-/// one, adds no direction. To rounding of an eigenvalue problem.
+/// Correlated settings of unlike units have no mean, unit scatter and no correlation. One that no run changes by more than
+/// rounding, or that follows another one, adds no direction. To rounding of an eigenvalue problem.
 #[test]
 fn exact_standard_settings_are_uncorrelated() {
     let two: Vec<Vec<f64>> = TWO.iter().map(|u| u.to_vec()).collect();
@@ -43,7 +43,8 @@ fn exact_standard_settings_are_uncorrelated() {
     assert!(scatter[0] < 1e-12 && (scatter[1] - 1.0).abs() < 1e-12, "{scatter:?}");
 }
 
-/// A run whose setting was recorded row by row counts as 64 of them, from the first to the last: of 64 rows each one, of 127 every other one.
+/// A run whose setting was recorded row by row counts as 64 of them, from the first to the last: of 64 rows each one, of 127 every
+/// other one.
 #[test]
 fn exact_mean_of_recorded_settings() {
     for rows in [64, 127] {
@@ -59,8 +60,8 @@ fn exact_mean_of_recorded_settings() {
     }
 }
 
-/// A coefficient at the settings of any run is the same in either units, whatever its constant and slopes; and back. Constant and slopes are within
-/// what a body can have, 1.5.
+/// A coefficient at the settings of any run is the same in either units, whatever its constant and slopes; and back. Constant and
+/// slopes are within what a body can have, 1.5.
 #[test]
 fn law_coefficients_are_the_same_in_either_units() {
     let two: Vec<Vec<f64>> = TWO.iter().map(|u| u.to_vec()).collect();
