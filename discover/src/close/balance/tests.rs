@@ -4,8 +4,8 @@ use super::*;
 use crate::close::tests::{body, sage};
 use windfall_model::{Aero, Coefficient, FlowState, Structure};
 
-/// Two series of unlike length and interval whose first lines share a band: means of 2 Δt |Σ w x e^(−2πi k j/n)|²/Σ w². The fifth line
-/// of the longer one is beyond 1.5 Hz.
+/// Two series of unlike length and interval whose first lines share a band: means of 2 Δt |Σ w x e^(−2πi k j/n)|²/Σ w². The fifth
+/// line of the longer one is beyond 1.5 Hz.
 #[test]
 fn exact_band_powers() {
     let value = |j: usize, c: usize| (0.7 * (j * j) as f64 + 1.3 * c as f64).sin() + 0.2 * c as f64;

@@ -35,8 +35,8 @@ fn exact_push_of_a_parabola() {
     assert!(push(&t[..1], &e[..1], 0.002).is_none());
 }
 
-/// Launches at 5.9 m/s with spins of 5, 12 and 9 rev/s and 0.03 more lift than the model's line 0.1 + 0.02 n: each is found at its spin
-/// ratio 2πn r/V. Flights are linear in the coefficient to a hundredth of the excess; error bars are 1.96 standard deviations.
+/// Launches at 5.9 m/s with spins of 5, 12 and 9 rev/s and 0.03 more lift than the model's line 0.1 + 0.02 n: each is found at its
+/// spin ratio 2πn r/V. Flights are linear in the coefficient to a hundredth of the excess; error bars are 1.96 standard deviations.
 #[test]
 fn recover_lift_of_every_launch() {
     let mut plant = body();

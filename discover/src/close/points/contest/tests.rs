@@ -160,3 +160,26 @@ fn exact_start_of_a_fit_to_forces() {
     assert_eq!(found.started(found.families[0]).values, [0.5]);
     assert_eq!(found.started(found.families[1]).values, [0.0; 3]);
 }
+
+/// A push of 1 m/s² that all drops share is found to four standard errors of 0.05; one of 6, more than any body can have, explains
+/// nothing.
+#[test]
+fn law_a_strength_beyond_any_body_explains_nothing() {
+    for (push, found_it) in [(1.0, true), (6.0, false)] {
+        let mut c = drops();
+        c.declared = vec![false];
+        for run in &mut c.runs {
+            let windfall_model::Data::Point(record) = &mut run.data else { panic!("a track") };
+            let down = record.position_m[0].as_mut().expect("measured");
+            down.iter_mut().zip(&record.t_s).for_each(|(x, t)| *x += 0.5 * push * t * t);
+        }
+        let settings = Settings::of(&c, &[]);
+        let none = scored(&[], Vec::new(), &[], 0.0, 0.0);
+        let mut near = none.fit.hypothesis.clone();
+        let found = contest(&c, &settings, none.clone(), none, Vec::new());
+        near.generic = vec![0.0; found.evidence.components()];
+        let set = found.fitted(&[1], &near);
+        assert_eq!(set.is_some(), found_it, "{push}");
+        assert!(set.is_none_or(|s| (s.fit.hypothesis.effects[0].values[0] - push).abs() < 0.2));
+    }
+}
