@@ -99,3 +99,6 @@ fn reached_rad(campaign: &Campaign) -> Result<f64, DiscoverError> {
     let all = runs_of(campaign, Use::Identify).iter().map(of).collect::<Result<Vec<f64>, _>>()?;
     Ok(all.into_iter().fold(0.0, f64::max))
 }
+
+#[cfg(test)]
+mod tests;

@@ -93,7 +93,7 @@ impl<'a> BalanceResidual<'a> {
     /// Spectra of the six residuals under a plant, runs joined.
     pub(super) fn spectra(&self, plant: &Plant) -> [BandPowers; 6] {
         let all = self.runs.par_iter().map(|r| (self.left(r.index, &r.smoothed, plant), r.smoothed.interval_s));
-        self.banded(&all.collect::<Vec<_>>())
+        banded(&all.collect::<Vec<_>>(), self.top_hz())
     }
 
     /// Spectra that the sensors' noise leaves under a plant: of what each copy adds.
@@ -104,38 +104,37 @@ impl<'a> BalanceResidual<'a> {
             r.copies.iter().map(|c| (minus(self.left(r.index, c, plant)), r.smoothed.interval_s)).collect()
         };
         let all: Vec<Vec<(Left, f64)>> = self.runs.par_iter().map(added).collect();
-        self.banded(&all.concat())
+        banded(&all.concat(), self.top_hz())
     }
+}
 
-    /// Periodograms under a sine taper, averaged over bands of frequency and over series.
-    fn banded(&self, series: &[(Left, f64)]) -> [BandPowers; 6] {
-        let top = self.top_hz();
-        let mut sums = [[(0.0, 0.0, 0.0); BANDS]; 6];
-        let mut planner = RealFftPlanner::new();
-        for (left, dt) in series.iter().filter(|(l, _)| l.len() > 1) {
-            let n = left.len();
-            let taper: Vec<f64> = (0..n).map(|i| (std::f64::consts::PI * (i as f64 + 0.5) / n as f64).sin()).collect();
-            let power: f64 = taper.iter().map(|w| w * w).sum();
-            let fft = planner.plan_fft_forward(n);
-            let (mut input, mut output) = (fft.make_input_vec(), fft.make_output_vec());
-            for (c, sums) in sums.iter_mut().enumerate() {
-                input.iter_mut().zip(left).zip(&taper).for_each(|((x, l), w)| *x = l[c] * w);
-                if fft.process(&mut input, &mut output).is_err() {
-                    continue;
+/// Periodograms under a sine taper up to a frequency (Hz), averaged over bands and over series with their intervals (s).
+fn banded(series: &[(Left, f64)], top: f64) -> [BandPowers; 6] {
+    let mut sums = [[(0.0, 0.0, 0.0); BANDS]; 6];
+    let mut planner = RealFftPlanner::new();
+    for (left, dt) in series.iter().filter(|(l, _)| l.len() > 1) {
+        let n = left.len();
+        let taper: Vec<f64> = (0..n).map(|i| (std::f64::consts::PI * (i as f64 + 0.5) / n as f64).sin()).collect();
+        let power: f64 = taper.iter().map(|w| w * w).sum();
+        let fft = planner.plan_fft_forward(n);
+        let (mut input, mut output) = (fft.make_input_vec(), fft.make_output_vec());
+        for (c, sums) in sums.iter_mut().enumerate() {
+            input.iter_mut().zip(left).zip(&taper).for_each(|((x, l), w)| *x = l[c] * w);
+            if fft.process(&mut input, &mut output).is_err() {
+                continue;
+            }
+            for (k, z) in output.iter().enumerate().skip(1) {
+                let f = k as f64 / (n as f64 * dt);
+                if f > top {
+                    break;
                 }
-                for (k, z) in output.iter().enumerate().skip(1) {
-                    let f = k as f64 / (n as f64 * dt);
-                    if f > top {
-                        break;
-                    }
-                    let b = (0..BANDS).rev().find(|b| f >= top * *b as f64 / BANDS as f64).unwrap_or(0);
-                    let s = &mut sums[b];
-                    *s = (s.0 + f, s.1 + 2.0 * dt * z.norm_sqr() / power, s.2 + 1.0);
-                }
+                let b = (0..BANDS).rev().find(|b| f >= top * *b as f64 / BANDS as f64).unwrap_or(0);
+                let s = &mut sums[b];
+                *s = (s.0 + f, s.1 + 2.0 * dt * z.norm_sqr() / power, s.2 + 1.0);
             }
         }
-        sums.map(|bands| bands.iter().filter(|s| s.2 > 0.0).map(|s| (s.0 / s.2, s.1 / s.2)).collect())
     }
+    sums.map(|bands| bands.iter().filter(|s| s.2 > 0.0).map(|s| (s.0 / s.2, s.1 / s.2)).collect())
 }
 
 /// Coefficients about the origin beyond the plant's.
@@ -158,3 +157,6 @@ fn noisy(record: &Record, sensors: &Sensors, (seed, stream): (u64, u64)) -> Reco
     }
     copy
 }
+
+#[cfg(test)]
+mod tests;

@@ -23,3 +23,6 @@ pub(super) fn p_least(c: &[ChannelResidual]) -> f64 {
     let least = c.iter().map(|x| x.p_value).fold(1.0, f64::min);
     p_value_of_best(least, c.len())
 }
+
+#[cfg(test)]
+mod tests;

@@ -137,4 +137,16 @@ mod tests {
         assert!((area - 0.75).abs() < 1e-4, "{area}");
         assert!(s.y[2 * BINS - 1] == 0.0 && s.y[4] > 0.0, "{:?}", s.y);
     }
+
+    /// Forty bins from −1.3 to 0.9 are 0.055 wide, each with both of its ends.
+    #[test]
+    fn exact_ends_of_bins() {
+        let s = histogram(Role::After, &[], [-1.3, 0.9]);
+        assert_eq!(s.x.len(), 80);
+        for (k, x) in s.x.chunks(2).enumerate() {
+            let left = -1.3 + 0.055 * k as f64;
+            // Six digits are kept.
+            assert!((x[0] - left).abs() < 1e-5 && (x[1] - left - 0.055).abs() < 1e-5, "{k}: {x:?}");
+        }
+    }
 }

@@ -10,7 +10,7 @@ use super::track_shape::{ShapeChannel, shapes};
 use super::whitened::whitened;
 use super::{Closing, Options, Verdict, runs_of};
 use crate::DiscoverError;
-use crate::residual::LeadTable;
+use crate::residual::{ChannelResidual, LeadTable};
 use crate::tracks::{TrackEvidence, TrackResidual, stated_std};
 use windfall_model::{Campaign, Coefficient, Measured, Plant, Use};
 
@@ -103,18 +103,17 @@ fn spectra(balance: &BalanceResidual<'_>, sides: &Sides) -> Vec<Figure> {
     Coefficient::ALL.iter().enumerate().map(one).collect()
 }
 
+/// Place, size over noise and name of the channels beyond noise.
+fn beyond_noise(channels: &[ChannelResidual], false_alarm: f64) -> Vec<(usize, f64, String)> {
+    let beyond = channels.iter().enumerate().filter(|(_, c)| c.p_value < false_alarm);
+    beyond.map(|(k, c)| (k, c.rms / c.expected_rms, c.channel.clone())).collect()
+}
+
 /// The channels beyond noise, highest first, each over the variable that its slow part follows best.
 fn over_variables(of: &dyn Fn(&Plant) -> LeadTable, sides: &Sides, closing: &Closing) -> Vec<Figure> {
     // Of a lander the residual's channels are those of the instruments; forces and moments are shown, the largest share first.
     let tunnel = closing.residual.per_channel.len() > of(&sides.before).residuals.len();
-    let mut channels: Vec<(usize, f64, String)> = closing
-        .residual
-        .per_channel
-        .iter()
-        .enumerate()
-        .filter(|(_, c)| !tunnel && c.p_value < closing.false_alarm_rate)
-        .map(|(k, c)| (k, c.rms / c.expected_rms, c.channel.clone()))
-        .collect();
+    let mut channels = if tunnel { Vec::new() } else { beyond_noise(&closing.residual.per_channel, closing.false_alarm_rate) };
     if tunnel && closing.verdict != Verdict::Consistent {
         let table = slow(of(&sides.before));
         channels = Coefficient::ALL
@@ -281,21 +280,4 @@ fn track_shapes(campaign: &Campaign, all: &[(Role, Vec<TrackResidual>)]) -> Vec<
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A variable of three values gives three means, one of a single value none; of a smooth one all intervals.
-    #[test]
-    fn exact_means_over_settings() {
-        let setting: Vec<f64> = (0..90).map(|i| f64::from(i % 3)).collect();
-        let residual: Vec<f64> = (0..90).map(|i| f64::from(i % 3) * 2.0 + if i % 2 == 0 { 0.1 } else { -0.1 }).collect();
-        let m = means(&setting, &residual).expect("three settings");
-        assert_eq!(m.x, [0.0, 1.0, 2.0]);
-        assert!(m.y.iter().zip([0.0, 2.0, 4.0]).all(|(a, b)| (a - b).abs() < 0.02) && m.share > 0.9);
-        assert!(means(&[0.238; 90], &residual).is_none());
-        let rounded: Vec<f64> = (0..90).map(|i| if i % 2 == 0 { 0.238 } else { 0.238 + 3e-17 }).collect();
-        assert!(means(&rounded, &residual).is_none());
-        let time: Vec<f64> = (0..90).map(f64::from).collect();
-        assert!(means(&time, &residual).is_some_and(|m| m.x.len() >= INTERVALS - 1));
-    }
-}
+mod tests;

@@ -3,6 +3,7 @@
 
 use super::figure::{Figure, Role, Series, Topic, histogram, thinned};
 use super::sides::Sides;
+use super::tracks::times;
 use crate::DiscoverError;
 use rayon::prelude::*;
 use windfall_model::{Campaign, Data, Record};
@@ -36,7 +37,7 @@ pub(super) fn held_out(campaign: &Campaign, held: &[usize], sides: &Sides) -> Re
 fn flown_again(campaign: &Campaign, index: usize, sides: &Sides) -> Result<(Vec<Figure>, Vec<SwingSeries>), DiscoverError> {
     let run = &campaign.runs[index];
     let Data::Tunnel(record) = &run.data else { return Err(ReplayError::NotTunnel { run: run.name.clone() }.into()) };
-    let t_s: Vec<f64> = record.t_s.iter().map(|t| t - record.t_s[0]).collect();
+    let t_s = times(&record.t_s, 1);
     let mut swings: Vec<SwingSeries> = Vec::new();
     let (mut attitude, mut position) = (Vec::new(), Vec::new());
     for (role, plant) in sides.each() {
@@ -47,10 +48,9 @@ fn flown_again(campaign: &Campaign, index: usize, sides: &Sides) -> Result<(Vec<
         }
         let flown = replay.fly_as_far_as_it_goes(estimate_initial(record, &own)?.release)?.record;
         swings.push((role, swing(&flown, &replay)?));
-        let errors: Vec<TrajectoryError> = instant_errors(record, &flown);
-        let of = |f: fn(&TrajectoryError) -> f64| errors.iter().map(f).collect::<Vec<f64>>();
-        attitude.push(thinned(role, &t_s, &of(|e| e.attitude_rms_deg)));
-        position.push(thinned(role, &t_s, &of(|e| 1e3 * e.position_rms_m)));
+        let [angle_deg, distance_mm] = apart(&instant_errors(record, &flown));
+        attitude.push(thinned(role, &t_s, &angle_deg));
+        position.push(thinned(role, &t_s, &distance_mm));
     }
     let figure = |title: &str, y_label: &str, series: Vec<Series>| Figure {
         topic: Topic::Trajectory,
@@ -65,6 +65,12 @@ fn flown_again(campaign: &Campaign, index: usize, sides: &Sides) -> Result<(Vec<
     all.push(figure("attitude error", "angle to measured (deg)", attitude));
     all.push(figure("position error", "distance to measured (mm)", position));
     Ok((all, swings))
+}
+
+/// Angles, deg, and distances, mm.
+fn apart(errors: &[TrajectoryError]) -> [Vec<f64>; 2] {
+    let (angles, distances) = errors.iter().map(|e| (e.attitude_rms_deg, 1e3 * e.position_rms_m)).unzip();
+    [angles, distances]
 }
 
 fn swing(record: &Record, replay: &Replay) -> Result<[Vec<f64>; 2], DiscoverError> {
@@ -90,3 +96,6 @@ fn distributions(kind: &str, runs: &[&Vec<SwingSeries>]) -> Vec<Figure> {
     };
     SWING.into_iter().enumerate().map(one).collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -98,4 +98,15 @@ mod tests {
             assert!((r - sign * (1.0 - lag / 1000.0)).abs() < 1e-4, "{lag}: {r}");
         }
     }
+
+    /// Four crooked numbers: sums of products by hand.
+    #[test]
+    fn exact_correlation_of_four() {
+        let x = [0.7, -1.9, 3.1, 0.4];
+        let rows = x.iter().map(|x| [*x; POSE]).collect();
+        let s = shape(&[Innovations { run: 0, step_s: 0.02, rows }], 1);
+        let square = 0.49 + 3.61 + 9.61 + 0.16;
+        let products = [-1.33 - 5.89 + 1.24, 2.17 - 0.76, 0.28, 0.0];
+        assert!(s.autocorrelation.iter().zip(products).all(|(r, p)| (r - p / square).abs() < 1e-6), "{:?}", s.autocorrelation);
+    }
 }

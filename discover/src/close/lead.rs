@@ -29,11 +29,7 @@ pub(super) fn describe(
                 .filter_map(|(name, x)| Some((name, curve(x, table.residuals.get(k)?)?)))
                 .max_by(|a, b| a.1.share.total_cmp(&b.1.share));
             let varies = match curve {
-                Some((name, c)) if c.p_value < options.false_alarm => format!(
-                    "; {:.0} % of its variance below 2 Hz follows {name}: {}",
-                    100.0 * c.share,
-                    c.points.iter().map(|(x, y)| format!("{x:.3}→{y:+.2e}")).collect::<Vec<_>>().join(", ")
-                ),
+                Some((name, c)) if c.p_value < options.false_alarm => follows(name, &c),
                 _ => "; no flow variable, position or time explains it".to_owned(),
             };
             let peak =
@@ -41,6 +37,11 @@ pub(super) fn describe(
             Unexplained { channel: c.channel.clone(), description: format!("{size}{varies}{peak}") }
         })
         .collect()
+}
+
+fn follows(name: &str, c: &Curve) -> String {
+    let points: Vec<String> = c.points.iter().map(|(x, y)| format!("{x:.3}→{y:+.2e}")).collect();
+    format!("; {:.0} % of its variance below 2 Hz follows {name}: {}", 100.0 * c.share, points.join(", "))
 }
 
 struct Curve {
@@ -73,3 +74,6 @@ fn curve(x: &[f64], y: &[f64]) -> Option<Curve> {
     let p_value = FisherSnedecor::new(d1, d2).ok()?.sf(f);
     Some(Curve { share: between / total, p_value, points })
 }
+
+#[cfg(test)]
+mod tests;

@@ -64,7 +64,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         noise: noise(campaign, &engine, &indices, &found),
         innovations: super::innovations::lines(&engine, &before.model, &after.model),
         constants: constants(engine.campaign(), after),
-        sets: sets(&found),
+        sets: sets(&found.sets, &found.stand_ins),
         candidates: candidates(&found),
         bounds: bounds(&found),
         unexplained,
@@ -192,7 +192,7 @@ fn effect_line(
         parameters,
         p_value: p_of(k, m, found),
         probability: Some(probability),
-        rivals: rivals(found, family),
+        rivals: rivals(&found.sets, family),
         form: Some(Form {
             ok: unexplained.is_empty(),
             checks: std::iter::once(("the best of all generic alternatives", -strongest))
@@ -384,3 +384,6 @@ fn side(campaign: &Campaign, engine: &Engine, fit: &Fit, held: &[usize], options
     };
     After { parameters: parameters(campaign, fit), hold_out }
 }
+
+#[cfg(test)]
+mod tests;

@@ -326,3 +326,6 @@ fn parameter_lines(campaign: &Campaign, fit: &TrackFit) -> Vec<ParameterLine> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests;

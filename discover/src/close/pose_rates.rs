@@ -77,4 +77,32 @@ mod tests {
         }
         assert!((all[4][0] - 10.0).abs() < 1e-9 && all[5][0].abs() < 1e-9, "from below at first");
     }
+
+    /// A turn about one slanting axis of the body by an angle that grows with the cube of time: over the times that are no further
+    /// than a twentieth of a second, two on either side at least, of samples that are dense at first and sparse then.
+    #[test]
+    fn exact_turn_about_a_slanting_axis() {
+        let axis = [2.0 / 7.0, -3.0 / 7.0, 6.0 / 7.0];
+        let angle = |t: f64| 0.4 * t + 1.1 * t * t * t;
+        let t: Vec<f64> = (0..40).map(|i| if i < 25 { 0.012 * f64::from(i) } else { 0.288 + 0.08 * f64::from(i - 24) }).collect();
+        let turned = |t: &f64| {
+            Rotation::<Tunnel, Body>::from_matrix(
+                nalgebra::Rotation3::from_scaled_axis(nalgebra::Vector3::from(axis) * angle(*t)).into_inner(),
+            )
+        };
+        let attitude: Vec<_> = t.iter().map(turned).collect();
+        let all = rates(&t, &vec![[0.0; 3]; t.len()], &attitude);
+        for i in 0..t.len() {
+            let near = |j: &usize| (t[*j] - t[i]).abs() < 0.05 || j.abs_diff(i) <= 2;
+            let window: Vec<f64> = (0..t.len()).filter(near).map(|j| t[j]).collect();
+            let (from, to) = (window[0], window[window.len() - 1]);
+            let rate = ((angle(to) - angle(from)) / (to - from)).to_degrees();
+            // Rounding of a rotation matrix over a tenth of a second.
+            assert!(
+                (0..3).all(|k| (all[k][i] - rate * axis[k]).abs() < 1e-10),
+                "{i}: {:?} {rate}",
+                [all[0][i], all[1][i], all[2][i]]
+            );
+        }
+    }
 }

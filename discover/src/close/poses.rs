@@ -89,23 +89,4 @@ fn series(t_s: &[f64], poses: &[Pose]) -> Vec<Vec<f64>> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::series;
-    use windfall_model::frames::{EulerNed, Rotation};
-
-    /// Angles that come from the aerospace sequence are it, and a heading that passes half a turn goes on.
-    #[test]
-    fn exact_roll_pitch_and_heading() {
-        let poses: Vec<_> = [3.0, 3.2]
-            .map(|psi_rad| {
-                let e = EulerNed { psi_rad, theta_rad: -0.2, phi_rad: 0.1 }.to_xyz().r_tunnel_body();
-                ([1.0, 2.0, 3.0], Rotation::from_matrix(e.matrix))
-            })
-            .to_vec();
-        let all = series(&[0.0, 0.1], &poses);
-        for (channel, expected) in all[3..6].iter().zip([[0.1_f64, 0.1], [-0.2, -0.2], [3.0, 3.2]]) {
-            // Six digits are kept.
-            assert!(channel.iter().zip(expected).all(|(a, b)| (a - b.to_degrees()).abs() < 1e-3), "{channel:?} {expected:?}");
-        }
-    }
-}
+mod tests;

@@ -418,4 +418,16 @@ mod tests {
         let of = |estimate| ParameterLine::new("", "rms", estimate, 0.5, "m/s").rse_percent;
         assert_eq!((of(0.0), of(-2.0)), (None, Some(25.0)));
     }
+
+    /// 1.96 standard errors to either side; an angle on a pivot is the arm's times as far along the path.
+    #[test]
+    fn exact_interval_and_path_of_an_angle() {
+        let [low, high] = ParameterLine::new("", "CD", 3.0, 0.5, "-").ci95.expect("an error");
+        assert!((low - 2.02).abs() < 1e-15 && (high - 3.98).abs() < 1e-15, "{low} {high}");
+        let pivot = Pivot { arm_m: 0.3, inertia_kg_m2: 1.0, viscous_n_m_s: 0.0, dry_n_m: 0.0 };
+        let held = HeldOut::of_points(Measured::Angle, 0.02, Some(pivot), None);
+        assert!((held.position_rms_m.expect("an arm") - 0.006).abs() < 1e-15);
+        let angle_deg = held.trajectory.and_then(|t| t.attitude_rms_deg).expect("an angle");
+        assert!((angle_deg - 3.6 / std::f64::consts::PI).abs() < 1e-12, "{angle_deg}");
+    }
 }

@@ -4,10 +4,10 @@ use super::result::SetLine;
 use windfall_likelihood::{Discovery, FamilySet};
 
 /// Sets with their probabilities, down to a thousandth; what only stands for something else is in none.
-pub(super) fn sets(found: &Discovery) -> Vec<SetLine> {
+pub(super) fn sets(sets: &[FamilySet], stand_ins: &[&str]) -> Vec<SetLine> {
     let mut all: Vec<SetLine> = Vec::new();
-    for (set, probability) in found.sets.iter().zip(weights(&found.sets)) {
-        let named = set.families.iter().filter(|f| !found.stand_ins.contains(f));
+    for (set, probability) in sets.iter().zip(weights(sets)) {
+        let named = set.families.iter().filter(|f| !stand_ins.contains(f));
         let families: Vec<String> = named.map(|f| (*f).to_owned()).collect();
         match all.iter_mut().find(|line| line.families == families) {
             Some(line) => line.probability += probability,
@@ -55,15 +55,15 @@ pub(super) fn unsettled(contradicted: &[&str]) -> String {
 
 /// Families that take this one's place at odds of less than twenty, or whose best fit is less than that from the best set's: how plausible a
 /// size was beforehand does not say that the runs tell two families apart.
-pub(super) fn rivals(found: &Discovery, family: &str) -> Vec<String> {
-    let Some(best) = found.sets.first() else { return Vec::new() };
+pub(super) fn rivals(sets: &[FamilySet], family: &str) -> Vec<String> {
+    let Some(best) = sets.first() else { return Vec::new() };
     let rest: Vec<&str> = best.families.iter().copied().filter(|f| *f != family).collect();
     let in_its_place = |s: &&FamilySet| {
         s.families.len() == best.families.len() && !s.families.contains(&family) && rest.iter().all(|r| s.families.contains(r))
     };
     let near = |s: &&FamilySet| best.gain - s.gain < RIVAL.ln() || best.fit - s.fit < RIVAL.ln();
     let mut all: Vec<String> = Vec::new();
-    for other in found.sets.iter().filter(in_its_place).filter(near).flat_map(|s| &s.families).filter(|f| !rest.contains(f)) {
+    for other in sets.iter().filter(in_its_place).filter(near).flat_map(|s| &s.families).filter(|f| !rest.contains(f)) {
         if !all.iter().any(|f| f == other) {
             all.push((*other).to_owned());
         }
@@ -90,5 +90,38 @@ mod tests {
             ["swirl", "magnus", "mass", "inertia", "contact"].map(|f| is_unlikely(&sets, f)),
             [false, false, false, true, true]
         );
+    }
+
+    fn set(families: &[&'static str], gain: f64, fit: f64) -> FamilySet {
+        FamilySet { families: families.to_vec(), gain, fit }
+    }
+
+    /// Gains of hundreds of nats have probabilities too. Sets that differ by what only stands for something else are one.
+    #[test]
+    fn exact_sets_that_are_named_alike() {
+        let all = [set(&["magnus"], 900.0, 0.0), set(&["magnus", "turbulence"], 898.0, 0.0), set(&["mass"], 897.0, 0.0)];
+        let weights = [1.0, (-2.0_f64).exp(), (-3.0_f64).exp()];
+        let sum: f64 = weights.iter().sum();
+        let lines = sets(&all, &["turbulence"]);
+        let expected = [("magnus", (weights[0] + weights[1]) / sum), ("mass", weights[2] / sum)];
+        assert_eq!(lines.len(), 2);
+        for (line, (family, probability)) in lines.iter().zip(expected) {
+            assert!(line.families == [family] && (line.probability - probability).abs() < 1e-12, "{line:?}");
+        }
+    }
+
+    /// ln 20 is 2.996: a family takes another's place within it by plausibility or by fit alone, and in the best set's company
+    /// only.
+    #[test]
+    fn exact_rivals_within_twenty_to_one() {
+        let best = set(&["magnus", "swirl"], 40.0, 70.0);
+        let near = set(&["mass", "swirl"], 37.1, 10.0);
+        let fits = set(&["inertia", "swirl"], 4.0, 67.1);
+        let far = set(&["contact", "swirl"], 36.9, 66.9);
+        let alone = set(&["drag"], 39.0, 69.0);
+        let other = set(&["draught", "mass"], 39.0, 69.0);
+        let all = [best, near, fits, far, alone, other];
+        assert_eq!(rivals(&all, "magnus"), ["mass", "inertia"]);
+        assert!(rivals(&all, "swirl").is_empty());
     }
 }

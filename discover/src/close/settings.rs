@@ -163,36 +163,4 @@ fn push(t_s: &[f64], residual_m: &[f64], std_m: f64) -> Option<(f64, f64)> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A track that is t² a unit of the coefficient, measured with 0.4 more than modelled: 0.4 is found, with σ/√Σt⁴; an axis that was not
-    /// measured counts for nothing.
-    #[test]
-    fn exact_what_a_launch_has_beyond_the_coefficient() {
-        let t: Vec<f64> = (0..50).map(|i| 0.02 * f64::from(i)).collect();
-        let of = |more: f64| {
-            let axis: Vec<f64> = t.iter().map(|t| (0.4 - more) * t * t).collect();
-            let residual_m = [Some(axis), None, None, None, None, None];
-            let (t_s, position_m, velocity_m_s) = (t.clone(), [0.0; 3], [1.0, 0.0, 0.0]);
-            TrackResidual { run: 0, measured: Measured::Position, t_s, residual_m, position_m, velocity_m_s }
-        };
-        let (found, std) = extra(&of(0.0), &of(STEP), 0.001).expect("a slope");
-        let sum: f64 = t.iter().map(|t| t.powi(4)).sum();
-        assert!((found - 0.4).abs() < 1e-9 && (std - 0.001 / sum.sqrt()).abs() < 1e-12, "{found} {std}");
-        assert!(extra(&of(0.0), &of(0.0), 0.001).is_none(), "nothing follows the coefficient");
-    }
-
-    /// A residual of 3 mm + 0.2 m/s t + 0.7 m/s² t²/2 is a push of 0.7 m/s². Of n even samples over T its standard deviation tends to
-    /// σ √720/(T² √n); at 200 samples it is within 2 %.
-    #[test]
-    fn exact_push_of_a_parabola() {
-        let t: Vec<f64> = (0..200).map(|i| 0.004 * f64::from(i)).collect();
-        let e: Vec<f64> = t.iter().map(|t| 0.003 + 0.2 * t + 0.35 * t * t).collect();
-        let (found, std) = push(&t, &e, 0.002).expect("three numbers of 200");
-        assert!((found - 0.7).abs() < 1e-9, "{found}");
-        let limit = 0.002 * 720.0_f64.sqrt() / (0.8_f64.powi(2) * 200.0_f64.sqrt());
-        assert!((std / limit - 1.0).abs() < 0.02, "{std} {limit}");
-        assert!(push(&t[..1], &e[..1], 0.002).is_none());
-    }
-}
+mod tests;

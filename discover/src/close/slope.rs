@@ -51,4 +51,23 @@ mod tests {
         assert!(slope(&t, &t).iter().all(|v| (v - 1.0).abs() < 1e-9));
         assert!(slope(&[0.0], &[1.0])[0].is_nan());
     }
+
+    /// Of a cubic at uneven times, dense at first and sparse then: least squares by a factorisation, over the samples no further
+    /// than a twentieth of a second or two places away. Far from zero of place and time, where sums of squares about zero would be
+    /// rounding: a straight line whose numbers are exact has its slope to nine digits.
+    #[test]
+    fn exact_slopes_by_a_factorisation() {
+        let t: Vec<f64> = (0..30).map(|i| if i < 18 { 0.013 * f64::from(i) } else { 0.221 + 0.07 * f64::from(i - 17) }).collect();
+        let x: Vec<f64> = t.iter().map(|t| 2.0 - t + 3.0 * t * t * t).collect();
+        for (i, found) in slope(&t, &x).iter().enumerate() {
+            let near: Vec<usize> = (0..30_usize).filter(|j| (t[*j] - t[i]).abs() < 0.05 || j.abs_diff(i) <= 2).collect();
+            let a = nalgebra::DMatrix::from_fn(near.len(), 2, |r, c| if c == 0 { 1.0 } else { t[near[r]] });
+            let b = nalgebra::DVector::from_fn(near.len(), |r, _| x[near[r]]);
+            let line = a.svd(true, true).solve(&b, 1e-12).expect("a solution");
+            assert!((found - line[1]).abs() < 1e-10, "{i}: {found} {}", line[1]);
+        }
+        let t: Vec<f64> = (0..40).map(|k| 4096.0 + f64::from(k) / 64.0).collect();
+        let x: Vec<f64> = (0..40).map(|k| 1_999_999_999.0 + 0.375 * f64::from(k)).collect();
+        assert!(slope(&t, &x).iter().all(|v| (v / 24.0 - 1.0).abs() < 1e-8), "{:?}", slope(&t, &x));
+    }
 }

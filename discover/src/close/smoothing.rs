@@ -144,46 +144,4 @@ fn without_line(x: &[f64]) -> Vec<f64> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use rand::SeedableRng as _;
-    use rand_distr::{Distribution, StandardNormal};
-
-    /// White noise of standard deviation σ has the one-sided density 2σ²Δt at every frequency; a drift adds nothing. Bands above 5 Hz hold
-    /// 200 lines and more of two runs: each is within 5/√200 of it.
-    #[test]
-    fn exact_density_of_white_noise() {
-        let (dt, std) = (1.0 / 150.0, 0.3);
-        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
-        let mut run = |n: usize, slope: f64| -> Vec<f64> {
-            (0..n).map(|i| slope * i as f64 + std * Distribution::<f64>::sample(&StandardNormal, &mut rng)).collect()
-        };
-        let (a, b) = (run(6000, 0.01), run(9000, -0.02));
-        let found = density(&[(&a, dt), (&b, dt)]);
-        let above: Vec<_> = found.iter().filter(|(f, _)| *f > 5.0).collect();
-        assert!(above.len() > 20);
-        for (f, p) in above {
-            assert!((p / (2.0 * std * std * dt) - 1.0).abs() < 5.0 / 200.0_f64.sqrt(), "{f} Hz: {p}");
-        }
-    }
-
-    /// A swing stands in the band of its frequency, a ninetieth of three decades wide, and a drift beside it in none.
-    #[test]
-    fn exact_place_of_a_swing() {
-        let (dt, f) = (0.01, 3.0);
-        let x: Vec<f64> =
-            (0..10_000).map(|i| f64::from(i) * dt).map(|t| 2.0 * (std::f64::consts::TAU * f * t).cos() + 0.5 * t).collect();
-        let found = density(&[(&x, dt)]);
-        let top = found.iter().max_by(|a, b| a.1.total_cmp(&b.1)).expect("bands");
-        let width = 5000.0_f64.powf(1.0 / BANDS as f64) - 1.0;
-        assert!((top.0 / f - 1.0).abs() < width, "{}", top.0);
-        let far = found.iter().filter(|(at, _)| !(0.5..2.0).contains(&(at / f))).map(|p| p.1).fold(0.0, f64::max);
-        assert!(far < 1e-4 * top.1, "{far} of {}", top.1);
-    }
-
-    #[test]
-    fn exact_a_line_leaves_nothing() {
-        let x: Vec<f64> = (0..50).map(|i| 3.0 - 0.25 * f64::from(i)).collect();
-        assert!(without_line(&x).iter().all(|v| v.abs() < 1e-12));
-    }
-}
+mod tests;

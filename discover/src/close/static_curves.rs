@@ -45,3 +45,6 @@ fn points(s: &StaticPoints) -> Series {
         points: true,
     }
 }
+
+#[cfg(test)]
+mod tests;

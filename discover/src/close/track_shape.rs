@@ -123,4 +123,38 @@ mod tests {
         }
         assert!(shapes(&channel(1), &sides).is_empty());
     }
+
+    /// Sides of ±1.7 and ±9 mm: the histogram ends at three times the lesser, or at four standard deviations of the stated noise
+    /// where that is more; a bell is drawn where its standard deviation is over a twentieth of the end.
+    #[test]
+    fn exact_ends_and_bell_of_a_distribution() {
+        let flat = |size: f64| vec![residual((0..60).map(|i| if i % 2 == 0 { size } else { -size }).collect())];
+        let sides = [(Role::Before, flat(0.009)), (Role::After, flat(0.0017))];
+        for (std_mm, end, drawn) in [(0.2, 5.1, false), (0.3, 5.1, true), (2.0, 8.0, true)] {
+            let c = ShapeChannel { place: 0, name: "X", per_unit: 1e3, unit: "mm", stated_std: 1e-3 * std_mm };
+            let all = shapes(&c, &sides);
+            let own = &all[0].series[all[0].series.len() - 1];
+            assert!((own.x[79] - end).abs() < 1e-4 && (own.x[0] + end).abs() < 1e-4, "{std_mm}: {:?}", own.x);
+            assert_eq!(all[0].series[0].role == Role::Noise, drawn, "{std_mm}");
+            if drawn {
+                let bell = &all[0].series[0];
+                assert!((bell.x[80] - 4.0 * std_mm).abs() < 1e-5 && (bell.x[50] - std_mm).abs() < 1e-5, "{:?}", bell.x);
+                let one = (-0.5_f64).exp() / (std_mm * std::f64::consts::TAU.sqrt());
+                assert!((bell.y[50] / one - 1.0).abs() < 1e-5, "{} {one}", bell.y[50]);
+            }
+            // 19 of 20 correlations of 60 numbers without any are within ±1.96/√60.
+            let bounds = [&all[1].series[0], &all[1].series[1]].map(|s| s.y[7]);
+            assert!((bounds[0] - 0.253_035).abs() < 1e-6 && (bounds[1] + 0.253_035).abs() < 1e-6, "{bounds:?}");
+        }
+    }
+
+    /// Two runs of crooked numbers: products within each, by hand.
+    #[test]
+    fn exact_correlation_of_two_short_runs() {
+        let r = autocorrelation(&[vec![0.7, -1.9, 3.1], vec![0.4, 2.0]]);
+        let square = 0.49 + 3.61 + 9.61 + 0.16 + 4.0;
+        for (found, product) in r.iter().zip([-1.33 - 5.89 + 0.8, 2.17, 0.0]) {
+            assert!((found - product / square).abs() < 1e-6, "{r:?}");
+        }
+    }
 }

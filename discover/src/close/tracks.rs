@@ -82,11 +82,16 @@ fn identified(campaign: &Campaign, found: &Identification) -> Result<Plant, Disc
     Ok(set.plant(&campaign.plant)?)
 }
 
+/// Diameter of the circle of an area.
+fn circle_m(area_m2: f64) -> f64 {
+    2.0 * (area_m2 / std::f64::consts::PI).sqrt()
+}
+
 pub(super) fn empty(campaign: &Campaign) -> SignalTracks {
     let plant = &campaign.plant;
     let tether = plant.tether.as_ref().filter(|_| !campaign.has_tracks());
     // Of a rigid body in free flight nothing is known of its shape but an area.
-    let of_area = |f: &windfall_model::FreeFlight| 2.0 * (f.area_m2 / std::f64::consts::PI).sqrt();
+    let of_area = |f: &windfall_model::FreeFlight| circle_m(f.area_m2);
     let body = BodyShape {
         rigid: !campaign.has_tracks(),
         free: campaign.measured() == Measured::Pose,
@@ -251,3 +256,6 @@ fn rate(kind: Measured, t_s: &[f64], series: &[&[f64]]) -> Option<(&'static str,
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -87,4 +87,30 @@ mod tests {
             assert!(*f > 0.85 && *f < 1.15 || (y - if *f < 1.0 { 2.0 } else { 1.0 }).abs() < 1e-9, "{f} {y}");
         }
     }
+
+    /// Twenty-four bands, each with its mean frequency; numbers of one size have it in all of them.
+    #[test]
+    fn exact_every_band_is_there() {
+        let numbers: Vec<[f64; 2]> = (1..=4000).map(|k| [0.01 * f64::from(k), 1.7]).collect();
+        let s = banded(Role::After, &numbers);
+        assert!(s.y.len() > 20 && s.y.iter().all(|y| (y - 1.7).abs() < 1e-5), "{s:?}");
+        let last: Vec<f64> = numbers.iter().map(|n| n[0]).filter(|f| *f >= 40.0 * 4000.0_f64.powf(-1.0 / 24.0)).collect();
+        let mean = last.iter().sum::<f64>() / last.len() as f64;
+        assert!((s.x[s.x.len() - 1] / mean - 1.0).abs() < 1e-4, "{} {mean}", s.x[s.x.len() - 1]);
+    }
+
+    /// The standard normal density, and a histogram between five standard deviations to either side.
+    #[test]
+    fn exact_bell_and_ends() {
+        let numbers = [[1.0, 0.3], [2.0, -4.9]];
+        let f = distribution("X", &[(Role::Before, &numbers)]);
+        let (bell, own) = (&f.series[0], &f.series[1]);
+        assert!((bell.x[0] + 4.0).abs() < 1e-12 && (bell.x[80] - 4.0).abs() < 1e-12, "{:?}", bell.x);
+        // Tables of the normal density.
+        for (at, density) in [(0, 0.000_133_830), (30, 0.241_971), (40, 0.398_942), (55, 0.129_518)] {
+            assert!((bell.y[at] - density).abs() < 1e-6, "{at}: {}", bell.y[at]);
+        }
+        assert!((own.x[0] + 5.0).abs() < 1e-12 && (own.x[79] - 5.0).abs() < 1e-12);
+        assert!((own.y[0] - 2.0).abs() < 1e-5 && own.y.iter().filter(|y| **y > 0.0).count() == 4, "{:?}", own.y);
+    }
 }

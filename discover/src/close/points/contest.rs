@@ -152,11 +152,7 @@ impl<'a> TrackContest<'a> {
         if let Some(i) = fitted.iter().position(|s| s.families == at) {
             self.best = fitted.swap_remove(i);
         }
-        let near = |s: &ScoredSet| {
-            let missing = at.iter().filter(|f| !s.families.contains(f)).count();
-            missing <= 1 && s.families.len() + missing <= at.len() + 1
-        };
-        fitted.retain(|s| near(s) && s.families != at);
+        fitted.retain(|s| is_next_to(&s.families, &at) && s.families != at);
         self.neighbours = fitted;
     }
 
@@ -291,3 +287,12 @@ impl<'a> TrackContest<'a> {
         chosen && self.evidence.tells(&less.fit.residual, &more.fit.residual)
     }
 }
+
+/// Whether a set differs from another by one family more, less, or other, or not at all.
+fn is_next_to(set: &[usize], at: &[usize]) -> bool {
+    let missing = at.iter().filter(|f| !set.contains(f)).count();
+    missing <= 1 && set.len() + missing <= at.len() + 1
+}
+
+#[cfg(test)]
+pub(super) mod tests;

@@ -166,3 +166,6 @@ impl Settings {
             .collect()
     }
 }
+
+#[cfg(test)]
+mod tests;
