@@ -121,7 +121,7 @@ fn exact_best_subset() {
     let (variance, mut sizes) = (2.7, Vec::new());
     for penalty in [0.0, 0.3, 1.1, 2.0, 4.0, 9.0, 20.0, 300.0] {
         let value = |set: &Vec<usize>| dense(&all, &[&[2], set.as_slice()].concat()).1 / variance + penalty * set.len() as f64;
-        let sets = (0..8).map(|s| [0, 1, 3].into_iter().enumerate().filter(|(k, _)| s >> k & 1 == 1).map(|(_, c)| c).collect());
+        let sets = (0..8).map(|s| [0, 1, 3].into_iter().enumerate().filter(|(k, _)| (s >> k) & 1 == 1).map(|(_, c)| c).collect());
         let best = sets.min_by(|a, b| value(a).total_cmp(&value(b))).expect("eight");
         assert_eq!(reduced.subset(&[0, 1], &[2], &[0, 1, 3], variance, penalty), Some(best.clone()), "{penalty}");
         sizes.push(best.len());
