@@ -64,7 +64,7 @@ pub(super) fn examine(campaign: &Campaign) -> Option<Pressure> {
                 let q = record.qw_pa.as_ref()?;
                 let density =
                     record.ps_pa.iter().zip(&record.ts_k).map(|(p, t)| campaign.plant.environment.density_kg_m3(*p, *t));
-                let w: Vec<f64> = q.iter().zip(density).map(|(q, rho)| (2.0 * q / rho).sqrt()).collect();
+                let w: Vec<f64> = q.iter().zip(density).map(|(q, rho)| indicated(*q, rho)).collect();
                 (w.len() >= 32 && w.iter().chain(&record.vw_m_s).all(|x| x.is_finite()))
                     .then(|| Witnesses::new(&record.vw_m_s, w, record.interval_s()))
             }
@@ -75,6 +75,11 @@ pub(super) fn examine(campaign: &Campaign) -> Option<Pressure> {
         return None;
     }
     if shared(&pairs) >= SHARED { Some(computed(&pairs)) } else { measured(&pairs) }
+}
+
+/// Speed of a dynamic pressure.
+fn indicated(qw_pa: f64, density_kg_m3: f64) -> f64 {
+    (2.0 * qw_pa / density_kg_m3).sqrt()
 }
 
 impl Witnesses {

@@ -73,3 +73,29 @@ fn exact_account_and_correlations() {
     assert!((account.std_error - std[2]).abs() < 1e-14 && found.rivals.is_empty());
     assert!((found.account_p_value - statrs::function::erf::erfc(0.3 * 0.5_f64.sqrt())).abs() < 1e-9);
 }
+
+/// Half of one per cent for each test: of dynamic pressure, of trajectories whose residual is noise.
+#[test]
+fn exact_verdict_on_both_sides_of_the_level() {
+    let covariance = DMatrix::from_element(1, 1, 1.0);
+    let of = |p_value: f64, residual: &[&str]| {
+        let residual = residual.iter().map(|s| (*s).to_owned()).collect();
+        Instruments { p_value, ..judged(&[(0, 0)], &[0.0], &covariance, &[], Vec::new(), residual) }
+    };
+    let pressure = |p_value: f64| Pressure {
+        computed_from_speed: false,
+        speed_scale: 1.0,
+        speed_scale_ci95: [1.0; 2],
+        pressure_scale: 1.0,
+        pressure_scale_ci95: [1.0; 2],
+        delay_s: None,
+        delay_ci95_s: None,
+        p_value,
+        whiteness_p: 1.0,
+    };
+    let verdict = |p: Option<f64>, i: Option<Instruments>| join(p.map(pressure), i).verdict;
+    assert_eq!([0.0049, 0.0051].map(|p| verdict(None, Some(of(p, &[])))), [Agreement::Inconsistent, Agreement::Consistent]);
+    assert_eq!([0.0049, 0.0051].map(|p| verdict(Some(p), Some(of(0.5, &[])))), [Agreement::Inconsistent, Agreement::Consistent]);
+    assert_eq!(verdict(Some(0.0051), Some(of(0.0, &["z_m"]))), Agreement::Undecided);
+    assert_eq!(verdict(Some(0.0049), None), Agreement::Inconsistent);
+}

@@ -93,3 +93,24 @@ fn exact_response_is_what_the_declared_parameters_give() {
         }
     }
 }
+
+/// Of two coefficients the root of the sum of squares, row by row (eqs 4.2, 4.5): 3, 4 and 5, 12 make 5 and 13. One alone keeps its sign.
+#[test]
+fn exact_root_of_the_sum_of_squares() {
+    let one = RegressionSeries {
+        regressors: vec![vec![3.0, -5.0], vec![0.9, 0.0]],
+        response: vec![-8.0, 7.0],
+        ..RegressionSeries::default()
+    };
+    let other = RegressionSeries {
+        regressors: vec![vec![-4.0, 12.0], vec![-1.2, -0.3]],
+        response: vec![15.0, 24.0],
+        ..RegressionSeries::default()
+    };
+    assert_eq!(total(std::slice::from_ref(&one)), one);
+    let both = total(&[one, other]);
+    let found = [&both.regressors[0], &both.regressors[1], &both.response];
+    for (found, expected) in found.into_iter().zip([[5.0, 13.0], [1.5, 0.3], [17.0, 25.0]]) {
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?} {expected:?}");
+    }
+}

@@ -154,6 +154,12 @@ fn exact_score_and_information_by_slopes() {
     assert_eq!(l.of_w.iter().map(Vec::len).collect::<Vec<_>>(), [40, 20]);
 }
 
+/// ½ρV² back to V.
+#[test]
+fn exact_speed_of_a_dynamic_pressure() {
+    assert!((indicated(0.6 * 7.3 * 7.3, 1.2) - 7.3).abs() < 1e-14);
+}
+
 /// An inverse of any size: products of the diagonal overflow, or vanish, unscaled.
 #[test]
 fn exact_inverse_of_any_size() {
