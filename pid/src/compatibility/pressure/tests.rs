@@ -231,7 +231,7 @@ fn exact_test_of_a_scale_alone() {
         let normal = StandardNormal.sample_iter(&mut rng);
         normal.take(60).map(|e: f64| x + 3e-3 * e).collect()
     };
-    let still = Witnesses { v: noisy(7.4), w: noisy(7.4), interval_s: 4.0, intensity: 1e-14, variance: [9e-6; 2] };
+    let still = Witnesses { v: noisy(7.4), w: noisy(7.401), interval_s: 4.0, intensity: 1e-14, variance: [9e-6; 2] };
     let found = measured(&[still]).expect("determined");
     let [low, high] = found.speed_scale_ci95;
     let z = (found.speed_scale - 1.0) / ((high - low) / (2.0 * NORMAL_95));
