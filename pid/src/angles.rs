@@ -29,9 +29,17 @@ pub fn rates_and_angles(record: &Record, smoother: &Smoother) -> Result<Angles, 
         .map(|i| rates([rx.value[i], ry.value[i], rz.value[i]], [rx.rate[i], ry.rate[i], rz.rate[i]], [0.0; 3]).0)
         .collect();
     Ok(Angles {
-        theta_rad: ry.value.iter().zip(&rz.value).map(|(y, z)| (y.cos() * z.cos()).clamp(-1.0, 1.0).acos()).collect(),
+        theta_rad: ry.value.iter().zip(&rz.value).map(|(y, z)| off_vertical(*y, *z)).collect(),
         omega_qr_rad_s: pqr_rad_s.iter().map(|[_, q, r]| q.hypot(*r)).collect(),
         pqr_rad_s,
         t_s: s.t_s,
     })
 }
+
+/// Angle of the body's axis off the vertical by R_y and R_z (eq. 5.1), rad.
+pub(crate) fn off_vertical(ry_rad: f64, rz_rad: f64) -> f64 {
+    (ry_rad.cos() * rz_rad.cos()).acos()
+}
+
+#[cfg(test)]
+mod tests;

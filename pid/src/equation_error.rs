@@ -3,11 +3,11 @@
 use crate::PidError;
 use crate::coefficients::{CoefficientRow, coefficients_of};
 use crate::identification::{ALL_RUNS, CoefficientFit, DataSet, Estimate, Identification};
-use crate::interval::relative_percent;
+use crate::interval::{either_side, relative_percent};
 use crate::regress::{Colour, PreparedColumns, RegressionFit, RegressionOutcome, RegressionSeries, fit};
 use crate::smooth::{Smoother, smooth};
 use std::cell::OnceCell;
-use windfall_model::{Campaign, Coefficient, Data, Factor, Plant, Record, Term, Use, VARIABLES, Variable};
+use windfall_model::{Aero, Campaign, Coefficient, Data, Factor, Plant, Record, Term, Use, VARIABLES, Variable};
 
 /// One run, ready for regression.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,7 +73,7 @@ impl EquationError {
         let mut warnings = Vec::new();
         let mut sets = sets(&runs);
         if combined_only {
-            sets.drain(..sets.len() - 1);
+            sets = sets.pop().into_iter().collect();
         }
         let data_sets = sets
             .into_iter()
@@ -269,7 +269,7 @@ impl<'a> DataSetWork<'a> {
                 estimate,
                 std_error,
                 rse_percent: relative_percent(std_error, estimate),
-                ci95: [estimate - half * std_error, estimate + half * std_error],
+                ci95: either_side(estimate, half, std_error),
                 std_error_white: white[i],
             });
         }
@@ -286,7 +286,8 @@ impl<'a> DataSetWork<'a> {
 /// What one run adds to a group's regression.
 fn run_series(group: &Group, flow: &FlowSeries<'_>, campaign: &Campaign, lateral: Lateral) -> Vec<RegressionSeries> {
     let run = flow.run;
-    let parts: Vec<RegressionSeries> = group.coefficients.iter().map(|&c| series(group, flow, campaign, c)).collect();
+    let part = |&c: &Coefficient| series(&group.parameters, flow, &campaign.plant.aero, &campaign.declared, c);
+    let parts: Vec<RegressionSeries> = group.coefficients.iter().map(part).collect();
     if lateral == Lateral::RootOfSquares {
         return vec![total(&parts)];
     }
@@ -354,15 +355,20 @@ impl<'a> FlowSeries<'a> {
 }
 
 /// One coefficient of one run; what effects add to the plant and what undeclared parameters hold is taken off the response.
-fn series(group: &Group, flow: &FlowSeries<'_>, campaign: &Campaign, coefficient: Coefficient) -> RegressionSeries {
-    let aero = &campaign.plant.aero;
+fn series(
+    parameters: &[usize],
+    flow: &FlowSeries<'_>,
+    aero: &Aero,
+    declared: &[bool],
+    coefficient: Coefficient,
+) -> RegressionSeries {
     let mine: Vec<_> = aero.structure.contributions.iter().filter(|k| k.coefficient == coefficient).collect();
-    let held = mine.iter().filter(|k| !campaign.declared[k.parameter]).map(|k| (aero.values[k.parameter], &k.term));
+    let held = mine.iter().filter(|k| !declared[k.parameter]).map(|k| (aero.values[k.parameter], &k.term));
     let extra = aero.extra.iter().filter(|(c, _, _)| *c == coefficient).map(|(_, v, t)| (*v, t));
     let fixed = flow.sum(held.chain(extra).filter(|(v, _)| *v != 0.0));
     let regressor = |p: &usize| flow.sum(mine.iter().filter(|k| k.parameter == *p).map(|k| (1.0, &k.term)));
     RegressionSeries {
-        regressors: group.parameters.iter().map(regressor).collect(),
+        regressors: parameters.iter().map(regressor).collect(),
         response: flow.run.rows.iter().zip(fixed).map(|(row, fixed)| row.exp_origin[coefficient as usize] - fixed).collect(),
         ..RegressionSeries::default()
     }
@@ -384,3 +390,6 @@ fn total(parts: &[RegressionSeries]) -> RegressionSeries {
         ..RegressionSeries::default()
     }
 }
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -113,7 +113,7 @@ mod tests {
     fn exact_two_correlated_parameters() {
         let r = 0.95_f64;
         let a = DMatrix::from_row_slice(2, 2, &[2.0, 2.0 * r, 0.0, 2.0 * (1.0 - r * r).sqrt()]);
-        let found = examine(a.clone(), &names(2), &[10.0, 10.0]);
+        let found = examine(a.clone(), &names(2), &[1.7, -1.7]);
         assert_eq!(examine(a, &names(2), &[1.0, 1.0]).inseparable, vec![names(2)], "errors of 1.6");
         assert_eq!((found.rank, found.correlations.len(), found.inseparable.len()), (2, 1, 0));
         assert!((found.correlations[0].correlation + r).abs() < 1e-12, "{found:?}");
@@ -121,6 +121,15 @@ mod tests {
             assert!((e - 0.5 / (1.0 - r * r).sqrt()).abs() < 1e-12, "{found:?}");
         }
         assert!((found.condition - ((1.0 + r) / (1.0 - r)).sqrt()).abs() < 1e-10, "{found:?}");
+    }
+
+    /// Unit columns at an angle δ have singular values √2 and δ/√2: their ratio is δ/2, to rounding of 1e-16.
+    #[test]
+    fn exact_rank_to_a_share_of_the_largest() {
+        for (angle, rank) in [(1.9e-10, 1), (2.1e-10, 2)] {
+            let a = DMatrix::from_row_slice(2, 2, &[1.0, 1.0, 0.0, angle]);
+            assert_eq!(examine(a, &names(2), &[1.0; 2]).rank, rank, "{angle}");
+        }
     }
 
     #[test]

@@ -198,3 +198,6 @@ impl DataSet {
 fn weight(p: &Estimate) -> f64 {
     1.0 / p.std_error.max(1.0e-12 * p.estimate.abs()).max(f64::MIN_POSITIVE.sqrt()).powi(2)
 }
+
+#[cfg(test)]
+mod tests;

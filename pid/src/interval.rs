@@ -13,3 +13,16 @@ pub const NORMAL_95: f64 = 1.959_963_985;
 pub fn relative_percent(std_error: f64, estimate: f64) -> Option<f64> {
     Some(100.0 * std_error / estimate.abs()).filter(|r| r.is_finite())
 }
+
+/// Ends of the 95 % interval of a normal estimate.
+pub(crate) fn ci95(estimate: f64, std_error: f64) -> [f64; 2] {
+    either_side(estimate, NORMAL_95, std_error)
+}
+
+/// So many standard errors on either side.
+pub(crate) fn either_side(estimate: f64, half: f64, std_error: f64) -> [f64; 2] {
+    [estimate - half * std_error, estimate + half * std_error]
+}
+
+#[cfg(test)]
+mod tests;

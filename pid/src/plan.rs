@@ -6,6 +6,7 @@
 //! trim, with the sensors' noise, hand at the throttle and turbulence of the campaign. The filter's information is causal, so one
 //! flight gives all shorter ones. Gusts are not flown, only allowed for: what they would excite comes on top.
 
+use crate::angles::off_vertical;
 use crate::choice::identify_chosen;
 use crate::equations::{Craft, Drive, Extra, INPUTS, STATES, Segment, Transition, TunnelAir, origin};
 use crate::error::PidError;
@@ -125,7 +126,7 @@ pub fn plan(campaign: &Campaign, targets: &[Target], between_s: f64) -> Result<T
     let kinds = scene.kinds();
     let one = |t: &Target| scene.target(t, &now, &kinds, between_s);
     let targets = targets.iter().map(one).collect::<Result<Vec<_>, _>>()?;
-    let flown_deg = runs.iter().flat_map(|r| &r.smoothed.nodes).map(|n| (n[4].cos() * n[5].cos()).acos().to_degrees());
+    let flown_deg = runs.iter().flat_map(|r| &r.smoothed.nodes).map(|n| off_vertical(n[4], n[5]).to_degrees());
     let flown_deg = flown_deg.fold(0.0, f64::max);
     let mut warnings = found.warnings;
     for t in targets.iter().filter(|t| t.options.is_empty() && t.std_error_now > t.std_error_wanted) {
@@ -241,7 +242,8 @@ impl<'s> Scene<'s> {
         let drive = Drive { states: SPEED, at: vec![constant; 2 * steps + 1] };
         let parameters = self.unknowns.parameters();
         let none = vec![None; parameters.len()];
-        let density = vec![self.density(); steps + 1];
+        // The same throughout.
+        let density = [self.density()];
         let segment = Segment {
             craft: &craft,
             drive: &drive,
@@ -365,3 +367,6 @@ fn std_error(m: &DMatrix<f64>, column: usize) -> Option<f64> {
     let inverse = scaled.cholesky()?.inverse();
     Some(inverse[(column, column)].sqrt() / scale[column])
 }
+
+#[cfg(test)]
+mod tests;

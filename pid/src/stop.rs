@@ -132,6 +132,11 @@ mod tests {
         }
     }
 
+    #[test]
+    fn exact_runs_are_counted_from_one() {
+        assert_eq!(departure(2, 3.456), "the model departs at 3.46 s of run 3");
+    }
+
     /// What to try next is that search's own: filter error does not advise filter error.
     #[test]
     fn law_no_search_advises_itself() {

@@ -48,3 +48,6 @@ pub fn fit(measured: &[(f64, f64)], density_slug_ft3: f64) -> Option<TetherFit> 
 pub fn table_2_3() -> TetherFit {
     fit(&TABLE_2_3_LBF_FT_S, DENSITY_SLUG_FT3).expect("five measurements at five speeds")
 }
+
+#[cfg(test)]
+mod tests;

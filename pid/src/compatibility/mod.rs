@@ -12,7 +12,7 @@ mod pressure;
 
 use crate::PidError;
 use crate::information::Correlation;
-use crate::interval::NORMAL_95;
+use crate::interval::{NORMAL_95, ci95};
 use crate::output_error::{
     Glance, KINDS, Outcome, PreparedRun, Solved, channel_fits, coloured, not_noise, one_step, ready, run_plants, solve_from,
     unknowns, with_errors,
@@ -112,7 +112,7 @@ impl InstrumentError {
             unit: KINDS[kind].1.to_owned(),
             estimate,
             std_error,
-            ci95: [estimate - NORMAL_95 * std_error, estimate + NORMAL_95 * std_error],
+            ci95: ci95(estimate, std_error),
         }
     }
 }
@@ -164,26 +164,21 @@ pub(crate) fn instruments(runs: &[PreparedRun<'_>], solved: &Solved) -> Option<I
                 unknowns.hold(column);
             }
             Ok(Glance { step, covariance }) => {
-                let beyond = |(_, column): &(usize, usize)| NORMAL_95 * covariance[(*column, *column)].sqrt();
-                let determined = kinds(&unknowns);
-                let worst = determined.into_iter().map(|k| (beyond(&k) / KINDS[k.0].2, k)).max_by(|a, b| a.0.total_cmp(&b.0));
-                match worst {
-                    Some((ratio, (_, column))) if ratio > 1.0 => {
-                        not_told.push(unknowns.name(column).to_owned());
-                        unknowns.hold(column);
-                    }
-                    Some(_) => break (step, covariance),
-                    None => return None,
+                let (ratio, column) = worst(&kinds(&unknowns), &covariance)?;
+                if ratio > 1.0 {
+                    not_told.push(unknowns.name(column).to_owned());
+                    unknowns.hold(column);
+                } else {
+                    break (step, covariance);
                 }
             }
         }
     };
     let determined = kinds(&unknowns);
-    let far = step.iter().zip(covariance.diagonal().iter()).any(|(d, v)| d.abs() > NEAR * v.sqrt());
     let coloured_before = !not_noise(&channel_fits(runs, solved)).is_empty();
     let mut residual = Vec::new();
     let mut values: Vec<f64> = determined.iter().map(|k| step[k.1]).collect();
-    if far || coloured_before {
+    if is_far(&step, &covariance) || coloured_before {
         let found = solve_from(runs, unknowns.clone(), solved.nominals.clone(), solved.solution.noise_std, ITERATIONS);
         let Outcome::Solved(found) = found else { return None };
         values = determined.iter().map(|k| found.solution.estimates[k.1]).collect();
@@ -202,6 +197,17 @@ fn kinds(unknowns: &Unknowns) -> Vec<(usize, usize)> {
     let place = |name| unknowns.position(UnknownId::Nuisance(name));
     let column = |(kind, k): (usize, &(&'static str, &str, f64))| Some((kind, unknowns.all[place(k.0)?].column()?));
     KINDS.iter().enumerate().filter_map(column).collect()
+}
+
+/// Half of the widest interval over what its kind can be at most, and its column: above one the runs do not tell that error.
+fn worst(determined: &[(usize, usize)], covariance: &DMatrix<f64>) -> Option<(f64, usize)> {
+    let beyond = |&(kind, column): &(usize, usize)| (NORMAL_95 * covariance[(column, column)].sqrt() / KINDS[kind].2, column);
+    determined.iter().map(beyond).max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// Whether a step leaves what is near in any column.
+fn is_far(step: &DVector<f64>, covariance: &DMatrix<f64>) -> bool {
+    step.iter().zip(covariance.diagonal().iter()).any(|(d, v)| d.abs() > NEAR * v.sqrt())
 }
 
 fn judged(
@@ -288,18 +294,4 @@ impl Joint {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two errors with estimates correlated by r: alone, the first's is the regression of the other's pull on it, a known formula.
-    #[test]
-    fn exact_alone_and_left() {
-        let r = 0.8;
-        let joint = Joint::new(DVector::from_vec(vec![2.0, 1.0]), DMatrix::from_row_slice(2, 2, &[1.0, r, r, 1.0]));
-        let (alone, variance) = joint.alone(&[0]);
-        assert!((alone[0] - (2.0 - r)).abs() < 1e-12 && (variance[(0, 0)] - (1.0 - r * r)).abs() < 1e-12);
-        // What is left is the other's own square: zero but for 1.0 with variance 1.
-        assert!((joint.square_left(&[0]) - 1.0).abs() < 1e-12, "{}", joint.square_left(&[0]));
-        assert!((joint.left(&[0, 1]) - 1.0).abs() < 1e-12);
-    }
-}
+mod tests;

@@ -5,7 +5,7 @@
 //! likelihood of both together (innovations of a Kalman filter; the cross-correlation's peak, weighted by what each frequency is worth:
 //! Knapp and Carter 1976). A q_W that was computed from V_W shares its noise and says nothing of it: only ρ is tested then.
 
-use crate::interval::NORMAL_95;
+use crate::interval::{NORMAL_95, ci95};
 use crate::output_error::{Liveliness, NOT_NOISE, liveliness, low_frequency_p};
 use nalgebra::{Matrix2, Matrix3, RowVector3, Vector2, Vector3};
 use realfft::RealFftPlanner;
@@ -64,7 +64,7 @@ pub(super) fn examine(campaign: &Campaign) -> Option<Pressure> {
                 let q = record.qw_pa.as_ref()?;
                 let density =
                     record.ps_pa.iter().zip(&record.ts_k).map(|(p, t)| campaign.plant.environment.density_kg_m3(*p, *t));
-                let w: Vec<f64> = q.iter().zip(density).map(|(q, rho)| (2.0 * q / rho).sqrt()).collect();
+                let w: Vec<f64> = q.iter().zip(density).map(|(q, rho)| indicated(*q, rho)).collect();
                 (w.len() >= 32 && w.iter().chain(&record.vw_m_s).all(|x| x.is_finite()))
                     .then(|| Witnesses::new(&record.vw_m_s, w, record.interval_s()))
             }
@@ -75,6 +75,11 @@ pub(super) fn examine(campaign: &Campaign) -> Option<Pressure> {
         return None;
     }
     if shared(&pairs) >= SHARED { Some(computed(&pairs)) } else { measured(&pairs) }
+}
+
+/// Speed of a dynamic pressure.
+fn indicated(qw_pa: f64, density_kg_m3: f64) -> f64 {
+    (2.0 * qw_pa / density_kg_m3).sqrt()
 }
 
 impl Witnesses {
@@ -160,16 +165,15 @@ fn computed(pairs: &[Witnesses]) -> Pressure {
 }
 
 fn result(scale: f64, std_error: f64, delay: Option<[f64; 2]>, p_value: f64, whiteness_p: f64) -> Pressure {
-    let ci = |x: f64, s: f64| [x - NORMAL_95 * s, x + NORMAL_95 * s];
-    let speed_scale_ci95 = ci(scale, std_error);
+    let speed_scale_ci95 = ci95(scale, std_error);
     Pressure {
         computed_from_speed: false,
         speed_scale: scale,
         speed_scale_ci95,
         pressure_scale: scale * scale,
         pressure_scale_ci95: speed_scale_ci95.map(|k| k * k),
-        delay_s: delay.map(|d| d[0]),
-        delay_ci95_s: delay.map(|d| ci(d[0], d[1])),
+        delay_s: delay.map(|[d, _]| d),
+        delay_ci95_s: delay.map(|[d, std]| ci95(d, std)),
         p_value,
         whiteness_p,
     }
@@ -264,62 +268,4 @@ fn scaled_inverse(m: &Matrix2<f64>) -> Option<Matrix2<f64>> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use rand_chacha::ChaCha8Rng;
-    use rand_chacha::rand_core::SeedableRng;
-    use rand_distr::{Distribution, StandardNormal};
-
-    /// Two witnesses of a speed that wanders, `late` samples apart.
-    fn pairs(seed: u64, scale: f64, late: usize, n: usize) -> Vec<Witnesses> {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
-        let h = 1.0 / 150.0;
-        let (mut v, mut a, mut b) = (7.4, 0.0, 0.0);
-        let mut speed = Vec::new();
-        for _ in 0..n + late {
-            speed.push(v);
-            v += h * (a + 0.5 * h * b);
-            a += h * b;
-            // A hand that holds the speed: drawn back, so that it stays positive.
-            b += (0.04_f64 * h).sqrt() * normal() - h * (1.5 * b + 1.2 * a + 0.4 * (v - 7.4));
-        }
-        let noisy = |x: &[f64], gain: f64, std: f64, normal: &mut dyn FnMut() -> f64| -> Vec<f64> {
-            x.iter().map(|x| gain * x + std * normal()).collect()
-        };
-        let one = noisy(&speed[late..], 1.0, 2.57e-3, &mut normal);
-        let other = noisy(&speed[..n], scale, 4e-3, &mut normal);
-        vec![Witnesses::new(&one, other, h)]
-    }
-
-    /// Forty pairs: means within 3.5/√40 standard errors, scatter within 3.5/√80 of 1, and 1 % false alarms are none to three.
-    #[test]
-    fn recover_scale_and_delay_with_true_intervals() {
-        let mut z = [Vec::new(), Vec::new()];
-        for seed in 0..40 {
-            let p = measured(&pairs(seed, 1.02, 4, 2500)).expect("determined");
-            let half = 0.5 * (p.speed_scale_ci95[1] - p.speed_scale_ci95[0]) / NORMAL_95;
-            z[0].push((p.speed_scale - 1.02) / half);
-            let ci = p.delay_ci95_s.expect("determined");
-            z[1].push((p.delay_s.expect("determined") - 4.0 / 150.0) / (0.5 * (ci[1] - ci[0]) / NORMAL_95));
-            assert!(p.p_value < 1e-6 && p.whiteness_p > 1e-4, "{p:?}");
-        }
-        for z in z {
-            let n = z.len() as f64;
-            let mean = z.iter().sum::<f64>() / n;
-            let scatter = (z.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
-            assert!(mean.abs() < 3.5 / n.sqrt() && (scatter - 1.0).abs() < 3.5 / (2.0 * n).sqrt(), "{mean} {scatter}");
-        }
-        let alarms = (100..200).filter(|s| measured(&pairs(*s, 1.0, 0, 1500)).expect("determined").p_value < 0.01).count();
-        assert!(alarms <= 4, "{alarms} of 100");
-    }
-
-    #[test]
-    fn law_a_computed_pressure_is_recognised() {
-        let mut p = pairs(1, 1.0, 0, 500);
-        p[0].w = p[0].v.iter().map(|v| 1.0001 * v).collect();
-        assert!(shared(&p) > 0.999 && shared(&pairs(1, 1.0, 0, 500)).abs() < 0.2);
-        let found = computed(&p);
-        assert!((found.speed_scale - 1.0001).abs() < 1e-9 && found.p_value > 0.99, "{found:?}");
-    }
-}
+mod tests;

@@ -59,6 +59,14 @@ fn by_width(run: &RunRows, coefficient: Coefficient, contributions: &[(Coefficie
     run.rows.iter().map(|row| mine.iter().map(|t| slope(t, row)).sum()).collect()
 }
 
+/// Whether a candidate acts anywhere in these runs.
+fn excited(candidate: &Candidate, coefficients: &[Coefficient], runs: &[RunRows]) -> bool {
+    let size = |k: &Coefficient| {
+        runs.iter().map(|r| regressor(r, *k, &candidate.contributions).iter().map(|v| v * v).sum::<f64>()).sum::<f64>()
+    };
+    coefficients.iter().map(size).sum::<f64>() > 0.0
+}
+
 fn weighted(run: &RunRows, regressors: Vec<Vec<f64>>, response: Vec<f64>) -> RegressionSeries {
     RegressionSeries { regressors, response, weight: faded(run), residuals: Colour::Weighted(cosines(run)) }
 }
@@ -66,14 +74,8 @@ fn weighted(run: &RunRows, regressors: Vec<Vec<f64>>, response: Vec<f64>) -> Reg
 impl<'a> PoolData<'a> {
     /// `None` where the data do not determine a spectrum: no rows, or fewer than candidates.
     pub(crate) fn new(pool: &'a Pool, runs: &'a [RunRows], aero: &Aero) -> Option<Self> {
-        let excited = |c: &usize| {
-            let candidate = &pool.candidates[*c];
-            let size = |k: &Coefficient| {
-                runs.iter().map(|r| regressor(r, *k, &candidate.contributions).iter().map(|v| v * v).sum::<f64>()).sum::<f64>()
-            };
-            pool.coefficients.iter().map(size).sum::<f64>() > 0.0
-        };
-        let linear: Vec<usize> = (0..pool.candidates.len()).filter(|c| !pool.candidates[*c].shaped).filter(excited).collect();
+        let usable = |c: &usize| !pool.candidates[*c].shaped && excited(&pool.candidates[*c], &pool.coefficients, runs);
+        let linear: Vec<usize> = (0..pool.candidates.len()).filter(usable).collect();
         let nuisance: Vec<_> =
             pool.candidates.iter().filter(|c| c.shaped).flat_map(|c| NUISANCE_RAD.map(|w| with_width(c, w))).collect();
         let series = |run: &RunRows, coefficient: Coefficient| {
@@ -84,7 +86,7 @@ impl<'a> PoolData<'a> {
         let prepared: Vec<Vec<PreparedColumns>> =
             runs.iter().map(|run| pool.coefficients.iter().map(|c| series(run, *c)).collect()).collect();
         let flat: Vec<&PreparedColumns> = prepared.iter().flatten().collect();
-        let mut found = spectra(&flat, &independent(&flat, linear.len() + nuisance.len()))?.into_iter();
+        let mut found = spectra(&flat, &independent(&flat)?)?.into_iter();
         let mut spectra: Vec<Vec<Vec<f64>>> = Vec::new();
         let mut rows = Vec::new();
         for series in &prepared {
@@ -170,13 +172,12 @@ fn stacked(parts: &[(DMatrix<f64>, DVector<f64>)], columns: usize) -> SelectionR
 }
 
 /// Columns of which something is left when those before are taken out, on rows as they are.
-fn independent(series: &[&PreparedColumns], columns: usize) -> Vec<usize> {
+fn independent(series: &[&PreparedColumns]) -> Option<Vec<usize>> {
     let rows = |p: &&PreparedColumns| p.amplitudes().map(|(x, y)| SelectionRows { x, y });
-    let Some(rows) = series.iter().map(rows).collect::<Option<Vec<_>>>() else { return (0..columns).collect() };
-    let reduced = Reduced::new(rows);
+    let reduced = Reduced::new(series.iter().map(rows).collect::<Option<_>>()?);
     let mut order = reduced.path(&reduced.runs()).order;
     order.sort_unstable();
-    order
+    Some(order)
 }
 
 /// The regression on rows as they are.
@@ -196,3 +197,6 @@ pub(crate) fn plain(pool: &Pool, linear: &[usize], runs: &[RunRows], aero: &Aero
     };
     Reduced::new(runs.iter().map(rows).collect())
 }
+
+#[cfg(test)]
+mod tests;

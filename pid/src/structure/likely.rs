@@ -60,11 +60,7 @@ pub(crate) fn likely(
 ) -> Result<Likely, PidError> {
     let all = structure(pools, candidates, "candidates");
     let wide = Aero { values: vec![0.0; all.parameters.len()], structure: all, extra: campaign.plant.aero.extra.clone() };
-    let mut columns: FreeColumns = Vec::new();
-    for some in candidates {
-        let start = columns.iter().map(Vec::len).sum::<usize>();
-        columns.push((start..start + some.len()).collect());
-    }
+    let columns = columns_of(candidates);
     // A choice as candidates of its pool.
     let mut now: Vec<Vec<usize>> = first.to_vec();
     for round in 1.. {
@@ -82,10 +78,24 @@ pub(crate) fn likely(
         if settled || round == ROUNDS {
             return Ok(Likely { reduced, columns, chosen, settled });
         }
-        let back = |(p, some): (usize, &Vec<usize>)| some.iter().map(|c| candidates[p][c - columns[p][0]]).collect();
-        now = chosen.iter().enumerate().map(back).collect();
+        now = chosen.iter().zip(candidates).zip(&columns).map(|((some, own), all)| back(some, own, all)).collect();
     }
     unreachable!("the rounds end by themselves")
+}
+
+/// A column for each candidate, pool after pool.
+fn columns_of(candidates: &[Vec<usize>]) -> FreeColumns {
+    let mut columns: FreeColumns = Vec::new();
+    for some in candidates {
+        let start = columns.iter().map(Vec::len).sum::<usize>();
+        columns.push((start..start + some.len()).collect());
+    }
+    columns
+}
+
+/// Chosen columns of a pool as its candidates.
+fn back(chosen: &[usize], candidates: &[usize], columns: &[usize]) -> Vec<usize> {
+    chosen.iter().map(|c| candidates[c - columns[0]]).collect()
 }
 
 /// Each pool's best subset given the others', in turn until none changes.
@@ -106,3 +116,6 @@ pub(crate) fn swept(reduced: &Reduced, runs: &[usize], columns: &FreeColumns, mu
     }
     chosen
 }
+
+#[cfg(test)]
+mod tests;

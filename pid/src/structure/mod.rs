@@ -22,7 +22,7 @@ pub use shape::{ShapeFit, ShapeSearch, Shaped};
 
 use crate::PidError;
 use crate::equation_error::{RunRows, processed};
-use crate::interval::NORMAL_95;
+use crate::interval::ci95;
 use crate::smooth::Smoother;
 use data::{PoolData, plain};
 use likely::{Likely, likely, swept};
@@ -230,12 +230,8 @@ fn shaped(pool: &mut Pool, runs: &[RunRows], campaign: &Campaign) -> Option<Shap
         let own = reduced.columns();
         let wider = data.reduced_with(&column(first.shape)?[0]);
         let each = select::threshold(FAMILY_ERROR / own.max(1) as f64, 1.0);
-        let variance = wider.variance();
-        let with = wider.subset(&reduced.runs(), &[own], &all, variance, each)?;
-        let without = reduced.best(&reduced.runs());
-        let rss = |r: &Reduced, columns: &[usize]| r.solve(&r.runs(), columns).map(|s| s.rss / variance);
-        let cost = rss(&wider, &[with.as_slice(), &[own]].concat())? + each * with.len() as f64;
-        let gain = rss(&reduced, &without)? + each * without.len() as f64 - cost;
+        let with = wider.subset(&reduced.runs(), &[own], &all, wider.variance(), each)?;
+        let gain = gained([&reduced, &wider], [&reduced.best(&reduced.runs()), &with], each)?;
         (among(&with)?, gain, select::threshold(FAMILY_ERROR / own.max(1) as f64, 2.0))
     };
     let found = gain > needed && fit.inside;
@@ -243,7 +239,6 @@ fn shaped(pool: &mut Pool, runs: &[RunRows], campaign: &Campaign) -> Option<Shap
         pool.candidates[at].contributions = data::with_width(&candidate, fit.shape);
         pool.candidates[at].shaped = false;
     }
-    let ci95 = [fit.shape - NORMAL_95 * fit.shape_std_error, fit.shape + NORMAL_95 * fit.shape_std_error];
     Some(ShapeReport {
         name: candidate.name.to_owned(),
         found,
@@ -251,8 +246,17 @@ fn shaped(pool: &mut Pool, runs: &[RunRows], campaign: &Campaign) -> Option<Shap
         needed,
         width_rad: fit.shape,
         std_error_rad: fit.shape_std_error,
-        ci95_rad: ci95,
+        ci95_rad: ci95(fit.shape, fit.shape_std_error),
     })
+}
+
+/// By how much some terms with the last column of a wider regression are better than others without it, each term but that column at
+/// its price.
+fn gained([narrow, wider]: [&Reduced; 2], [without, with]: [&[usize]; 2], each: f64) -> Option<f64> {
+    let variance = wider.variance();
+    let rss = |r: &Reduced, columns: &[usize]| r.solve(&r.runs(), columns).map(|s| s.rss / variance);
+    let cost = rss(wider, &[with, &[narrow.columns()]].concat())? + each * with.len() as f64;
+    Some(rss(narrow, without)? + each * without.len() as f64 - cost)
 }
 
 /// One pool's data.
@@ -320,8 +324,7 @@ impl<'a> Work<'a> {
     }
 
     fn estimate(&self, column: usize, estimate: f64, std_error: f64) -> TermEstimate {
-        let ci95 = [estimate - NORMAL_95 * std_error, estimate + NORMAL_95 * std_error];
-        TermEstimate { name: self.name(column), estimate, std_error, ci95 }
+        TermEstimate { name: self.name(column), estimate, std_error, ci95: ci95(estimate, std_error) }
     }
 }
 

@@ -202,3 +202,6 @@ fn pitch() -> Pool {
     ];
     Pool { coefficients: vec![C::Cn, C::Cm], candidates }
 }
+
+#[cfg(test)]
+mod tests;

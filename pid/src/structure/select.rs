@@ -357,3 +357,6 @@ impl Reduced {
 pub(crate) fn threshold(probability: f64, freedom: f64) -> f64 {
     ChiSquared::new(freedom).map_or(f64::INFINITY, |c| c.inverse_cdf(1.0 - probability))
 }
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -67,6 +67,11 @@ struct At {
     projected: DVector<f64>,
 }
 
+/// Middles of as many equal parts.
+fn starts([low, high]: [f64; 2]) -> [f64; STARTS] {
+    std::array::from_fn(|k| low + (k as f64 + 0.5) / STARTS as f64 * (high - low))
+}
+
 impl Shaped<'_> {
     fn columns(&self, theta: f64) -> Option<(DMatrix<f64>, DVector<f64>)> {
         let [phi, slope] = (self.column)(theta)?;
@@ -92,8 +97,7 @@ impl Shaped<'_> {
     #[must_use]
     pub fn fit(&self, search: ShapeSearch) -> Option<ShapeFit> {
         let [low, high] = self.range.map(f64::ln);
-        let start = |k: usize| low + (k as f64 + 0.5) / STARTS as f64 * (high - low);
-        let starts = (0..STARTS).map(start).filter_map(|l| Some((l, self.at(l.exp())?.rss)));
+        let starts = starts([low, high]).into_iter().filter_map(|l| Some((l, self.at(l.exp())?.rss)));
         let (start, _) = starts.min_by(|a, b| a.1.total_cmp(&b.1))?;
         let log = match search {
             ShapeSearch::GaussNewton => self.descend(start, [low, high])?,
@@ -149,44 +153,4 @@ impl Shaped<'_> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Exact data: a line plus a bump of known width; both searches find it, Gauss-Newton to rounding, the simplex to its last size
-    /// (a thousandth of the range in ln θ).
-    #[test]
-    fn exact_planted_width() {
-        let n = 400;
-        let t = |i: usize| (i as f64 / n as f64 - 0.5) * 2.0;
-        let linear = DMatrix::from_fn(n, 2, |i, j| t(i).powi(j as i32));
-        let bump = |w: f64| DVector::from_fn(n, |i, _| (t(i) / w).cosh().powi(-2));
-        let slope = |w: f64| DVector::from_fn(n, |i, _| 2.0 * t(i) / (w * w) * (t(i) / w).tanh() * (t(i) / w).cosh().powi(-2));
-        let response = &linear * DVector::from_vec(vec![0.3, -2.0]) + bump(0.17) * 1.5;
-        let column = |w: f64| Some([bump(w), slope(w)]);
-        let problem = Shaped { linear: &linear, response: &response, column: &column, range: [0.02, 1.0] };
-        for (search, tolerance) in [(ShapeSearch::GaussNewton, 1e-9), (ShapeSearch::Simplex, 4e-3)] {
-            let found = problem.fit(search).expect("fits");
-            assert!(found.inside && (found.shape / 0.17 - 1.0).abs() < tolerance, "{search:?}: {found:?}");
-            assert!((found.estimate[2] - 1.5).abs() < 10.0 * tolerance, "{search:?}: {found:?}");
-        }
-    }
-
-    /// Errors are those of the curvature: the width's own from the slope orthogonal to all columns.
-    #[test]
-    fn exact_standard_error_of_one_shape() {
-        let n = 50;
-        let linear = DMatrix::zeros(n, 0);
-        let x = DVector::from_fn(n, |i, _| i as f64 / n as f64);
-        let column = |k: f64| Some([x.map(|v| (-k * v).exp()), x.map(|v| -v * (-k * v).exp())]);
-        let noise = DVector::from_fn(n, |i, _| if i % 2 == 0 { 0.01 } else { -0.01 });
-        let response = x.map(|v| 2.0 * (-3.0 * v).exp()) + noise;
-        let found =
-            Shaped { linear: &linear, response: &response, column: &column, range: [0.1, 10.0] }.fit(ShapeSearch::GaussNewton);
-        let found = found.expect("fits");
-        let (k, b) = (found.shape, found.estimate[0]);
-        let (f, s) = (x.map(|v| (-k * v).exp()), x.map(|v| -v * b * (-k * v).exp()));
-        let own = s.norm_squared() - s.dot(&f).powi(2) / f.norm_squared();
-        let expected = (found.rss / (n - 2) as f64 / own).sqrt();
-        assert!((found.shape_std_error / expected - 1.0).abs() < 1e-9, "{found:?} {expected}");
-    }
-}
+mod tests;

@@ -1,7 +1,9 @@
 //! pid tests: selection on problems whose answer theory gives.
 
 use super::criterion::Criterion;
+use super::select::tests::{crooked, dense};
 use super::select::{FAMILY_ERROR, Reduced, SelectionRows};
+use super::{Likely, gained};
 use crate::regress::{Colour, PreparedColumns, RegressionSeries, spectra, whitened};
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
@@ -108,4 +110,37 @@ fn law_agreed_terms_hold_in_every_run() {
     let by = |c| reduced.choose(c).expect("chooses").0;
     assert_eq!(by(Criterion::Subset), [0, 1]);
     assert_eq!(by(Criterion::Agreed), [0]);
+}
+
+/// What a column more brings beside other terms, by dense sums of squares: `RSS/σ²` without and with it, each term but that column at its
+/// price.
+#[test]
+fn exact_gain_of_a_column_more() {
+    let rows = crooked(&[9, 7]);
+    let narrow = rows.iter().map(|r| SelectionRows { x: r.x.columns(0, 3).into_owned(), y: r.y.clone() }).collect();
+    let all: Vec<&SelectionRows> = rows.iter().collect();
+    let rss = |columns: &[usize]| dense(&all, columns).1;
+    let variance = rss(&[0, 1, 2, 3]) / 12.0;
+    let found = gained([&Reduced::new(narrow), &Reduced::new(rows.clone())], [&[0, 1], &[1]], 3.7).expect("their own");
+    let expected = rss(&[0, 1]) / variance + 2.0 * 3.7 - rss(&[1, 3]) / variance - 3.7;
+    assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+}
+
+/// Terms of one pool among those of all: counted from its first column, with estimates of all together.
+#[test]
+fn exact_terms_of_one_pool_among_all() {
+    let rows = crooked(&[9, 7]);
+    let all: Vec<&SelectionRows> = rows.iter().collect();
+    let (b, rss, bread) = dense(&all, &[1, 3, 2]);
+    let columns = vec![vec![0, 1], vec![], vec![2, 3]];
+    let likely =
+        Likely { reduced: Reduced::new(rows.clone()), columns, chosen: vec![vec![1], vec![], vec![3, 2]], settled: true };
+    assert_eq!([0, 1, 2].map(|p| likely.own(p)), [vec![1], vec![], vec![1, 0]]);
+    let regressed = likely.regressed(2);
+    assert_eq!(regressed.partial_f.len(), 2);
+    let [first, second] = regressed.estimates[..] else { panic!("two terms") };
+    for ((column, estimate, std_error), (k, i)) in [first, second].into_iter().zip([(1, 1), (0, 2)]) {
+        assert_eq!(column, k);
+        assert!((estimate / b[i] - 1.0).abs() < 1e-9 && (std_error / (bread[(i, i)] * rss / 13.0).sqrt() - 1.0).abs() < 1e-9);
+    }
 }
