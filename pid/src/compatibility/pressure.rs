@@ -21,6 +21,9 @@ const MOISTURE: f64 = 0.005;
 const LONGEST_S: f64 = 1.0;
 const TRIED_S: f64 = 0.05;
 const ITERATIONS: usize = 20;
+/// A delay is told where the longest ones, either way, are worse than the best tried by this much in −2 ln of the likelihood: 95 % of a
+/// squared normal number.
+const TELLS: f64 = NORMAL_95 * NORMAL_95;
 
 /// Dynamic pressure against tunnel speed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -92,8 +95,8 @@ impl Witnesses {
         Self { v: v.to_vec(), w, interval_s, intensity, variance }
     }
 
-    /// Innovations over their standard deviation, v's and w's by turns, at a scale and a delay of `shift` samples and `rest_s`.
-    fn innovations(&self, scale: f64, shift: isize, rest_s: f64) -> Vec<f64> {
+    /// All of both records at a scale and a delay of `shift` samples and `rest_s`.
+    fn innovations(&self, scale: f64, shift: isize, rest_s: f64) -> Innovations {
         let h = self.interval_s;
         #[rustfmt::skip]
         let phi = Matrix3::new(
@@ -107,18 +110,21 @@ impl Witnesses {
         ];
         let mut x = Vector3::new(self.v[0], 0.0, 0.0);
         let mut p = Matrix3::from_diagonal_element(1e8 * self.variance[0].max(self.variance[1]));
-        let mut out = Vec::with_capacity(2 * self.v.len());
-        for (i, v) in self.v.iter().enumerate() {
-            let other = i.checked_add_signed(shift).and_then(|j| self.w.get(j));
-            for ((row, variance), y) in see.iter().zip([Some(v), other]) {
+        let mut out = Innovations { each: Vec::new(), minus_twice_log: 0.0, w_from: 0_usize.saturating_add_signed(-shift) };
+        // From the first sample of either record to the last.
+        for i in 0..self.v.len() + shift.unsigned_abs() {
+            let of_v = 0_usize.saturating_add_signed(shift);
+            let at = |x: &'_ [f64], first: usize| i.checked_sub(first).and_then(|k| x.get(k)).copied();
+            for ((row, variance), y) in see.iter().zip([at(&self.v, of_v), at(&self.w, out.w_from)]) {
                 let Some(y) = y else {
-                    out.push(0.0);
+                    out.each.push(0.0);
                     continue;
                 };
                 let s = (row * p * row.transpose())[0] + variance;
                 let e = y - (row * x)[0];
                 // The first samples only fix the state.
-                out.push(if i < 3 { 0.0 } else { e / s.sqrt() });
+                out.each.push(if i < 3 { 0.0 } else { e / s.sqrt() });
+                out.minus_twice_log += e * e / s + s.ln();
                 let gain = p * row.transpose() / s;
                 x += gain * e;
                 p -= gain * row * p;
@@ -135,9 +141,19 @@ impl Witnesses {
         let samples = (delay_s / self.interval_s).round() as isize;
         samples
     }
-    fn at(&self, [scale, delay_s]: [f64; 2], shift: isize) -> Vec<f64> {
+    fn at(&self, [scale, delay_s]: [f64; 2], shift: isize) -> Innovations {
         self.innovations(scale, shift, delay_s - shift as f64 * self.interval_s)
     }
+}
+
+/// What a filter of both records leaves.
+struct Innovations {
+    /// Over their standard deviations, v's and w's by turns from the first sample of either; zero where there is none, and at first.
+    each: Vec<f64>,
+    /// −2 ln of the likelihood of both records, but for a constant.
+    minus_twice_log: f64,
+    /// Where w begins.
+    w_from: usize,
 }
 
 /// Correlation of what changes from sample to sample, which is noise, over all runs.
@@ -194,10 +210,10 @@ fn local(pairs: &[Witnesses], at: [f64; 2]) -> Local {
     let mut l = Local { score: Vector2::zeros(), information: Matrix2::zeros(), middle: Matrix2::zeros(), of_w: Vec::new() };
     for p in pairs {
         let shift = p.shift(at[1]);
-        let e = p.at(at, shift);
+        let Innovations { each: e, w_from, .. } = p.at(at, shift);
         let slope = |by: [f64; 2], h: f64| -> Vec<f64> {
             let side = |s: f64| p.at([at[0] + s * by[0], at[1] + s * by[1]], shift);
-            side(1.0).into_iter().zip(side(-1.0)).map(|(a, b)| (b - a) / (2.0 * h)).collect()
+            side(1.0).each.into_iter().zip(side(-1.0).each).map(|(a, b)| (b - a) / (2.0 * h)).collect()
         };
         let (by_scale, by_delay) = (slope([1e-5, 0.0], 1e-5), slope([0.0, 1e-4], 1e-4));
         let g: Vec<Vector2<f64>> = by_scale.into_iter().zip(by_delay).map(|(a, b)| Vector2::new(a, b)).collect();
@@ -213,7 +229,7 @@ fn local(pairs: &[Witnesses], at: [f64; 2]) -> Local {
             let weight = 1.0 - lag as f64 / (lags + 1) as f64;
             l.middle += if lag == 0 { sum } else { weight * (sum + sum.transpose()) };
         }
-        l.of_w.push(e.into_iter().skip(1).step_by(2).collect());
+        l.of_w.push(e.into_iter().skip(1).step_by(2).skip(w_from).take(p.w.len()).collect());
     }
     l
 }
@@ -221,13 +237,11 @@ fn local(pairs: &[Witnesses], at: [f64; 2]) -> Local {
 fn measured(pairs: &[Witnesses]) -> Option<Pressure> {
     let mean = |f: &dyn Fn(&Witnesses) -> f64| pairs.iter().map(f).sum::<f64>();
     let scale = mean(&|p| p.w.iter().sum()) / mean(&|p| p.v.iter().sum());
-    let misfit = |delay: f64| -> f64 {
-        let one = |p: &Witnesses| p.at([scale, delay], p.shift(delay)).iter().map(|e| e * e).sum::<f64>();
-        pairs.iter().map(one).sum()
-    };
+    let minus_twice_log = |delay: f64| mean(&|p| p.at([scale, delay], p.shift(delay)).minus_twice_log);
     #[expect(clippy::cast_possible_truncation, reason = "twenty")]
     let tried = (LONGEST_S / TRIED_S) as i32;
-    let start = (-tried..=tried).map(|k| f64::from(k) * TRIED_S).map(|d| (misfit(d), d)).min_by(|a, b| a.0.total_cmp(&b.0))?.1;
+    let tried: Vec<[f64; 2]> = (-tried..=tried).map(|k| f64::from(k) * TRIED_S).map(|d| [minus_twice_log(d), d]).collect();
+    let [least, start] = tried.iter().copied().min_by(|a, b| a[0].total_cmp(&b[0]))?;
     let mut at = Vector2::new(scale, start);
     for _ in 0..ITERATIONS {
         let l = local(pairs, at.into());
@@ -251,7 +265,9 @@ fn measured(pairs: &[Witnesses]) -> Option<Pressure> {
         }
     }
     let off = at - Vector2::new(1.0, 0.0);
-    let determined = NORMAL_95 * covariance[(1, 1)].sqrt() < LONGEST_S;
+    // Noise alone has slopes, by which a delay of a constant speed would seem known.
+    let told = [tried.first()?, tried.last()?].iter().all(|end| end[0] - least > TELLS);
+    let determined = told && NORMAL_95 * covariance[(1, 1)].sqrt() < LONGEST_S;
     let (square, degrees) = if determined {
         (off.dot(&(scaled_inverse(&covariance)? * off)), 2.0)
     } else {
