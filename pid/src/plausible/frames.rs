@@ -141,8 +141,8 @@ mod tests {
         }
     }
 
-    /// Axes as they are give the record, whose roll goes on beyond half a turn; whatever the axes, no angle goes by more than half a turn
-    /// from sample to sample.
+    /// Axes as they are give the record, whose roll goes on beyond half a turn; whatever the axes, no angle goes by more than half
+    /// a turn from sample to sample.
     #[test]
     fn law_no_turns_between_samples() {
         let sound = record();

@@ -94,7 +94,7 @@ fn again(name: &str, r: &Record) -> Option<GrossFault> {
                 shift = i - j;
                 length += 1;
             }
-            // A sample that only repeats the one before ends a block, or begins it where it stood longer: blocks are of different samples.
+            // A sample that only repeats the one before ends a block as well.
             _ => length = 0,
         }
         if length >= need {

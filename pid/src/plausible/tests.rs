@@ -114,7 +114,7 @@ fn exact_three_digits() {
     assert_eq!(found, ["0.00123", "-0.25", "1", "5.08", "41.3", "1235", "0"]);
 }
 
-/// No campaign of one run of the model by its own plant has a fault, and none without runs.
+/// What has no runs has no fault.
 #[test]
 fn law_no_fault_without_runs() {
     assert!(plausible(&campaign(plant(), Vec::new())).is_ok());

@@ -13,8 +13,8 @@ fn points(plant: &Plant, count: usize) -> Vec<Point> {
 /// Rounding of accelerations of 10 m/s² and 30 rad/s², through parameters that the instants tell less well than the best by 1e4.
 const ROUNDING: f64 = 1e-8;
 
-/// Declared values a factor off: each comes out over the declared, and nothing is left; a constant moment that is not declared leaves pitch
-/// and yaw, unless it is fitted as well.
+/// Declared values a factor off: each comes out over the declared, and nothing is left; a constant moment that is not declared
+/// leaves pitch and yaw, unless it is fitted as well.
 #[test]
 fn recover_parameters_of_the_forces_that_act() {
     let declared = plant();
@@ -57,8 +57,8 @@ fn dense(rows: &[DVector<f64>], columns: &[Vec<DVector<f64>>], hold: &[f64], kep
     (svd.solve(&b, 0.0).expect("asked for"), covariance)
 }
 
-/// Noise on all accelerations, two instants that are far off, a parameter without an effect and one that is not declared: values, errors and
-/// what is left as from dense weighted least squares, twice, the second time without the worst twentieth.
+/// Noise on all accelerations, two instants that are far off, a parameter without an effect and one that is not declared: values,
+/// errors and what is left as from dense weighted least squares, twice, the second time without the worst twentieth.
 #[test]
 fn exact_fit_is_weighted_least_squares() {
     let mut plant = plant();

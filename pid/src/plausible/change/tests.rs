@@ -57,8 +57,9 @@ fn factor(words: &str) -> f64 {
     words.split_once(" times ").map(by).unwrap_or_else(|| 1.0 / words.split_once(" divided by ").map(by).expect("a factor"))
 }
 
-/// Values, rates and second derivatives of all readings against differences of what their words say. Differences err by a fourth derivative
-/// of 100 times h²/12 and by rounding of 30 rad over h²; factors are printed to three digits where the clock is stretched.
+/// Values, rates and second derivatives of all readings against differences of what their words say. Differences err by a fourth
+/// derivative of 100 times h²/12 and by rounding of 30 rad over h²; factors are printed to three digits where the clock is
+/// stretched.
 #[test]
 fn exact_readings_do_what_their_words_say() {
     let (h, list) = (3e-4, all());
@@ -85,8 +86,8 @@ fn exact_readings_do_what_their_words_say() {
     }
 }
 
-/// Six orders of axes with eight signs each but for the record itself, and half a turn; seven signs of angles and five orders; six orders of
-/// turns both ways but for the declared; 30 factors. No two are the same.
+/// Six orders of axes with eight signs each but for the record itself, and half a turn; seven signs of angles and five orders; six
+/// orders of turns both ways but for the declared; 30 factors. No two are the same.
 #[test]
 fn exact_number_of_readings() {
     let list = all();

@@ -32,8 +32,8 @@ fn assert_common(found: Option<(f64, f64)>, expected: Option<(f64, f64)>) {
     }
 }
 
-/// A mass off by e^0.4, within what aerodynamics may be: leading forces may be apart by 0.13·2·0.4 + 0.02 = 0.124, others by 0.35 + 0.02. One by
-/// e^1.3, beyond: by 0.8·0.6·1.3 + 0.02 = 0.644 and 1.2·0.6·1.3 + 0.02 = 0.956. Below e^0.34 it is none.
+/// A mass off by e^0.4, within what aerodynamics may be: leading forces may be apart by 0.13·2·0.4 + 0.02 = 0.124, others by 0.35 +
+/// 0.02. One by e^1.3, beyond: by 0.8·0.6·1.3 + 0.02 = 0.644 and 1.2·0.6·1.3 + 0.02 = 0.956. Below e^0.34 it is none.
 #[test]
 fn exact_spread_about_a_mass() {
     for (factor, apart, higher, expected) in [
@@ -56,8 +56,8 @@ fn exact_spread_about_a_mass() {
     assert_common(common(MASS, &moved, true), Some((1.3, 2.0)));
 }
 
-/// A diameter off by e^0.35 moves forces, moments and damping by the powers −2, −3 and −4 of it: beyond, with a spread of 0.8·0.6·4·0.35 + 0.02 =
-/// 0.692.
+/// A diameter off by e^0.35 moves forces, moments and damping by the powers −2, −3 and −4 of it: beyond, with a spread of
+/// 0.8·0.6·4·0.35 + 0.02 = 0.692.
 #[test]
 fn exact_powers_of_a_diameter() {
     use Makes::{Damping, Force, Moment};
@@ -73,8 +73,8 @@ fn found(values: [f64; 11], std: f64) -> Balance {
     Balance { left: [0.0; 4], signal: [1.0; 4], ratio }
 }
 
-/// C_A, C_N and its cubic part are forces; C_l at rest is an asymmetry; C_m and its cubic part are moments; the rest is damping. Of three
-/// times the declared ±0.3 is 10 %, ±0.4 is 13 %, too much.
+/// C_A, C_N and its cubic part are forces; C_l at rest is an asymmetry; C_m and its cubic part are moments; the rest is damping. Of
+/// three times the declared ±0.3 is 10 %, ±0.4 is 13 %, too much.
 #[test]
 fn exact_determined_parameters() {
     use Makes::{Damping, Force, Moment};
@@ -98,8 +98,9 @@ fn exact_determined_parameters() {
     assert!(determined(&found([-3.0; 11], 0.3), &plant()).is_empty());
 }
 
-/// Grams for kilograms: forces a thousand times the declared, named to 14 %, or to a factor of e^0.8 as here where it is beyond doubt. Inertia of
-/// 1.8 times what it is: no unit; where it is as measured, the declared values times 1.8 (C_l,p, C_m, C_m,1, C_n,1 of Table 5.5) are to begin with.
+/// Grams for kilograms: forces a thousand times the declared, named to 14 %, or to a factor of e^0.8 as here where it is beyond
+/// doubt. Inertia of 1.8 times what it is: no unit; where it is as measured, the declared values times 1.8 (C_l,p, C_m, C_m,1,
+/// C_n,1 of Table 5.5) are to begin with.
 #[test]
 fn exact_words_of_a_constant() {
     let campaign = campaign(plant(), Vec::new());
@@ -124,8 +125,8 @@ fn exact_words_of_a_constant() {
     assert!(suspect(&campaign, &found([1.2; 11], 0.01)).is_none());
 }
 
-/// Motion in standard gravity with 1.25 times the declared drag: the weight says so, whatever the file has for gravity, in feet or upward.
-/// Gravity of another place on the ground is no fault.
+/// Motion in standard gravity with 1.25 times the declared drag: the weight says so, whatever the file has for gravity, in feet or
+/// upward. Gravity of another place on the ground is no fault.
 #[test]
 fn recover_standard_gravity() {
     let mut declared = plant();

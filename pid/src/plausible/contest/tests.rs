@@ -29,7 +29,8 @@ fn exact_cost_of_aerodynamics() {
     }
 }
 
-/// Of readings that cost 120, 109 and 100 the first below 100 + 8 is the last; below 100 plus a twentieth of a lead of 400, the second.
+/// Of readings that cost 120, 109 and 100 the first below 100 + 8 is the last; below 100 plus a twentieth of a lead of 400, the
+/// second.
 #[test]
 fn exact_first_of_the_best() {
     let list = [120.0, 109.0, 100.0].map(|c| outcome([0.5; 4], [c - 7.0, 7.0]));
@@ -41,8 +42,9 @@ fn exact_first_of_the_best() {
     assert!(best(None, &[]).is_none());
 }
 
-/// 45 % against 90 % is the largest gain, and ahead by 120 and 100; then each condition by itself on both sides: ahead by 60 in all and by 50
-/// in what is left, no group worse than 1.15 times and 3 %, and the best below a half, below 0.6 of what it was, and that beyond 0.3.
+/// 45 % against 90 % is the largest gain, and ahead by 120 and 100; then each condition by itself on both sides: ahead by 60 in all
+/// and by 50 in what is left, no group worse than 1.15 times and 3 %, and the best below a half, below 0.6 of what it was, and that
+/// beyond 0.3.
 #[test]
 fn exact_what_speaks_for_a_reading() {
     let now = outcome([0.9, 0.5, 0.01, 0.5], [200.0, 30.0]);

@@ -16,7 +16,8 @@ fn taken(from: impl Fn(usize) -> usize) -> Record {
     record(200, STEP_S, |i| moving_pose(from(i)))
 }
 
-/// A ramp that stands from sample 120 on for 18 samples, or 17; and a pose that trembles about one place, which may stand by chance.
+/// A ramp that stands from sample 120 on for 18 samples, or 17; and a pose that trembles about one place, which may stand by
+/// chance.
 #[test]
 fn exact_frozen_pose() {
     let standing = |count: usize| taken(move |i| if (120..120 + count).contains(&i) { 120 } else { i });
@@ -31,8 +32,8 @@ fn exact_frozen_pose() {
     assert_eq!((still.cause.as_str(), &still.evidence[..15]), ("the pose never changes", "all 200 samples"));
 }
 
-/// A ramp of slope u that trembles by ±A has steps of 2A ± u, most of 2A − u, and goes 17u ± 2A in 18 samples: that is beyond six of its
-/// smallest steps for A < 23u/14. Where a single step is smaller, beyond six times 0.3 of the usual one, for A < 18.8u/5.6.
+/// A ramp of slope u that trembles by ±A has steps of 2A ± u, most of 2A − u, and goes 17u ± 2A in 18 samples: that is beyond six
+/// of its smallest steps for A < 23u/14. Where a single step is smaller, beyond six times 0.3 of the usual one, for A < 18.8u/5.6.
 #[test]
 fn exact_motion_over_resolution() {
     let u = 0.002;

@@ -41,8 +41,8 @@ fn on(channel: usize, size: f64) -> [f64; 6] {
     std::array::from_fn(|k| if k == channel { size } else { 0.0 })
 }
 
-/// In the words of the report: where, how large and over what. A step counts against the least of its kind, so 0.05 m (2.5 of 0.02 m) is more
-/// than 0.1 rad (1.9 of 0.052 rad) and less than 0.2 rad.
+/// In the words of the report: where, how large and over what. A step counts against the least of its kind, so 0.05 m (2.5 of 0.02
+/// m) is more than 0.1 rad (1.9 of 0.052 rad) and less than 0.2 rad.
 #[test]
 fn exact_largest_step() {
     let of = |slope: f64, scatter: f64, steps: [f64; 6]| fault("r", &stepped(slope, scatter, steps)).map(|f| f.evidence);
@@ -60,7 +60,8 @@ fn exact_largest_step() {
     assert!(found.starts_with("at 0.240 s Ry steps by 11.5 deg from one sample to the next, 0.01 deg being"), "{found}");
 }
 
-/// Both sides of what counts: 0.02 m, 0.052 rad, and 1.5 slopes of a sample more; twelve times the scatter; a turn is none, to 0.052 rad.
+/// Both sides of what counts: 0.02 m, 0.052 rad, and 1.5 slopes of a sample more; twelve times the scatter; a turn is none, to
+/// 0.052 rad.
 #[test]
 fn exact_least_step() {
     for (slope, scatter, steps, expected) in [

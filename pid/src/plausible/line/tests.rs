@@ -18,7 +18,8 @@ fn with(ring: f64, hook: f64, from: f64, weight_n: f64) -> Option<GrossFault> {
     fault(&campaign(plant, Vec::new()), &[("r", &r)])
 }
 
-/// A ring under all of the runs, wherever these are, of a line that pulls: with the weight of the line above its drag it may be there.
+/// A ring under all of the runs, wherever these are, of a line that pulls: with the weight of the line above its drag it may be
+/// there.
 #[test]
 fn exact_ring_below_the_model() {
     let found = with(17.3, -0.25, 15.0, 0.4).expect("below");
@@ -32,7 +33,8 @@ fn exact_ring_below_the_model() {
     assert!(fault(&campaign(plant, Vec::new()), &[("r", &r)]).is_none());
 }
 
-/// With the ring above, an attachment 0.1 m ahead of the origin, 0.471 of 0.2125 m, is on the other side; a fifth of a diameter is not.
+/// With the ring above, an attachment 0.1 m ahead of the origin, 0.471 of 0.2125 m, is on the other side; a fifth of a diameter is
+/// not.
 #[test]
 fn exact_attachment_on_the_other_side() {
     let found = with(-3.0, 0.1, 0.0, 0.4).expect("beyond");

@@ -3,8 +3,8 @@
 use super::super::tests::record;
 use super::*;
 
-/// Weights of Savitzky and Golay (Anal. Chem. 36, 1964, tables I, IV and VIII, with Steinier's corrections of 1972): the numbers over their
-/// norms, by an interval of 0.3 s.
+/// Weights of Savitzky and Golay (Anal. Chem. 36, 1964, tables I, IV and VIII, with Steinier's corrections of 1972): the numbers
+/// over their norms, by an interval of 0.3 s.
 #[test]
 fn pub_weights_of_savitzky_and_golay() {
     let h = 0.3;
@@ -54,8 +54,8 @@ fn run(count: usize, interval_s: f64) -> Record {
     r
 }
 
-/// Windows of quartics give these and their derivatives, in every third sample of two runs of 1301, from half a window of 0.35 s on; V_W also
-/// later by steps of 0.15 s, as far as windows reach.
+/// Windows of quartics give these and their derivatives, in every third sample of two runs of 1301, from half a window of 0.35 s
+/// on; V_W also later by steps of 0.15 s, as far as windows reach.
 #[test]
 fn exact_quartics() {
     let (long, short) = (run(700, 0.025), run(601, 0.025));
@@ -90,7 +90,8 @@ fn exact_width_of_windows() {
     }
 }
 
-/// A record that is shorter than its windows has one of all that it has; one with a clock in other units has windows of so many samples.
+/// A record that is shorter than its windows has one of all that it has; one with a clock in other units has windows of so many
+/// samples.
 #[test]
 fn exact_short_and_slow_records() {
     let short = run(27, 0.025);

@@ -24,8 +24,8 @@ fn exact_shared_samples() {
     assert!(sets_of(&[&a, &other, &sharing(49)]).is_none());
 }
 
-/// Samples at ±a have second differences of 4a, which white noise of a standard deviation of 4a/(√6·0.6745) = 2.42a has at the median: runs
-/// that differ by less than half of that are one, if they have one clock to 1e-3.
+/// Samples at ±a have second differences of 4a, which white noise of a standard deviation of 4a/(√6·0.6745) = 2.42a has at the
+/// median: runs that differ by less than half of that are one, if they have one clock to 1e-3.
 #[test]
 fn exact_difference_over_noise() {
     let a = 0.013;
