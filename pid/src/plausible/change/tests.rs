@@ -125,6 +125,22 @@ fn order_of_readings() {
     assert!(all().windows(2).all(|w| w[0].act.rarity() <= w[1].act.rarity()));
 }
 
+/// A turn by an angle that slows down, against differences of the rotation: a fourth derivative of 30 times h²/12, and rounding
+/// over h².
+#[test]
+fn exact_turn_about_an_axis() {
+    let ([angle, rate, second], h) = ([0.7, 1.3, -0.9], 1e-4);
+    for axis in 0..3 {
+        let at = |t: f64| {
+            let angle = angle + rate * t + 0.5 * second * t * t;
+            Rotation3::from_scaled_axis(Vector3::from_fn(|k, _| if k == axis { angle } else { 0.0 })).into_inner()
+        };
+        let found = turn(axis, [angle, rate, second]);
+        let expected = [at(0.0), (at(h) - at(-h)) / (2.0 * h), (at(h) - at(0.0) * 2.0 + at(-h)) / (h * h)];
+        assert!(found.iter().zip(&expected).all(|(f, e)| (f - e).amax() < 1e-6), "{found:?} {expected:?}");
+    }
+}
+
 /// The anemometer late by so many steps, and motion that is given as it is.
 #[test]
 fn exact_late_anemometer() {

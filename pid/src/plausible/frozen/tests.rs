@@ -39,7 +39,7 @@ fn exact_motion_over_resolution() {
     let u = 0.002;
     let of = |a: f64, smaller: bool| {
         let step = if smaller { 1e-6 - u - 2.0 * a } else { 0.0 };
-        let x = move |i: usize| 0.3 + u * i as f64 + if i % 2 == 0 { a } else { -a } + if i < 100 { 0.0 } else { step };
+        let x = move |i: usize| 0.3 + u * i as f64 + if i.is_multiple_of(2) { a } else { -a } + if i < 100 { 0.0 } else { step };
         moving(&record(200, STEP_S, |i| [x(i), 0.0, 0.0, x(i), 0.0, 0.0]), NEED)
     };
     assert!(of(1.6 * u, false) && !of(1.7 * u, false));

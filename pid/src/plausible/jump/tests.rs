@@ -93,6 +93,9 @@ fn exact_samples_about_a_step() {
     r.bridged.clear();
     r.t_s[24..].iter_mut().for_each(|t| *t += 0.01);
     assert!(fault("r", &r).is_none());
+    // What takes three samples, a third in each, is a fast motion: lines meet 0.079 m apart, of which no pair of samples has 0.6.
+    let fast = |i: usize| on(1, 0.1 / 3.0 * (i as f64 - 23.0).clamp(0.0, 3.0));
+    assert!(fault("r", &record(60, 0.01, fast)).is_none());
     // Steps within twelve samples of the ends have no lines on both sides.
     let at = |place: usize| record(60, 0.01, |i| on(0, 0.1 * f64::from(u8::from(i >= place))));
     for (place, expected) in [(11, false), (12, true), (47, true), (49, false)] {

@@ -33,6 +33,18 @@ fn pub_weights_of_savitzky_and_golay() {
     );
 }
 
+/// Of a pulse in the middle of seven samples 131/231 are left, of one beside it 75/231, at the end 5/231 (the same table).
+#[test]
+fn pub_smoothed_pulse() {
+    let at = |pulse: usize| {
+        let r = record(7, 0.02, |i| [f64::from(u8::from(i == pulse)), 0.0, 0.0, 0.0, 0.0, 0.0]);
+        instants(&[("r", &r)])[0].motion[0][0]
+    };
+    for (pulse, printed) in [(3, 131.0), (4, 75.0), (0, 5.0)] {
+        assert!((at(pulse) - printed / 231.0).abs() < 1e-11, "{pulse}");
+    }
+}
+
 /// A quartic of a channel's own, with two derivatives.
 fn quartic(channel: usize, t: f64) -> [f64; 3] {
     let c: [f64; 5] = std::array::from_fn(|k| [0.7, -1.3, 0.4, 0.9, -0.3][k] * (1.0 + 0.2 * channel as f64 * (k as f64 - 1.7)));

@@ -29,7 +29,8 @@ fn exact_shared_samples() {
 #[test]
 fn exact_difference_over_noise() {
     let a = 0.013;
-    let run = |off: f64, interval_s: f64| record(120, interval_s, |i| [a * if i % 2 == 0 { 1.0 + off } else { off - 1.0 }; 6]);
+    let run =
+        |off: f64, interval_s: f64| record(120, interval_s, |i| [a * if i.is_multiple_of(2) { 1.0 + off } else { off - 1.0 }; 6]);
     let first = run(0.0, 0.01);
     for (off, interval_s, expected) in
         [(1.2, 0.01, true), (-1.2, 0.01, true), (1.22, 0.01, false), (1.2, 0.010_005, true), (1.2, 0.010_2, false)]
@@ -37,6 +38,6 @@ fn exact_difference_over_noise() {
         assert_eq!(sets_of(&[&first, &run(off, interval_s)]).is_some(), expected, "{off} {interval_s}");
     }
     // Too short to tell, or of another length.
-    let cut = |n: usize| record(n, 0.01, |i| [a * if i % 2 == 0 { 2.2 } else { 0.2 }; 6]);
+    let cut = |n: usize| record(n, 0.01, |i| [a * if i.is_multiple_of(2) { 2.2 } else { 0.2 }; 6]);
     assert!(sets_of(&[&first, &cut(99)]).is_none() && sets_of(&[&first, &cut(241)]).is_none());
 }
