@@ -194,3 +194,6 @@ fn left(rows: &[Equations], which: &[usize], found: &DVector<f64>) -> [f64; 4] {
     let each = [1.0, 2.0, 1.0, 2.0];
     std::array::from_fn(|g| (sum[g] / (each[g] * which.len().max(1) as f64)).sqrt())
 }
+
+#[cfg(test)]
+mod tests;

@@ -300,3 +300,6 @@ fn put(m: &mut Sample, [t, rate, second]: Turning) {
         m[3 + k] = [euler[k], rates[k], seconds[k]];
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,7 +4,7 @@
 //! those of a kind by one factor. Single parameters may be half to twice the declared ones in a sound campaign; a refusal takes either
 //! more than that, or one factor common to all that it must move beside nothing that it must not.
 
-use super::balance::{Balance, PER_S, Point, Ratio, balance};
+use super::balance::{Balance, Point, Ratio, balance};
 use super::change::Act;
 use super::motion::MotionSample;
 use super::{GrossFault, median, short};
@@ -143,7 +143,7 @@ pub(super) fn celsius(instants: &[MotionSample]) -> Option<GrossFault> {
 fn fitted(campaign: &Campaign, plant: &Plant, instants: &[MotionSample]) -> Option<Balance> {
     let points: Vec<Point> = instants.iter().map(|i| Act::Late(0).apply(i)).collect();
     let seconds: f64 = instants.iter().map(|i| i.span_s).sum();
-    balance(&points, plant, &campaign.declared, seconds.max(1.0 / PER_S), false)
+    balance(&points, plant, &campaign.declared, seconds, false)
 }
 
 /// Fitted over declared axial force: how well weight and drag agree.
@@ -282,3 +282,6 @@ fn suspect(campaign: &Campaign, found: &Balance) -> Option<GrossFault> {
         change: change + &begin,
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -102,9 +102,7 @@ pub(super) fn fault(
     let readings = all().into_iter().filter_map(|c| read(c, instants));
     let turned = turned.into_iter().filter_map(|(c, own)| read(c, &own));
     let list: Vec<Outcome> = readings.chain(turned).collect();
-    let least = list.iter().map(Outcome::total).fold(f64::INFINITY, f64::min);
-    let lead = now.as_ref().map_or(0.0, |n| n.total() - least).max(0.0);
-    let best = list.iter().find(|o| o.total() < least + ALIKE.max(ALIKE_SHARE * lead))?;
+    let best = best(now.as_ref(), &list)?;
     let change = best.change.as_ref()?;
     let evidence = match &now {
         Some(now) => {
@@ -131,6 +129,13 @@ pub(super) fn fault(
         change: format!("with {} the record makes sense", change.words),
         evidence,
     })
+}
+
+/// The first of the readings that are as good as the best.
+fn best<'a>(now: Option<&Outcome>, list: &'a [Outcome]) -> Option<&'a Outcome> {
+    let least = list.iter().map(Outcome::total).fold(f64::INFINITY, f64::min);
+    let lead = now.map_or(0.0, |n| n.total() - least).max(0.0);
+    list.iter().find(|o| o.total() < least + ALIKE.max(ALIKE_SHARE * lead))
 }
 
 /// The declared plant with undeclared effects that bend the vertical balance as a wrong clock or axis does, each at the largest size
@@ -184,3 +189,6 @@ fn closes(o: &Outcome) -> String {
     let each: Vec<String> = COUNTED.iter().map(|g| format!("{:.0} % of the {}", 100.0 * o.share[*g], GROUPS[*g])).collect();
     format!("the equations of motion leave {} accelerations unexplained", each.join(", "))
 }
+
+#[cfg(test)]
+mod tests;

@@ -130,6 +130,34 @@ mod tests {
         }
     }
 
+    /// Rows of right-handed axes: a rotation whose first row is the signed axis.
+    #[test]
+    fn law_rows_are_right_handed() {
+        for (axis, sign) in (0..3).flat_map(|axis| [(axis, 1.0), (axis, -1.0)]) {
+            let rows = Signed { axis, sign }.rows();
+            let m = nalgebra::Matrix3::from_fn(|i, j| rows[i][j]);
+            assert!((m.determinant() - 1.0).abs() < 1e-15 && (m * m.transpose() - nalgebra::Matrix3::identity()).amax() < 1e-15);
+            assert!((rows[0][axis] - sign).abs() < 1e-15);
+        }
+    }
+
+    /// Axes as they are give the record, whose roll goes on beyond half a turn; whatever the axes, no angle goes by more than half
+    /// a turn from sample to sample.
+    #[test]
+    fn law_no_turns_between_samples() {
+        let sound = record();
+        let as_it_is = Signed { axis: 0, sign: 1.0 };
+        let same = turned(&sound, as_it_is, as_it_is);
+        for (found, expected) in same.channels().into_iter().flatten().zip(sound.channels().into_iter().flatten()) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+        for (axis, sign) in (0..3).flat_map(|axis| [(axis, 1.0), (axis, -1.0)]) {
+            let to = Signed { axis, sign };
+            let steps = |x: &[f64]| x.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
+            assert!(turned(&sound, to, to).attitude_rad.iter().all(|x| steps(x) < 3.15), "{axis} {sign}");
+        }
+    }
+
     /// Axes read otherwise and back again are the record, whole turns of the roll apart.
     #[test]
     fn law_there_and_back() {

@@ -83,3 +83,6 @@ fn line(x: &[f64], beyond: bool) -> (f64, f64, f64) {
     let at = if beyond { n - 0.5 } else { -0.5 };
     (mean + slope * (at - middle), slope, super::median(&apart).max(1e-12))
 }
+
+#[cfg(test)]
+mod tests;

@@ -58,3 +58,6 @@ pub(super) fn fault(campaign: &Campaign, runs: &[(&str, &Record)]) -> Option<Gro
     }
     None
 }
+
+#[cfg(test)]
+mod tests;

@@ -127,3 +127,6 @@ fn short(x: f64) -> String {
         format!("{x}")
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -85,3 +85,6 @@ fn weights(half: usize, dt: f64) -> Option<[Vec<f64>; 3]> {
     let row = |order: usize, factor: f64| inverse.row(order).iter().map(|w| w * factor).collect();
     Some([row(0, 1.0), row(1, 1.0 / unit), row(2, 2.0 / (unit * unit))])
 }
+
+#[cfg(test)]
+mod tests;

@@ -23,3 +23,6 @@ pub(super) fn fault(campaign: &Campaign) -> Option<GrossFault> {
         change: "give inertia in kg m2 (1e-4 x kg cm2), mass in kg, reference_diameter_m in m".to_owned(),
     })
 }
+
+#[cfg(test)]
+mod tests;

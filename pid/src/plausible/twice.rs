@@ -65,3 +65,6 @@ fn alike(a: &Record, b: &Record) -> bool {
         quantile(apart, 0.9) < OF_NOISE * noise
     })
 }
+
+#[cfg(test)]
+mod tests;
