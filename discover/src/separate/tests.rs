@@ -50,7 +50,7 @@ fn exact_flight_of_a_run() {
     assert!(found.iter().flatten().zip(expected.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?}");
     let TunnelSpeed::History { interval_s, vw_m_s } = flight.speed else { panic!("a history") };
     let end_s = interval_s * (vw_m_s.len() - 1) as f64;
-    assert!((interval_s - 0.05).abs() < 1e-15 && end_s >= 6.01 && end_s < 6.2, "{end_s}");
+    assert!((interval_s - 0.05).abs() < 1e-15 && (6.01..6.2).contains(&end_s), "{end_s}");
     for (k, speed) in vw_m_s.iter().enumerate() {
         let eighth = (0.25 * std::f64::consts::PI * 0.05 * k as f64).sin();
         assert!((speed - (7.4 + 0.592 * eighth)).abs() < 1e-13, "{k}: {speed}");

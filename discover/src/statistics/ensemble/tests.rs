@@ -27,7 +27,7 @@ fn exact_angle_of_the_truth() {
     for (row, run) in rows.iter().zip(4..) {
         let (truth, _) = fly_truth(&setup.plant, &setup.flown, Seed { campaign: setup.seed, run }).expect("flies");
         let theta = |[_, _, y, z]: &[f64; 4]| (1.0 - 2.0 * (y * y + z * z)).acos().to_degrees();
-        let omega = |[_, q, r]: &[f64; 3]| (q * q + r * r).sqrt().to_degrees();
+        let omega = |[_, q, r]: &[f64; 3]| q.hypot(*r).to_degrees();
         let mean = |x: Vec<f64>| x.iter().sum::<f64>() / x.len() as f64;
         let expected = [
             mean(truth.quaternion.iter().map(theta).collect()),
