@@ -138,7 +138,7 @@ fn simulated_over_test(s: &Statistic) -> (f64, Bound) {
 fn trajectories(h: &HoldOut, campaign: &Campaign, found: &Plant, set: &DataSet, runs: &[usize]) -> Vec<Check> {
     let duration = runs.iter().map(|&i| h.runs.iter().find(|r| r.name == campaign.runs[i].name).map_or(0.0, |r| r.duration_s));
     let longest_s = duration.fold(0.0, f64::max);
-    let ca = half_interval(set, "CA_T0") / found.aero.value("CA_T0").unwrap_or(1.0).abs();
+    let ca = [half_interval(set, "CA_T0"), found.aero.value("CA_T0").unwrap_or(1.0)];
     let [attitude_deg, position_m] = allowed(&campaign.plant.sensors, ca, longest_s);
     vec![
         Check::new(
@@ -160,11 +160,11 @@ fn trajectories(h: &HoldOut, campaign: &Campaign, found: &Plant, set: &DataSet, 
     ]
 }
 
-/// Largest rms of attitude (deg) and position (m): noise with a fifth for errors of estimation, and noise with the drift that a relative
-/// error of `C_A` makes: it shifts the trim speed by half of its size, and the height by that times the duration.
-fn allowed(s: &Sensors, ca: f64, longest_s: f64) -> [f64; 2] {
+/// Largest rms of attitude (deg) and position (m): noise with a fifth for errors of estimation, and noise with the drift that an error of
+/// `C_A` makes: it shifts the trim speed by half of its relative size, and the height by that times the duration.
+fn allowed(s: &Sensors, [error, ca]: [f64; 2], longest_s: f64) -> [f64; 2] {
     let attitude = (s.roll_std_rad.powi(2) + 2.0 * s.pitch_yaw_std_rad.powi(2)).sqrt().to_degrees();
-    let drift = ca * 0.5 * 7.43 * longest_s;
+    let drift = error / ca.abs() * 0.5 * 7.43 * longest_s;
     [1.2 * attitude, (3.0_f64.sqrt() * s.position_std_m).hypot(drift)]
 }
 

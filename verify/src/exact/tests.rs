@@ -17,6 +17,17 @@ fn exact_closed_forms_are_flown() {
     });
 }
 
+/// A tether that pulls more the longer it is keeps its length to second order: small pitching is that of its pull at trim.
+#[test]
+fn exact_pitching_on_a_stretched_tether() {
+    with_setups(|s| {
+        let (plant, like) = first(s.appendix_c).expect("a flight");
+        let mut plant = plant.clone();
+        plant.tether.as_mut().expect("a tether").length_per_m = 0.9;
+        pass(&[pitching(&plant, like).expect("flies")]);
+    });
+}
+
 /// Differences over what is known: 13 of 65, and 0.4 of 1.6.
 #[test]
 fn exact_relative_differences() {

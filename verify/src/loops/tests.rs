@@ -108,7 +108,7 @@ fn exact_bounds() {
     let [appendix_c, ..] = scenarios();
     let (roll_std_rad, pitch_yaw_std_rad) = (0.7_f64.to_radians(), 0.6_f64.to_radians());
     let sensors = Sensors { roll_std_rad, pitch_yaw_std_rad, position_std_m: 0.02, ..appendix_c.plant.sensors };
-    let [attitude_deg, position_m] = allowed(&sensors, 0.003, 12.0);
+    let [attitude_deg, position_m] = allowed(&sensors, [0.0195, -6.5], 12.0);
     assert!((attitude_deg - 1.2 * 1.1).abs() < 1e-14, "{attitude_deg}");
     let drift = 0.003 / 2.0 * 7.43 * 12.0;
     assert!((position_m - f64::sqrt(3.0 * 0.0004 + drift * drift)).abs() < 1e-15, "{position_m}");

@@ -8,6 +8,13 @@ fn pub_check_cases_over_a_planet() {
     pass(&checks().expect("flies"));
 }
 
+/// The polar radius of WGS 84, m: NIMA TR8350.2, Table 3.3, to its last digit. Every case flies over the equator, where it is not seen.
+#[test]
+fn pub_polar_radius() {
+    let Spheroid { equatorial_radius_m, flattening } = wgs_84(None, Winds::STILL).figure;
+    assert!((equatorial_radius_m * (1.0 - flattening) - 6_356_752.314_2).abs() < 1e-4);
+}
+
 /// Wind from the west of 0.003 h − 20 ft/s: at the ground 20 ft/s from the east, at 30 000 ft 70 ft/s from the west.
 #[test]
 fn exact_shear() {
