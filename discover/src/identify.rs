@@ -157,7 +157,7 @@ fn by_likelihood(campaign: &Campaign, options: &EstimateOptions) -> Result<Ident
             let Some((i, k)) = *at else { continue };
             let (value, std) = (fit.model.declared[i], fit.covariance[(k, k)].sqrt());
             (e.estimate, e.std_error, e.std_error_white) = (value, std, white[(k, k)].sqrt());
-            e.ci95 = [value - NORMAL_95 * std, value + NORMAL_95 * std];
+            e.ci95 = ci95(value, std);
             e.rse_percent = relative_percent(std, value);
         }
         for (row, a) in d.covariance.iter_mut().zip(&places) {
@@ -179,6 +179,10 @@ fn by_likelihood(campaign: &Campaign, options: &EstimateOptions) -> Result<Ident
     found.reason = Some("the campaign says what is uncertain of its constants or which effects act".to_owned());
     LIKELIHOOD.clone_into(&mut found.method);
     Ok(found)
+}
+
+fn ci95(value: f64, std: f64) -> [f64; 2] {
+    [value - NORMAL_95 * std, value + NORMAL_95 * std]
 }
 
 /// The campaign with what is to be held at its value and no longer declared.
@@ -218,3 +222,6 @@ fn index(campaign: &Campaign, what: &'static str, name: &str) -> Result<usize, D
     let unknown = || DiscoverError::UnknownParameter { what, name: name.to_owned(), allowed: structure.parameters.join(", ") };
     structure.index(name).ok_or_else(unknown)
 }
+
+#[cfg(test)]
+mod tests;

@@ -185,16 +185,20 @@ fn tried(range: &Range<'_>, engine: &Engine, rivals: &Rivals<'_>, pairs: &[Rival
 fn ranked(rivals: &Rivals<'_>, tried: &[Tried], pair: RivalPair) -> Vec<(usize, [f64; 2])> {
     let expected = |(i, t): (usize, &Tried)| Some((i, rivals.expected(pair, &t.information)?));
     let mut all: Vec<(usize, [f64; 2])> = tried.iter().enumerate().filter_map(expected).collect();
+    rank(&mut all, |i| tried[i].run.tunnel_time_s);
+    all
+}
+
+fn rank(all: &mut [(usize, [f64; 2])], tunnel_time_s: impl Fn(usize) -> f64) {
     let sure = 2.0 * ODDS.ln();
     let rate = |(i, odds): &(usize, [f64; 2])| {
         let enough = worse(*odds).min(sure);
-        (enough >= sure, enough / tried[*i].run.tunnel_time_s)
+        (enough >= sure, enough / tunnel_time_s(*i))
     };
     all.sort_by(|a, b| {
         let ((x, p), (y, q)) = (rate(a), rate(b));
         y.cmp(&x).then(q.total_cmp(&p)).then(worse(b.1).total_cmp(&worse(a.1)))
     });
-    all
 }
 
 fn parted(range: &Range<'_>, engine: &Engine, rivals: &Rivals<'_>, tried: &[Tried], pair: RivalPair) -> Separated {
@@ -211,25 +215,23 @@ fn parted(range: &Range<'_>, engine: &Engine, rivals: &Rivals<'_>, tried: &[Trie
 }
 
 /// Log odds of each model over the other when a run was flown as it says, old and new runs together.
-fn simulated(range: &Range<'_>, engine: &Engine, models: [&Model; 2], run: NextRun) -> Option<[f64; 2]> {
-    let odds = |truth: usize| {
-        let plant = models[truth].plant(engine.campaign());
-        let all = range.engine_with(engine, range.flown(&plant, run, 1 + truth as u64)?)?;
-        log_odds(&all, models[truth], models[1 - truth])
+fn simulated(range: &Range<'_>, engine: &Engine, [one, two]: [&Model; 2], run: NextRun) -> Option<[f64; 2]> {
+    let odds = |truth: &Model, other: &Model, seed: u64| {
+        let plant = truth.plant(engine.campaign());
+        let all = range.engine_with(engine, range.flown(&plant, run, seed)?)?;
+        log_odds(&all, truth, other)
     };
-    Some([odds(0)?, odds(1)?])
+    Some([odds(one, two, 1)?, odds(two, one, 2)?])
 }
 
 fn sharpened(rivals: &Rivals<'_>, tried: &[Tried]) -> Vec<Sharpened> {
-    let mut wide: Vec<(Unseen, f64)> = rivals.unseen().into_iter().filter(|(u, std)| *std > WIDE * u.plausible).collect();
-    wide.sort_by(|a, b| (b.1 / b.0.plausible).total_cmp(&(a.1 / a.0.plausible)));
-    wide.into_iter()
+    widest(rivals.unseen(), |u: &Unseen| u.plausible)
+        .into_iter()
         .take(MOST)
         .filter_map(|(u, now)| {
             let then = tried.iter().filter_map(|t| Some((rivals.sharpened(&u, &t.information)?, t.run)));
-            // Information per tunnel time.
-            let worth = |(then, run): &(f64, NextRun)| (then.powi(-2) - now.powi(-2)) / run.tunnel_time_s;
-            let (std_error_then, run) = then.max_by(|a, b| worth(a).total_cmp(&worth(b)))?;
+            let brings = |(then, run): &(f64, NextRun)| worth(now, *then, run.tunnel_time_s);
+            let (std_error_then, run) = then.max_by(|a, b| brings(a).total_cmp(&brings(b)))?;
             Some(Sharpened {
                 family: u.family.to_owned(),
                 parameter: u.parameter.clone(),
@@ -240,6 +242,18 @@ fn sharpened(rivals: &Rivals<'_>, tried: &[Tried]) -> Vec<Sharpened> {
             })
         })
         .collect()
+}
+
+/// Bounds that are wide with their standard errors, the widest for its plausible size first.
+fn widest<T>(mut all: Vec<(T, f64)>, plausible: impl Fn(&T) -> f64) -> Vec<(T, f64)> {
+    all.retain(|(u, std)| *std > WIDE * plausible(u));
+    all.sort_by(|a, b| (b.1 / plausible(&b.0)).total_cmp(&(a.1 / plausible(&a.0))));
+    all
+}
+
+/// Information that a run brings, by standard errors without and with it, for its tunnel time.
+fn worth(now: f64, then: f64, tunnel_time_s: f64) -> f64 {
+    (then.powi(-2) - now.powi(-2)) / tunnel_time_s
 }
 
 /// How runs of a campaign are flown.
@@ -311,3 +325,6 @@ impl<'a> Range<'a> {
         self.engine(engine, &all)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -380,3 +380,6 @@ fn numerics(relative: f64) -> Numerics {
     // Gusts are rough: fifth order follows them with fewer evaluations than eighth.
     Numerics { method: Integrator::Dopri5, relative_tolerance: relative, absolute_tolerance: 0.01 * relative }
 }
+
+#[cfg(test)]
+mod tests;

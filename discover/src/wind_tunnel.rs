@@ -114,7 +114,7 @@ pub(crate) fn mean_speed_m_s(campaign: &Campaign) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use windfall_model::{Coefficient, StaticPoint};
+    use windfall_model::{Coefficient, Knowledge, Record, Run, StaticPoint, Use};
 
     /// Two points off by +0.3 and −0.1: rms √0.05, mean 0.1; the second is within 1.96·√(0.04² + 0.03²) and beyond the runs.
     #[test]
@@ -128,5 +128,32 @@ mod tests {
         let near = model("combined", &s, 0.2, |_| Some([0.98, 0.03])).expect("known");
         assert_eq!(near.apart, Some(1), "−0.08 is within it");
         assert!(model("m", &s, 0.2, |_| None).is_none());
+    }
+
+    /// A point at the largest angle that the runs reached, to rounding, is not beyond them.
+    #[test]
+    fn exact_points_beyond_the_runs() {
+        let point = |alpha_t_rad| StaticPoint { alpha_t_rad, value: 1.0, std: None };
+        let points = [0.1, 0.3 + 1e-15, 0.3 + 1e-8, 0.4].map(point).to_vec();
+        let s = StaticPoints { test: "t".to_owned(), coefficient: Coefficient::CA, points };
+        assert_eq!(model("m", &s, 0.3, |_| Some([1.0, f64::NAN])).expect("known").beyond_runs, 2);
+    }
+
+    /// Mean over all samples, not over runs; one where there is none.
+    #[test]
+    fn exact_mean_speed() {
+        let plant = windfall_scenarios::read_bundled("sage-combined").expect("bundled").scenario.plant;
+        let run = |vw_m_s: &[f64]| Run {
+            name: String::new(),
+            kind: String::new(),
+            used: Use::Identify,
+            inputs: Vec::new(),
+            data: Data::Tunnel(Record { vw_m_s: vw_m_s.to_vec(), ..Record::default() }),
+            notes: Vec::new(),
+        };
+        let of = |runs| Campaign::of_flights("two", &plant, &[], &Knowledge::default(), runs);
+        let speed = mean_speed_m_s(&of(vec![run(&[7.0, 7.5]), run(&[8.25, 9.0, 6.5])]));
+        assert!((speed - 38.25 / 5.0).abs() < 1e-14, "{speed}");
+        assert!((mean_speed_m_s(&of(Vec::new())) - 1.0).abs() < 1e-15);
     }
 }

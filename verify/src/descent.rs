@@ -136,3 +136,6 @@ fn oscillation(x: &[f64], interval_s: f64) -> Complex<f64> {
     let roots = companion.complex_eigenvalues();
     roots.iter().find(|r| r.im > 0.0).map_or(Complex::new(f64::NAN, f64::NAN), |r| r.ln() / interval_s)
 }
+
+#[cfg(test)]
+mod tests;

@@ -170,3 +170,6 @@ pub fn all_pass(checks: &[Check]) -> bool {
 fn first(scenario: &Scenario) -> Result<(&Plant, &Flight), VerifyError> {
     scenario.flights.first().map(|f| (&scenario.plant, f)).ok_or_else(|| ReplayError::NoRuns { what: "identify" }.into())
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,11 +4,11 @@
 use super::{Bound, Check, CheckKind, Setups};
 use crate::VerifyError;
 use rayon::prelude::*;
-use windfall_model::{Campaign, Data, Flight, Plant, Record, Use};
+use windfall_model::{Campaign, Data, Flight, Plant, Record, Sensors, Use};
 use windfall_pid::coefficients::CoefficientRow;
 use windfall_pid::{DataSet, Method, identify, process};
 use windfall_replay::campaign_of;
-use windfall_replay::{HoldOut, ReplayError, hold_out};
+use windfall_replay::{HoldOut, ReplayError, Statistic, hold_out};
 use windfall_sim::{Seed, fly};
 
 /// Draws of sensor noise for the simulated column of Table 5.6.
@@ -124,30 +124,29 @@ fn resimulation(campaign: &Campaign, found: &Plant, set: &DataSet, runs: &[usize
         );
         let id = format!("table-5.6-{}-{}", s.quantity, s.statistic);
         let source = "thesis §5.3.3, Table 5.6; four standard deviations of noise draws, and 1 % for errors of estimation";
-        let half = 0.01 + 4.0 * s.simulation_std.unwrap_or(0.0) / s.simulation;
-        all.push(
-            Check::new(CheckKind::Recovered, id, what, (s.simulation / s.test, "1"), Bound::around(1.0, half), source)
-                .beside(thesis),
-        );
+        let (ratio, bound) = simulated_over_test(s);
+        all.push(Check::new(CheckKind::Recovered, id, what, (ratio, "1"), bound, source).beside(thesis));
     }
     Ok(all)
 }
 
+fn simulated_over_test(s: &Statistic) -> (f64, Bound) {
+    let half = 0.01 + 4.0 * s.simulation_std.unwrap_or(0.0) / s.simulation;
+    (s.simulation / s.test, Bound::around(1.0, half))
+}
+
 fn trajectories(h: &HoldOut, campaign: &Campaign, found: &Plant, set: &DataSet, runs: &[usize]) -> Vec<Check> {
-    let s = &campaign.plant.sensors;
-    let attitude = (s.roll_std_rad.powi(2) + 2.0 * s.pitch_yaw_std_rad.powi(2)).sqrt().to_degrees();
-    // An error of C_A shifts the trim speed by half of its relative size, and the height by that times the duration.
     let duration = runs.iter().map(|&i| h.runs.iter().find(|r| r.name == campaign.runs[i].name).map_or(0.0, |r| r.duration_s));
     let longest_s = duration.fold(0.0, f64::max);
-    let drift = half_interval(set, "CA_T0") / found.aero.value("CA_T0").unwrap_or(1.0).abs() * 0.5 * 7.43 * longest_s;
-    let position = (3.0_f64.sqrt() * s.position_std_m).hypot(drift);
+    let ca = [half_interval(set, "CA_T0"), found.aero.value("CA_T0").unwrap_or(1.0)];
+    let [attitude_deg, position_m] = allowed(&campaign.plant.sensors, ca, longest_s);
     vec![
         Check::new(
             CheckKind::Recovered,
             "resimulation-attitude",
             "attitude of held-out runs, re-simulated against measured: rms",
             (h.trajectory.attitude_rms_deg, "deg"),
-            Bound::at_most(1.2 * attitude),
+            Bound::at_most(attitude_deg),
             "noise of Table A.3 plus a fifth for errors of estimation",
         ),
         Check::new(
@@ -155,8 +154,19 @@ fn trajectories(h: &HoldOut, campaign: &Campaign, found: &Plant, set: &DataSet, 
             "resimulation-position",
             "position of held-out runs, re-simulated against measured: rms",
             (h.trajectory.position_rms_m, "m"),
-            Bound::at_most(position),
+            Bound::at_most(position_m),
             "noise of Table A.3 and the drift that the interval of C_A allows over the longest run",
         ),
     ]
 }
+
+/// Largest rms of attitude (deg) and position (m): noise with a fifth for errors of estimation, and noise with the drift that an error of
+/// `C_A` makes: it shifts the trim speed by half of its relative size, and the height by that times the duration.
+fn allowed(s: &Sensors, [error, ca]: [f64; 2], longest_s: f64) -> [f64; 2] {
+    let attitude = (s.roll_std_rad.powi(2) + 2.0 * s.pitch_yaw_std_rad.powi(2)).sqrt().to_degrees();
+    let drift = error / ca.abs() * 0.5 * 7.43 * longest_s;
+    [1.2 * attitude, (3.0_f64.sqrt() * s.position_std_m).hypot(drift)]
+}
+
+#[cfg(test)]
+mod tests;

@@ -243,3 +243,6 @@ fn sphere(case: u32, air: &str, wind: Winds, published: &str) -> Result<Vec<Chec
         check("velocity", "its velocity east and down".to_owned(), (speed, "m/s"), 1e-5),
     ])
 }
+
+#[cfg(test)]
+mod tests;

@@ -67,3 +67,6 @@ fn reconstructed(r: &Recovery) -> Vec<Check> {
         ),
     ]
 }
+
+#[cfg(test)]
+mod tests;

@@ -105,3 +105,6 @@ pub(super) fn quantile(x: &mut [f64], p: f64) -> f64 {
     x.sort_by(f64::total_cmp);
     windfall_replay::quantile(x, p)
 }
+
+#[cfg(test)]
+mod tests;

@@ -140,7 +140,7 @@ impl Hypothesis {
                 Role::Shape(tried) if !tried.is_empty() => {
                     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 ≤ spread < 1")]
                     let turn = (spread(2 * j) * tried.len() as f64) as usize;
-                    self.place(from + j, tried[turn.min(tried.len() - 1)])
+                    self.place(from + j, tried[turn])
                 }
                 _ => spread(2 * j),
             };
@@ -158,3 +158,6 @@ fn golden(d: usize) -> f64 {
     let power = 1.0 / (d as f64 + 1.0);
     (0..64).fold(1.5_f64, |x, _| (1.0 + x).powf(power))
 }
+
+#[cfg(test)]
+mod tests;

@@ -119,3 +119,6 @@ pub(super) fn rejected(spread: &Spread, tangent: &Tangent, own: &Rows, others: &
     let limit = quantile(&mut own, 0.95);
     others.iter().filter(|r| distance(r) > limit).count() as f64 / others.len() as f64
 }
+
+#[cfg(test)]
+mod tests;

@@ -53,15 +53,20 @@ pub fn close_statistics(setup: &StatisticsSetup, options: &StatisticsOptions) ->
             return Err(StatisticsError::TooFewRuns { what, runs, figures: used.len(), needed });
         }
     }
+    let [setup, coarse] = &flown(setup, options);
+    Search { test: judge::logs(&setup.test_row(), &used), setup, coarse, options, used, flights: Cell::new(0) }.run()
+}
+
+/// As the judgement flies, and as the search does.
+fn flown(setup: &StatisticsSetup, options: &StatisticsOptions) -> [StatisticsSetup; 2] {
     let with = |tolerance: f64| {
         let mut s = setup.clone();
         s.flown.numerics = numerics(tolerance);
         s
     };
-    let (setup, mut coarse) = (&with(options.relative_tolerance), with(COARSER * options.relative_tolerance));
+    let (fine, mut coarse) = (with(options.relative_tolerance), with(COARSER * options.relative_tolerance));
     coarse.flown.rate_hz = setup.flight.rate_hz.min(COARSE_RATE_HZ);
-    let coarse = &coarse;
-    Search { test: judge::logs(&setup.test_row(), &used), setup, coarse, options, used, flights: Cell::new(0) }.run()
+    [fine, coarse]
 }
 
 struct Search<'a> {
@@ -151,11 +156,8 @@ impl Search<'_> {
         let mut starts = Vec::new();
         for effect in CATALOGUE.into_iter().filter(|e| e.acts.on(Acts::Lander)) {
             let points = self.cover(&null.with(effect), &nothing, self.options.screen_points, self.options.screen_runs);
-            let change = |m: &DVector<f64>| {
-                (0..m.len()).map(|i| (m[i] - declared[i]).abs() / spread.covariance[(i, i)].sqrt()).fold(0.0, f64::max)
-            };
-            let largest_change = points.iter().map(|(_, m)| change(m)).fold(0.0, f64::max);
-            let gap_closed = points.iter().map(|(_, m)| 1.0 - (self.gap(m) / start).sqrt()).fold(0.0, f64::max);
+            let largest_change = points.iter().map(|(_, m)| change(&declared, m, &spread)).fold(0.0, f64::max);
+            let gap_closed = points.iter().map(|(_, m)| closed(start, self.gap(m))).fold(0.0, f64::max);
             let best = points.into_iter().min_by(|a, b| a.0.misfit.total_cmp(&b.0.misfit));
             let leads = gap_closed >= LEADS;
             screened.push(Screened { family: effect.family, largest_change, gap_closed, moves: largest_change >= MOVES, leads });
@@ -178,7 +180,7 @@ impl Search<'_> {
             h.cover(lead.x.len(), k, &mut place);
             for i in lead.h.searched() {
                 place[i] = if lead.h.is_strength(i) {
-                    (place[i] - WEAKER * (k as f64 + 0.5) / points as f64).max(0.0)
+                    weaker(place[i], k, points)
                 } else if k % 2 == 1 {
                     lead.h.typical(i)
                 } else {
@@ -193,19 +195,27 @@ impl Search<'_> {
 
     /// Downhill from a found place, by the misfit of a few runs.
     fn search(&self, from: &Found) -> Found {
-        let misfit = |h: &Hypothesis, x: &[f64]| self.look(h, x, self.options.coarse_runs).map_or(f64::INFINITY, |l| l.misfit);
-        let found = self.downhill(from, COARSE_REACH, |h, x| misfit(h, x) + SHAPE_COST * h.shape_distance(x));
-        Found { misfit: misfit(&found.h, &found.x), ..found }
+        let found = self.downhill(from, COARSE_REACH, |h, x| self.coarse_value(h, x));
+        Found { misfit: self.misfit(&found.h, &found.x), ..found }
+    }
+
+    fn coarse_value(&self, h: &Hypothesis, x: &[f64]) -> f64 {
+        self.misfit(h, x) + SHAPE_COST * h.shape_distance(x)
+    }
+
+    fn misfit(&self, h: &Hypothesis, x: &[f64]) -> f64 {
+        self.look(h, x, self.options.coarse_runs).map_or(f64::INFINITY, |l| l.misfit)
     }
 
     /// Downhill from what is needed of a found place, by the misfit of more runs and, each figure for itself, by what counts as
     /// closed.
     fn refine(&self, from: &Found) -> Found {
-        let value = |h: &Hypothesis, x: &[f64]| {
-            let Some(look) = self.look(h, x, self.options.fine_runs) else { return f64::INFINITY };
-            look.misfit + (look.mean - &self.test).norm_squared() / WITHIN.powi(2)
-        };
-        self.downhill(&self.spare(from), FINE_REACH, value)
+        self.downhill(&self.spare(from), FINE_REACH, |h, x| self.fine_value(h, x))
+    }
+
+    fn fine_value(&self, h: &Hypothesis, x: &[f64]) -> f64 {
+        let Some(look) = self.look(h, x, self.options.fine_runs) else { return f64::INFINITY };
+        look.misfit + (look.mean - &self.test).norm_squared() / WITHIN.powi(2)
     }
 
     fn downhill(&self, from: &Found, reach: f64, value: impl Fn(&Hypothesis, &[f64]) -> f64) -> Found {
@@ -341,6 +351,21 @@ impl Found {
     }
 }
 
+/// Largest change of a figure's logarithm, in spreads over runs.
+fn change(declared: &DVector<f64>, mean: &DVector<f64>, spread: &Spread) -> f64 {
+    (0..mean.len()).map(|i| (mean[i] - declared[i]).abs() / spread.covariance[(i, i)].sqrt()).fold(0.0, f64::max)
+}
+
+/// Share of a gap that is closed, of mean squares before and after.
+fn closed(before: f64, after: f64) -> f64 {
+    1.0 - (after / before).sqrt()
+}
+
+/// Place of a first effect's strength at point `k` of those at which a second one is tried beside it.
+fn weaker(place: f64, k: usize, points: usize) -> f64 {
+    (place - WEAKER * (k as f64 + 0.5) / points as f64).max(0.0)
+}
+
 /// The first of each set of families.
 fn distinct(all: Vec<Found>) -> Vec<Found> {
     let families = |f: &Found| {
@@ -356,3 +381,6 @@ fn distinct(all: Vec<Found>) -> Vec<Found> {
     }
     kept
 }
+
+#[cfg(test)]
+mod tests;

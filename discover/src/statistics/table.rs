@@ -164,3 +164,6 @@ fn held(e: &Explanation) -> Vec<String> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests;

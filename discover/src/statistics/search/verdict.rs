@@ -171,3 +171,6 @@ fn over(figures: &[StatisticFigure], rows: &Rows) -> Vec<FigureOver> {
     };
     figures.iter().enumerate().map(one).collect()
 }
+
+#[cfg(test)]
+mod tests;
