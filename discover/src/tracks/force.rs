@@ -78,3 +78,6 @@ impl Track {
         Some((theta, e, cost))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -103,13 +103,7 @@ impl Track {
                 return Some((theta, e));
             }
             let next = self.state_basis.tr_mul(&e);
-            // inverse += (step − inverse·y) stepᵀ·inverse / (stepᵀ·inverse·y), y the change of position along the basis.
-            let by = &inverse * (&g - &next);
-            let scale = step.dot(&by);
-            if scale.abs() > 0.0 {
-                let row = inverse.tr_mul(&step);
-                inverse += (&step - by) * row.transpose() / scale;
-            }
+            improve(&mut inverse, &step, &(&g - &next));
             g = next;
         }
         let nonlinear = matches!(self.kind(), Measured::Angle | Measured::Pose) || own.point.atmosphere.is_some();
@@ -127,7 +121,7 @@ impl Track {
             let step = (self.state_basis.transpose() * jacobian).try_inverse()? * self.state_basis.tr_mul(&e);
             theta += &step;
             let size = step.amax();
-            if size < 1e-9 * self.size || (size > 0.5 * last && size < NEGLIGIBLE * self.std) {
+            if self.is_last(size, last) {
                 let e = &self.measured - self.flown(own, &theta)?;
                 return Some((theta, e));
             }
@@ -135,4 +129,24 @@ impl Track {
         }
         None
     }
+
+    /// Whether a search is done with a step of that size, after one of size `last`: at round-off, or where steps shrink no more and are far below
+    /// the noise.
+    fn is_last(&self, size: f64, last: f64) -> bool {
+        size < 1e-9 * self.size || (size > 0.5 * last && size < NEGLIGIBLE * self.std)
+    }
 }
+
+/// Broyden's rank-one change of an inverse, after which it takes the change `y` that was seen to the step that made it:
+/// `inverse += (step − inverse·y) stepᵀ·inverse / (stepᵀ·inverse·y)`.
+fn improve(inverse: &mut DMatrix<f64>, step: &DVector<f64>, y: &DVector<f64>) {
+    let by = &*inverse * y;
+    let scale = step.dot(&by);
+    if scale.abs() > 0.0 {
+        let row = inverse.tr_mul(step);
+        *inverse += (step - by) * row.transpose() / scale;
+    }
+}
+
+#[cfg(test)]
+mod tests;
