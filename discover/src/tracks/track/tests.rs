@@ -43,7 +43,7 @@ fn exact_groups_of_a_parabola_leave_nothing() {
     let t_s = times(258, 0.4, 7.9);
     let track = Track::new(&thrown(&t_s, &[0], [3.0, 0.0, 0.0], [-20.0, 0.0, 0.0]), &[], 0, &ball(0.0), false).expect("flies");
     close(track.group, 2.0, 0.0);
-    assert!(track.laid.amax() < 1e-9, "{}", track.laid.amax());
+    assert!(track.laid.norm() < 1e-9, "{}", track.laid.norm());
 }
 
 /// A clock that is fast by 2 % and a scale that is long by 3 %: a parabola in true time and true metres, from its true place and velocity times the
