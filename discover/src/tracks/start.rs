@@ -15,13 +15,18 @@ const FIRST_SHARE: usize = 25;
 pub(super) const STEPS: usize = 40;
 
 impl Track {
+    /// What an initial state leaves of the record.
+    pub(super) fn left(&self, own: &Plant, theta: &DVector<f64>) -> Option<DVector<f64>> {
+        Some(&self.measured - self.flown(own, theta)?)
+    }
+
     /// Initial state of least squares by Gauss-Newton from a start, and its residual.
     pub(super) fn least_squares(&self, own: &Plant, start: DVector<f64>) -> Option<(DVector<f64>, DVector<f64>)> {
         if self.kind() == Measured::SpecificForce {
             return self.launched(own);
         }
         if self.given {
-            let e = &self.measured - self.flown(own, &start)?;
+            let e = self.left(own, &start)?;
             return Some((start, e));
         }
         let mut theta = start;
@@ -33,7 +38,7 @@ impl Track {
                 break;
             }
         }
-        let e = &self.measured - self.flown(own, &theta)?;
+        let e = self.left(own, &theta)?;
         Some((theta, e))
     }
 
@@ -93,12 +98,12 @@ impl Track {
         if self.given {
             return self.least_squares(&own, theta);
         }
-        let mut e = &self.measured - self.flown(&own, &theta)?;
+        let mut e = self.left(&own, &theta)?;
         let mut g = self.state_basis.tr_mul(&e);
         for _ in 0..STEPS {
             let step = &inverse * &g;
             theta += &step;
-            e = &self.measured - self.flown(&own, &theta)?;
+            e = self.left(&own, &theta)?;
             if step.amax() < TOLERANCE * self.size {
                 return Some((theta, e));
             }
@@ -122,7 +127,7 @@ impl Track {
             theta += &step;
             let size = step.amax();
             if self.is_last(size, last) {
-                let e = &self.measured - self.flown(own, &theta)?;
+                let e = self.left(own, &theta)?;
                 return Some((theta, e));
             }
             last = size;

@@ -69,6 +69,25 @@ fn order_two_slopes_by_the_initial_state() {
     }
 }
 
+/// Steps and tolerances grow with the track. Of a size of 10⁴ units differences in a vacuum are over a step of one, and right to rounding; a start is found
+/// where its last step is below 10⁻⁷, and is not looked for beyond round-off.
+#[test]
+fn exact_steps_and_tolerances_are_of_a_tracks_size() {
+    let t_s = times(9, 0.0, 1.3);
+    let mut track = Track::new(&felt(0.02, 1.1, &t_s), &[], 0, &ball(0.0), false).expect("flies");
+    track.size = 1e4;
+    let (_, jacobian) = track.linearised(&track.own(&ball(0.0)), &track.start).expect("flies");
+    for (i, t) in t_s.iter().enumerate() {
+        let expected = [(0, 1.0), (1, 0.0), (2, t / 1.3), (4, 0.0)];
+        expected.into_iter().for_each(|(k, slope)| close(jacobian[(i, k)], slope / 0.5, 1e-11));
+        close(jacobian[(18 + i, 4)], 1.0 / 0.2, 1e-11);
+    }
+    let mut track = Track::new(&falling(30.0, 2.3, &t_s, 0.02), &[], 0, &ball(30.0), false).expect("flies");
+    track.size = 1e4;
+    let (_, e) = track.estimated(&ball(15.0)).expect("settles");
+    close(track.state_basis.tr_mul(&e).amax(), 0.0, 1e-7);
+}
+
 /// Least squares over metres of a noisy fall: the residual is measured less the closed form, and at right angles to its slopes.
 #[test]
 fn law_least_squares_leaves_nothing_along_the_state() {
