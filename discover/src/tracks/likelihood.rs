@@ -130,7 +130,8 @@ pub(crate) fn components(noise: &[Cov], parts: &[&[Cov]], z: &[f64], start: &[f6
     (x0.iter().map(|x| if *x <= SMALLEST { 0.0 } else { x.exp() }).collect(), last)
 }
 
-/// Where three values of an iteration that converges linearly lead: exactly to its limit at one rate up to 31/32, with steps as long as 32 of its own at the most.
+/// Where three values of an iteration that converges linearly lead: exactly to its limit at one rate up to 31/32, with steps as
+/// long as 32 of its own at the most.
 fn extrapolated(x0: &[f64], x1: &[f64], x2: &[f64]) -> Vec<f64> {
     let r: Vec<f64> = x1.iter().zip(x0).map(|(a, b)| a - b).collect();
     let v: Vec<f64> = x2.iter().zip(x1).zip(&r).map(|((a, b), r)| a - b - r).collect();

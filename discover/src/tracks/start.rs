@@ -135,8 +135,8 @@ impl Track {
         None
     }
 
-    /// Whether a search is done with a step of that size, after one of size `last`: at round-off, or where steps shrink no more and are far below
-    /// the noise.
+    /// Whether a search is done with a step of that size, after one of size `last`: at round-off, or where steps shrink no more and
+    /// are far below the noise.
     fn is_last(&self, size: f64, last: f64) -> bool {
         size < 1e-9 * self.size || (size > 0.5 * last && size < NEGLIGIBLE * self.std)
     }

@@ -3,7 +3,8 @@
 use super::super::tests::{ball, thrown, times};
 use super::*;
 
-/// `Bᵀ K B`, its symmetrical half, in blocks of twelve along the diagonal: 18 orders of two channels, so that six pad the second bin.
+/// `Bᵀ K B`, its symmetrical half, in blocks of twelve along the diagonal: 18 orders of two channels, so that six pad the second
+/// bin.
 #[test]
 fn exact_blocks_are_the_basis_about_the_kernel() {
     let t_s = times(11, 0.4, 1.7);

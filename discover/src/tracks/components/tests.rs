@@ -9,8 +9,8 @@ fn tracks() -> [Track; 2] {
     [(long, true), (short, true)].map(|(r, pushed)| Track::new(&r, &[], 0, &ball(0.0), pushed).expect("flies"))
 }
 
-/// The mean variance of the numbers where a component acts, two fewer than samples of each run, is what is asked for: its sum of variances
-/// is that times 9 and 5 of the axis that both have, times 9 of the other. Its shape is the kernel's.
+/// The mean variance of the numbers where a component acts, two fewer than samples of each run, is what is asked for: its sum of
+/// variances is that times 9 and 5 of the axis that both have, times 9 of the other. Its shape is the kernel's.
 #[test]
 fn exact_mean_variance_of_a_component() {
     let tracks = tracks();
@@ -27,7 +27,8 @@ fn exact_mean_variance_of_a_component() {
     }
 }
 
-/// `∫ (s − u)(r − u) du` over forces of white noise at times `u` up to the earlier of the two; Simpson's rule is exact for a square.
+/// `∫ (s − u)(r − u) du` over forces of white noise at times `u` up to the earlier of the two; Simpson's rule is exact for a
+/// square.
 #[test]
 fn exact_smooth_is_the_integral_of_two_responses() {
     for [s, r] in [[0.7, 1.9], [1.9, 0.7], [1.3, 1.3]] {

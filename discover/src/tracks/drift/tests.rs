@@ -8,9 +8,9 @@ fn places() -> Vec<(usize, usize, f64)> {
     (0..24).map(|i| (i, i % 12, 0.3)).collect()
 }
 
-/// White noise alone, known from 16 fast numbers of mean square 1.7, and eight slow ones less six that were fitted: an F test with 2 and 16
-/// degrees of freedom, whose tail is `(1 + 2F/16)⁻⁸`. The size of the noise is found until a round gains 1e-4 of log-likelihood, half a per cent of
-/// the size at the worst.
+/// White noise alone, known from 16 fast numbers of mean square 1.7, and eight slow ones less six that were fitted: an F test with
+/// 2 and 16 degrees of freedom, whose tail is `(1 + 2F/16)⁻⁸`. The size of the noise is found until a round gains 1e-4 of
+/// log-likelihood, half a per cent of the size at the worst.
 #[test]
 fn exact_f_test_of_white_noise() {
     let square = 1.7_f64;
@@ -27,8 +27,8 @@ fn exact_f_test_of_white_noise() {
     assert!((judged.expected_rms / square.sqrt() - 1.0).abs() < 3e-3, "{judged:?}");
 }
 
-/// Sizes `v` of two diagonal parts have the information `½ Σ pᵢ pⱼ/σ²` of the fast numbers; what they imply for the slow ones in sum is known
-/// as well as a sum of `2 W²/var W` squares (Satterthwaite 1946). A part whose size is zero is none.
+/// Sizes `v` of two diagonal parts have the information `½ Σ pᵢ pⱼ/σ²` of the fast numbers; what they imply for the slow ones in
+/// sum is known as well as a sum of `2 W²/var W` squares (Satterthwaite 1946). A part whose size is zero is none.
 #[test]
 fn exact_degrees_of_freedom_of_two_sizes() {
     let own = |i: usize| [1.0 + 0.1 * i as f64, 2.9 - 0.17 * (i % 12) as f64, 0.3 + 0.05 * i as f64];
@@ -49,7 +49,8 @@ fn exact_degrees_of_freedom_of_two_sizes() {
     }
 }
 
-/// `(1 + 2F/d)^(−d/2)` with 2 and `d` degrees of freedom, and its limit `exp(−χ²/2)` from 10,000 of them, where the two are apart by a share `χ⁴/4d` or so.
+/// `(1 + 2F/d)^(−d/2)` with 2 and `d` degrees of freedom, and its limit `exp(−χ²/2)` from 10,000 of them, where the two are apart
+/// by a share `χ⁴/4d` or so.
 #[test]
 fn exact_tail_of_two_degrees_of_freedom() {
     for (x, d) in [(3.7_f64, 7.0_f64), (11.0, 40.0)] {

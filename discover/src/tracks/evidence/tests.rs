@@ -38,7 +38,8 @@ fn two() -> TrackEvidence {
     evidence_of(vec![noisy(258, &[2], 5.0), noisy(9, &[0, 2], 1.3)])
 }
 
-/// White noise is that of a sample over the samples of a group; numbers of the second run begin where the padding of the first ends.
+/// White noise is that of a sample over the samples of a group; numbers of the second run begin where the padding of the first
+/// ends.
 #[test]
 fn exact_noise_and_places() {
     let e = two();
@@ -56,8 +57,8 @@ fn exact_noise_and_places() {
     assert_eq!(e.samples(), 127 + 14);
 }
 
-/// Half of a normal's squares are below 0.4549 of its variance. Of the fast half of each run's orders the median square of a sample, two of which make a
-/// mean in the first run; what is stated, 0.5, where that is less; a micrometre at least.
+/// Half of a normal's squares are below 0.4549 of its variance. Of the fast half of each run's orders the median square of a
+/// sample, two of which make a mean in the first run; what is stated, 0.5, where that is less; a micrometre at least.
 #[test]
 fn exact_white_variance_is_a_median() {
     use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -99,9 +100,9 @@ fn exact_rms_is_that_of_the_errors() {
     close(with.rms_m_s2(&ball(0.0)), (force.iter().map(|f| (f - 0.9).powi(2)).sum::<f64>() / 9.0).sqrt(), 1e-9);
 }
 
-/// Components of the unmodelled residual of five runs: white noise, a walk, a slow force and a push along each axis, and white noise of an accelerometer.
-/// Root mean squares of numbers that are given come back in the channels' units; all of one size, noise of that size is what is expected
-/// without a walk, to half a per cent (a gain of 1e-4).
+/// Components of the unmodelled residual of five runs: white noise, a walk, a slow force and a push along each axis, and white
+/// noise of an accelerometer. Root mean squares of numbers that are given come back in the channels' units; all of one size, noise
+/// of that size is what is expected without a walk, to half a per cent (a gain of 1e-4).
 #[test]
 fn exact_channels_in_their_units() {
     let mut e = evidence_of(vec![felt(9, &[0, 2], 1.3); 5]);
@@ -125,8 +126,8 @@ fn exact_channels_in_their_units() {
     }
 }
 
-/// The number that stands highest over its noise, not the largest; and an effect must take more than the stated variance of all numbers along some axis, 0.25 of
-/// each.
+/// The number that stands highest over its noise, not the largest; and an effect must take more than the stated variance of all
+/// numbers along some axis, 0.25 of each.
 #[test]
 fn exact_peak_and_what_tells() {
     let e = two();
@@ -146,7 +147,8 @@ fn exact_peak_and_what_tells() {
     }
 }
 
-/// Bricks that fall without a turn, in a vacuum, whose pose has errors that no initial state makes: of positions, and of angles about one axis.
+/// Bricks that fall without a turn, in a vacuum, whose pose has errors that no initial state makes: of positions, and of angles
+/// about one axis.
 fn poses(runs: usize) -> TrackEvidence {
     let t_s = times(9, 0.0, 1.3);
     let mut record = thrown(&t_s, &[0, 1, 2], [3.0, 1.0, -2.0], [-4.0, 0.0, 5.0]);

@@ -39,8 +39,8 @@ fn evidence_of(c: &Campaign) -> TrackEvidence {
     TrackEvidence::new(c, &(0..c.runs.len()).collect::<Vec<_>>(), &c.plant).expect("flies")
 }
 
-/// Slopes by gravity are what −½t² leaves of a place and a velocity; then one step to the optimum with the prior, its variance, and whether it was
-/// a hundredth of a standard error.
+/// Slopes by gravity are what −½t² leaves of a place and a velocity; then one step to the optimum with the prior, its variance, and
+/// whether it was a hundredth of a standard error.
 #[test]
 fn exact_step_of_gravity_is_generalised_least_squares() {
     let c = throws();
@@ -85,8 +85,8 @@ fn exact_step_of_gravity_is_generalised_least_squares() {
     }
 }
 
-/// From two parts in a hundred of a standard error off the optimum a step leads further, from half a part it does not. Sizes of the unmodelled residual are found
-/// to a gain of 0.02, so that the optimum itself moves by a thousandth of that error or so.
+/// From two parts in a hundred of a standard error off the optimum a step leads further, from half a part it does not. Sizes of the
+/// unmodelled residual are found to a gain of 0.02, so that the optimum itself moves by a thousandth of that error or so.
 #[test]
 fn exact_settled_is_a_hundredth_of_a_standard_error() {
     let c = throws();
@@ -110,8 +110,8 @@ fn exact_settled_is_a_hundredth_of_a_standard_error() {
     }
 }
 
-/// A fit's log-likelihood is that of its evidence, as it is predicted, and that of the prior: gravity is found within the prior, whose density falls by half a
-/// square of what it is off by.
+/// A fit's log-likelihood is that of its evidence, as it is predicted, and that of the prior: gravity is found within the prior,
+/// whose density falls by half a square of what it is off by.
 #[test]
 fn law_likelihood_of_a_fit_has_the_prior_in_it() {
     let c = throws();
@@ -124,8 +124,8 @@ fn law_likelihood_of_a_fit_has_the_prior_in_it() {
     close(fit.log_likelihood, problem.predict(&fit.hypothesis) - 0.5 * (off / 0.2).powi(2), 0.05);
 }
 
-/// Nine falls of a brick whose pushes differ, six numbers of each: weights are their own covariance about none, and a variance is that of generalised least squares by
-/// Rao's factor of nine runs, `9·7/(3·2)`.
+/// Nine falls of a brick whose pushes differ, six numbers of each: weights are their own covariance about none, and a variance is
+/// that of generalised least squares by Rao's factor of nine runs, `9·7/(3·2)`.
 #[test]
 fn exact_variance_of_poses_is_held_back_by_few_runs() {
     let one = |r: usize| {

@@ -4,7 +4,8 @@ use super::super::tests::{GRAVITY_M_S2, ball, close, times, wiggle};
 use super::*;
 use windfall_model::{Measured, PointRecord};
 
-/// Specific force `−g v|v|/V²` of a body that was thrown down, or up (`v = −V tan(φ − g t/V)` until it stands, `V tanh` from there).
+/// Specific force `−g v|v|/V²` of a body that was thrown down, or up (`v = −V tan(φ − g t/V)` until it stands, `V tanh` from
+/// there).
 fn felt(cd: f64, v0: f64, t: f64) -> f64 {
     let area = std::f64::consts::FRAC_PI_4 * 0.12 * 0.12;
     let (g, terminal) = (GRAVITY_M_S2, (2.0 * 0.2 * GRAVITY_M_S2 / (1.3 * area * cd)).sqrt());
@@ -26,8 +27,8 @@ fn track(cd: f64, v0: f64, t_s: &[f64], errors: f64) -> Track {
     Track::new(&record, &[], 0, &ball(cd), false).expect("flies")
 }
 
-/// Squares over the stated noise of 0.2 of what a velocity leaves about its mean, and of what gravity makes in the time of the run, for the velocity
-/// times that time; with that mean.
+/// Squares over the stated noise of 0.2 of what a velocity leaves about its mean, and of what gravity makes in the time of the run,
+/// for the velocity times that time; with that mean.
 fn cost(cd: f64, track: &Track, v0: f64) -> (f64, f64) {
     let (n, end) = (track.t_s.len(), track.duration_s());
     let left: Vec<f64> = (0..n).map(|i| track.measured[i] - felt(cd, v0, track.t_s[i])).collect();
@@ -51,8 +52,8 @@ fn best(cd: f64, track: &Track) -> f64 {
     f64::midpoint(low, high)
 }
 
-/// Drag so weak that the prior holds the velocity, drag that shows it, a long fall, and a throw upward. Golden sections find the lowest of a cost to the root of
-/// its rounding, 1e-7 of the velocity's uncertainty or so.
+/// Drag so weak that the prior holds the velocity, drag that shows it, a long fall, and a throw upward. Golden sections find the
+/// lowest of a cost to the root of its rounding, 1e-7 of the velocity's uncertainty or so.
 #[test]
 fn exact_velocity_is_the_best_of_all() {
     for (cd, v0, end_s, errors, by) in

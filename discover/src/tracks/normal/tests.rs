@@ -13,7 +13,8 @@ fn columns() -> (Residual, Vec<Residual>) {
     ((0..19).map(|i| 2.0 * at(i, 5)).collect(), SIZES.into_iter().enumerate().map(column).collect())
 }
 
-/// Of the rows and of one more for each number with a prior: `−J⁻¹ g` and `J⁻¹` by an LU decomposition in units of the columns' sizes.
+/// Of the rows and of one more for each number with a prior: `−J⁻¹ g` and `J⁻¹` by an LU decomposition in units of the columns'
+/// sizes.
 #[test]
 fn exact_step_is_that_of_dense_least_squares() {
     let (z, columns) = columns();
@@ -44,8 +45,9 @@ fn exact_step_is_that_of_dense_least_squares() {
     }
 }
 
-/// A column that is three parts of one unit column and four of another, sizes aside, and a small part of its own: determined above a thousandth, and
-/// below it not, where it is itself what weighs most, then the larger part; a short column that stands apart weighs nothing.
+/// A column that is three parts of one unit column and four of another, sizes aside, and a small part of its own: determined above
+/// a thousandth, and below it not, where it is itself what weighs most, then the larger part; a short column that stands apart
+/// weighs nothing.
 #[test]
 fn exact_undetermined_is_the_number_of_the_null_direction() {
     let equations = |own: f64| {

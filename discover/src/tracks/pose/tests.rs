@@ -27,8 +27,9 @@ fn crooked(samples: usize, first_s: f64) -> (PointRecord, Vec<[f64; 3]>) {
     (record, turns)
 }
 
-/// Values and slopes at the first sample of cubics by least squares, from normal equations in the time over that of eleven samples of 240, of which every fifth is
-/// kept, and over that of eight where there are no more; late in a record, where times have round-off of 3e-11 s.
+/// Values and slopes at the first sample of cubics by least squares, from normal equations in the time over that of eleven samples
+/// of 240, of which every fifth is kept, and over that of eight where there are no more; late in a record, where times have
+/// round-off of 3e-11 s.
 #[test]
 fn exact_start_is_that_of_cubics_by_least_squares() {
     for (samples, first_s, n) in [(240, 0.0, 11), (8, 0.0, 8), (240, 2e5, 11)] {

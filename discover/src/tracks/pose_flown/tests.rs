@@ -5,8 +5,9 @@ use super::*;
 use windfall_model::{Measured, PointRecord};
 use windfall_sim::record_free;
 
-/// A tumbling body whose tracked point, clock, scale and axes are off, as the simulator records it: the start as it was recorded leaves nothing but a turn
-/// that was put into the first measured attitude. Its step of 20 ms beside the simulator's of 10 ms leaves 1e-8.
+/// A tumbling body whose tracked point, clock, scale and axes are off, as the simulator records it: the start as it was recorded
+/// leaves nothing but a turn that was put into the first measured attitude. Its step of 20 ms beside the simulator's of 10 ms
+/// leaves 1e-8.
 #[test]
 fn exact_poses_are_those_that_are_recorded() {
     let mut plant = brick();
@@ -40,8 +41,8 @@ fn exact_poses_are_those_that_are_recorded() {
     }
 }
 
-/// Rates that fall by `exp(−λ T)` about every axis, `λ` a moment per rate over an inertia, to a little more or less than the half from which a flight keeps its start; the velocity
-/// stays as it is.
+/// Rates that fall by `exp(−λ T)` about every axis, `λ` a moment per rate over an inertia, to a little more or less than the half
+/// from which a flight keeps its start; the velocity stays as it is.
 #[test]
 fn exact_start_is_kept_where_half_of_it_is() {
     let t_s = times(9, 0.0, 0.7);

@@ -4,8 +4,8 @@ use super::*;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Noise alone is called systematic at the rate that is asked for, over 400 draws of 30 runs (5 % ± three standard errors); a shift of
-/// a standard deviation and a slope of one over an input are found.
+/// Noise alone is called systematic at the rate that is asked for, over 400 draws of 30 runs (5 % ± three standard errors); a shift
+/// of a standard deviation and a slope of one over an input are found.
 #[test]
 fn law_noise_is_called_systematic_at_the_rate_asked_for() {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
@@ -23,8 +23,8 @@ fn law_noise_is_called_systematic_at_the_rate_asked_for() {
     assert!(judge("X", &followed, &inputs, 0.0).p_value < 1e-4);
 }
 
-/// A mean common to all runs, estimated with the covariance of the runs themselves: its stated variance over its true scatter in 2000 draws of
-/// 30 runs of 12 correlated numbers is what it is widened by, within four standard errors of 2000 draws.
+/// A mean common to all runs, estimated with the covariance of the runs themselves: its stated variance over its true scatter in
+/// 2000 draws of 30 runs of 12 correlated numbers is what it is widened by, within four standard errors of 2000 draws.
 #[test]
 fn law_intervals_are_as_wide_as_estimates_scatter() {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(8);
@@ -64,8 +64,8 @@ fn pub_factors_of_few_runs() {
     }
 }
 
-/// p-value by hand: both sums of squares of a regression by its normal equations, summed over the numbers, and degrees of freedom for
-/// numbers of unequal size.
+/// p-value by hand: both sums of squares of a regression by its normal equations, summed over the numbers, and degrees of freedom
+/// for numbers of unequal size.
 fn by_hand(z: &DMatrix<f64>, regressors: &DMatrix<f64>, fitted: f64) -> f64 {
     let rank = regressors.ncols() as f64;
     let spare = z.nrows() as f64 - rank - fitted;
@@ -77,12 +77,15 @@ fn by_hand(z: &DMatrix<f64>, regressors: &DMatrix<f64>, fitted: f64) -> f64 {
     FisherSnedecor::new(rank * numbers, spare * numbers).expect("positive").sf(taken.iter().sum::<f64>() / rank / sum)
 }
 
+/// By run.
+type Input<'a> = &'a dyn Fn(usize) -> f64;
+
 fn crooked(i: usize, k: usize) -> f64 {
     (1.3 * (i * (k + 2)) as f64 + 0.7 * (i * i) as f64 + k as f64).sin()
 }
 
-/// An input in small units, one that varies by a ten millionth of itself, and two that are apart by little more or less than a millionth: each in
-/// whose differences are above its threshold is a regressor, and no other.
+/// An input in small units, one that varies by a ten millionth of itself, and two that are apart by little more or less than a
+/// millionth: each in whose differences are above its threshold is a regressor, and no other.
 #[test]
 fn exact_test_is_that_of_a_dense_regression() {
     let runs = 14;
@@ -96,7 +99,7 @@ fn exact_test_is_that_of_a_dense_regression() {
     assert!((one - two).abs() > 0.01 && (two - three).abs() > 0.01 && (one - three).abs() > 0.01, "{one} {two} {three}");
     // Over their norms the columns of two that are alike have a sum and a difference; the latter is v's share of u, over √2 of both.
     let apart = |x: f64| move |i: usize| u(i) + x * v(i);
-    let all: [(&[&dyn Fn(usize) -> f64], f64, f64); 6] = [
+    let all: [(&[Input], f64, f64); 6] = [
         (&[&|i| 3e-5 * u(i)], two, 1e-9),
         (&[&|i| 1e3 + 2e-4 * u(i)], two, 1e-6),
         (&[&|i| 1e6 + 1e-4 * u(i)], one, 1e-9),

@@ -38,8 +38,8 @@ fn exact_guess_of_a_parabola() {
     assert_eq!(guess.len(), 5);
 }
 
-/// Slopes by the place, the speed times the duration and the offset, against differences of the closed form; a step of 1e-4 leaves 1e-8 of curvature, the
-/// integrator 1e-7. A fall of 3 km has steps of 3 mm, and the integrator's error of 1e-8 m leaves 1e-5.
+/// Slopes by the place, the speed times the duration and the offset, against differences of the closed form; a step of 1e-4 leaves
+/// 1e-8 of curvature, the integrator 1e-7. A fall of 3 km has steps of 3 mm, and the integrator's error of 1e-8 m leaves 1e-5.
 #[test]
 fn order_two_slopes_by_the_initial_state() {
     for (cd, v0, end_s, by) in [(30.0, 1.1, 0.8, 1e-6), (0.02, 40.0, 30.0, 2e-5)] {
@@ -69,8 +69,8 @@ fn order_two_slopes_by_the_initial_state() {
     }
 }
 
-/// Steps and tolerances grow with the track. Of a size of 10⁴ units differences in a vacuum are over a step of one, and right to rounding; a start is found
-/// where its last step is below 10⁻⁷, and is not looked for beyond round-off.
+/// Steps and tolerances grow with the track. Of a size of 10⁴ units differences in a vacuum are over a step of one, and right to
+/// rounding; a start is found where its last step is below 10⁻⁷, and is not looked for beyond round-off.
 #[test]
 fn exact_steps_and_tolerances_are_of_a_tracks_size() {
     let t_s = times(9, 0.0, 1.3);
@@ -104,8 +104,8 @@ fn law_least_squares_leaves_nothing_along_the_state() {
     assert!(e.rows(0, 9).amax() > 5e-3);
 }
 
-/// Under a plant with another drag: the residual is measured less the closed form, and at right angles to the state's columns under the first one; by Broyden's
-/// method, by Newton's, and of a fall of kilometres, whose places have round-off of 1e-12 m.
+/// Under a plant with another drag: the residual is measured less the closed form, and at right angles to the state's columns under
+/// the first one; by Broyden's method, by Newton's, and of a fall of kilometres, whose places have round-off of 1e-12 m.
 #[test]
 fn law_estimated_state_leaves_nothing_in_the_basis() {
     for (cd, other, v0, end_s, by) in [(30.0, 15.0, 2.3, 0.8, 1e-10), (0.02, 0.022, 40.0, 30.0, 1e-7)] {

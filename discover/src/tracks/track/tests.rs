@@ -36,8 +36,8 @@ fn exact_groups_are_means() {
     all_close(&scatter, &expected, 1e-14);
 }
 
-/// Of a parabola the mean over a group is what it is at the mean time and half the acceleration times the variance of the times: 129 groups of two
-/// samples at crooked times leave nothing.
+/// Of a parabola the mean over a group is what it is at the mean time and half the acceleration times the variance of the times:
+/// 129 groups of two samples at crooked times leave nothing.
 #[test]
 fn exact_groups_of_a_parabola_leave_nothing() {
     let t_s: Vec<f64> = times(258, 0.4, 7.9).iter().enumerate().map(|(i, t)| t + 0.01 * (1.7 * i as f64).sin()).collect();
@@ -46,8 +46,8 @@ fn exact_groups_of_a_parabola_leave_nothing() {
     assert!(track.laid.norm() < 1e-9, "{}", track.laid.norm());
 }
 
-/// A clock that is fast by 2 % and a scale that is long by 3 %: a parabola in true time and true metres, from its true place and velocity times the
-/// recorded duration; along two axes of three.
+/// A clock that is fast by 2 % and a scale that is long by 3 %: a parabola in true time and true metres, from its true place and
+/// velocity times the recorded duration; along two axes of three.
 #[test]
 fn exact_start_of_a_throw_with_clock_and_scale() {
     let mut plant = ball(0.0);
@@ -68,8 +68,9 @@ fn exact_start_of_a_throw_with_clock_and_scale() {
     close(track.size, 1.0, 0.0);
 }
 
-/// A pressure altimeter and an accelerometer falling with drag: depth by its closed form, scale and the height of a static pressure that is off by a coefficient
-/// of the dynamic one, `C_p v²/2g` with a coefficient that follows a recorded input; specific force `a − g` with an offset along each axis.
+/// A pressure altimeter and an accelerometer falling with drag: depth by its closed form, scale and the height of a static pressure
+/// that is off by a coefficient of the dynamic one, `C_p v²/2g` with a coefficient that follows a recorded input; specific force `a
+/// − g` with an offset along each axis.
 #[test]
 fn exact_height_and_force_of_a_fall_with_drag() {
     let (cd, v0) = (9.0, 1.7);
@@ -120,8 +121,9 @@ fn orthonormal(columns: &[DVector<f64>]) -> Vec<DVector<f64>> {
     all
 }
 
-/// Columns by hand in a vacuum: constants and slopes of positions, constants of forces; then order by order what a steady push leaves, ½t² along its
-/// axis and, of the force, its own size, and cosines of as many half periods as the order says: of positions two more, or one after a push, of forces one.
+/// Columns by hand in a vacuum: constants and slopes of positions, constants of forces; then order by order what a steady push
+/// leaves, ½t² along its axis and, of the force, its own size, and cosines of as many half periods as the order says: of positions
+/// two more, or one after a push, of forces one.
 #[test]
 fn exact_bases_are_gram_schmidt_of_push_and_cosines() {
     let t_s = times(8, 0.0, 1.3);
