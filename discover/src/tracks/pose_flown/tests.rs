@@ -1,4 +1,4 @@
-//! discover tests: flown poses against the simulator's record, and how much of a start is kept against the decay that damping makes.
+//! discover tests: flown poses against the simulator's record, and how much of a start is kept against its decay by damping.
 
 use super::super::tests::{brick, close, thrown, times};
 use super::*;
