@@ -56,3 +56,6 @@ impl Track {
             .collect()
     }
 }
+
+#[cfg(test)]
+mod tests;

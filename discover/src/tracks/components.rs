@@ -38,3 +38,6 @@ pub(super) fn smooth(s: f64, r: f64) -> f64 {
     let (low, high) = (s.min(r), s.max(r));
     low * low * (3.0 * high - low) / 6.0
 }
+
+#[cfg(test)]
+mod tests;

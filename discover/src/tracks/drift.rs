@@ -110,3 +110,6 @@ fn quadratic(m: &Cov, g: &[usize], z: &[f64]) -> f64 {
     let x = DVector::from_iterator(g.len(), g.iter().map(|i| z[*i]));
     cut(m, g).cholesky().map_or(f64::NAN, |c| x.dot(&c.solve(&x)))
 }
+
+#[cfg(test)]
+mod tests;

@@ -57,7 +57,7 @@ pub struct TrackEvidence {
     /// That unit over the channel's: one where all channels have the same unit.
     scales: [f64; 6],
     inputs: Vec<String>,
-    noise: Vec<Cov>,
+    pub(super) noise: Vec<Cov>,
     generic: Vec<Vec<Cov>>,
     /// Place in `generic` of the first component along each measured axis, which is more white noise.
     firsts: Vec<usize>,
@@ -379,3 +379,6 @@ fn recordings(campaign: &Campaign, indices: &[usize]) -> usize {
     all.dedup();
     all.len()
 }
+
+#[cfg(test)]
+mod tests;

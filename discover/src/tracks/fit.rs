@@ -242,7 +242,7 @@ fn held(start: &TrackModel, pinned: &[Free]) -> TrackModel {
     h
 }
 
-/// Moves the free numbers by −delta within their plausible range; returns what was moved.
+/// Moves the free numbers by delta, shapes within their plausible range; returns what was moved.
 fn apply(h: &mut TrackModel, free: &[Free], delta: &DVector<f64>) -> Vec<f64> {
     free.iter()
         .zip(delta.iter())
@@ -261,3 +261,6 @@ fn apply(h: &mut TrackModel, free: &[Free], delta: &DVector<f64>) -> Vec<f64> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -43,7 +43,7 @@ impl Track {
         let (n, m) = (self.t_s.len(), self.axes.len());
         let std = self.std.max(1e-6);
         let centred = |theta: &DVector<f64>| -> Option<(DVector<f64>, Vec<f64>)> {
-            let mut e = &self.measured - self.flown(own, theta)?;
+            let mut e = self.left(own, theta)?;
             let means: Vec<f64> = (0..m).map(|a| e.rows(a * n, n).mean()).collect();
             for (a, mean) in means.iter().enumerate() {
                 e.rows_mut(a * n, n).add_scalar_mut(-mean);
@@ -78,3 +78,6 @@ impl Track {
         Some((theta, e, cost))
     }
 }
+
+#[cfg(test)]
+mod tests;

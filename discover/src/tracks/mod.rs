@@ -24,3 +24,6 @@ pub use model::{EffectInstance, Free, TrackModel};
 pub(crate) use pose::{kept_of, rotation_of};
 pub(crate) use track::stated_std;
 pub use witnesses::Witnesses;
+
+#[cfg(test)]
+mod tests;

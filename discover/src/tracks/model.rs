@@ -133,3 +133,6 @@ impl TrackModel {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

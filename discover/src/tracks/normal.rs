@@ -88,3 +88,6 @@ fn dot(x: &[f64], y: &[f64]) -> f64 {
 fn scaled_back(m: &DMatrix<f64>, scale: &DVector<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(m.nrows(), m.ncols(), |i, k| m[(i, k)] * scale[i] * scale[k])
 }
+
+#[cfg(test)]
+mod tests;

@@ -82,3 +82,6 @@ impl Track {
         Some(self.pose_states(poses, own, theta)?.iter().map(flow).collect())
     }
 }
+
+#[cfg(test)]
+mod tests;

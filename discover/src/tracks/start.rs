@@ -15,13 +15,18 @@ const FIRST_SHARE: usize = 25;
 pub(super) const STEPS: usize = 40;
 
 impl Track {
+    /// What an initial state leaves of the record.
+    pub(super) fn left(&self, own: &Plant, theta: &DVector<f64>) -> Option<DVector<f64>> {
+        Some(&self.measured - self.flown(own, theta)?)
+    }
+
     /// Initial state of least squares by Gauss-Newton from a start, and its residual.
     pub(super) fn least_squares(&self, own: &Plant, start: DVector<f64>) -> Option<(DVector<f64>, DVector<f64>)> {
         if self.kind() == Measured::SpecificForce {
             return self.launched(own);
         }
         if self.given {
-            let e = &self.measured - self.flown(own, &start)?;
+            let e = self.left(own, &start)?;
             return Some((start, e));
         }
         let mut theta = start;
@@ -33,7 +38,7 @@ impl Track {
                 break;
             }
         }
-        let e = &self.measured - self.flown(own, &theta)?;
+        let e = self.left(own, &theta)?;
         Some((theta, e))
     }
 
@@ -93,23 +98,17 @@ impl Track {
         if self.given {
             return self.least_squares(&own, theta);
         }
-        let mut e = &self.measured - self.flown(&own, &theta)?;
+        let mut e = self.left(&own, &theta)?;
         let mut g = self.state_basis.tr_mul(&e);
         for _ in 0..STEPS {
             let step = &inverse * &g;
             theta += &step;
-            e = &self.measured - self.flown(&own, &theta)?;
+            e = self.left(&own, &theta)?;
             if step.amax() < TOLERANCE * self.size {
                 return Some((theta, e));
             }
             let next = self.state_basis.tr_mul(&e);
-            // inverse += (step − inverse·y) stepᵀ·inverse / (stepᵀ·inverse·y), y the change of position along the basis.
-            let by = &inverse * (&g - &next);
-            let scale = step.dot(&by);
-            if scale.abs() > 0.0 {
-                let row = inverse.tr_mul(&step);
-                inverse += (&step - by) * row.transpose() / scale;
-            }
+            improve(&mut inverse, &step, &(&g - &next));
             g = next;
         }
         let nonlinear = matches!(self.kind(), Measured::Angle | Measured::Pose) || own.point.atmosphere.is_some();
@@ -127,12 +126,32 @@ impl Track {
             let step = (self.state_basis.transpose() * jacobian).try_inverse()? * self.state_basis.tr_mul(&e);
             theta += &step;
             let size = step.amax();
-            if size < 1e-9 * self.size || (size > 0.5 * last && size < NEGLIGIBLE * self.std) {
-                let e = &self.measured - self.flown(own, &theta)?;
+            if self.is_last(size, last) {
+                let e = self.left(own, &theta)?;
                 return Some((theta, e));
             }
             last = size;
         }
         None
     }
+
+    /// Whether a search is done with a step of that size, after one of size `last`: at round-off, or where steps shrink no more and
+    /// are far below the noise.
+    fn is_last(&self, size: f64, last: f64) -> bool {
+        size < 1e-9 * self.size || (size > 0.5 * last && size < NEGLIGIBLE * self.std)
+    }
 }
+
+/// Broyden's rank-one change of an inverse, after which it takes the change `y` that was seen to the step that made it:
+/// `inverse += (step − inverse·y) stepᵀ·inverse / (stepᵀ·inverse·y)`.
+fn improve(inverse: &mut DMatrix<f64>, step: &DVector<f64>, y: &DVector<f64>) {
+    let by = &*inverse * y;
+    let scale = step.dot(&by);
+    if scale.abs() > 0.0 {
+        let row = inverse.tr_mul(step);
+        *inverse += (step - by) * row.transpose() / scale;
+    }
+}
+
+#[cfg(test)]
+mod tests;

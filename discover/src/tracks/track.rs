@@ -357,3 +357,6 @@ fn averaged(record: &PointRecord, group: usize) -> (PointRecord, Vec<f64>) {
     let recorded_inputs = record.recorded_inputs.iter().map(|(i, u)| (*i, mean(u))).collect();
     (PointRecord { t_s, position_m, specific_force_m_s2, recorded_inputs, ..record.clone() }, scatter_s2)
 }
+
+#[cfg(test)]
+mod tests;

@@ -22,3 +22,6 @@ impl TrackEvidence {
         self.axes().into_iter().map(of).collect()
     }
 }
+
+#[cfg(test)]
+mod tests;
