@@ -12,7 +12,7 @@ use windfall_pid::compatibility::{Compatibility, pressure};
 use windfall_pid::output_error::{EstimateOptions, Handling, Prior};
 use windfall_pid::plausible::plausible;
 use windfall_pid::{
-    DataSet, Estimate, Held, Identification, Method, NORMAL_95, identifiability, identify_by, identify_chosen, relative_percent,
+    DataSet, Estimate, Held, Identification, Method, ci95, identifiability, identify_by, identify_chosen, relative_percent,
 };
 use windfall_replay::{Bootstrap, bootstrap};
 
@@ -181,10 +181,6 @@ fn by_likelihood(campaign: &Campaign, options: &EstimateOptions) -> Result<Ident
     Ok(found)
 }
 
-fn ci95(value: f64, std: f64) -> [f64; 2] {
-    [value - NORMAL_95 * std, value + NORMAL_95 * std]
-}
-
 /// The campaign with what is to be held at its value and no longer declared.
 fn held(campaign: &Campaign, request: &IdentifyOrder) -> Result<Campaign, DiscoverError> {
     let mut campaign = campaign.clone();
@@ -222,6 +218,3 @@ fn index(campaign: &Campaign, what: &'static str, name: &str) -> Result<usize, D
     let unknown = || DiscoverError::UnknownParameter { what, name: name.to_owned(), allowed: structure.parameters.join(", ") };
     structure.index(name).ok_or_else(unknown)
 }
-
-#[cfg(test)]
-mod tests;

@@ -14,8 +14,14 @@ pub fn relative_percent(std_error: f64, estimate: f64) -> Option<f64> {
     Some(100.0 * std_error / estimate.abs()).filter(|r| r.is_finite())
 }
 
-/// Ends of the 95 % interval of a normal estimate.
-pub(crate) fn ci95(estimate: f64, std_error: f64) -> [f64; 2] {
+/// Ends of the 95 % interval of a normal estimate with its standard error, in its unit.
+///
+/// ```
+/// let [low, high] = windfall_pid::ci95(3.0, 0.5);
+/// assert!((low - 2.02).abs() < 1e-4 && (high - 3.98).abs() < 1e-4);
+/// ```
+#[must_use]
+pub fn ci95(estimate: f64, std_error: f64) -> [f64; 2] {
     either_side(estimate, NORMAL_95, std_error)
 }
 

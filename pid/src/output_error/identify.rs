@@ -8,7 +8,7 @@ use crate::PidError;
 use crate::compatibility;
 use crate::identifiability::{examine, of_runs};
 use crate::identification::{ALL_RUNS, CoefficientFit, DataSet, Estimate, Identification, in_unit_of};
-use crate::interval::{NORMAL_95, relative_percent};
+use crate::interval::{ci95, relative_percent};
 use crate::{Method, SearchKind};
 use nalgebra::DMatrix;
 use windfall_model::{Campaign, Coefficient, Data, Plant, Unknowns, Use};
@@ -232,7 +232,7 @@ pub(crate) fn estimates(
                 estimate,
                 std_error,
                 rse_percent: relative_percent(std_error, estimate),
-                ci95: [estimate - NORMAL_95 * std_error, estimate + NORMAL_95 * std_error],
+                ci95: ci95(estimate, std_error),
                 std_error_white: white[(column, column)].max(0.0).sqrt(),
             });
         }

@@ -234,16 +234,17 @@ fn recover_a_delay_of_more_than_a_period() {
     }
 }
 
-/// A speed that does not change tells no delay, whatever the noise: of twenty records, with either instrument the better one, one in
+/// A speed that does not change tells no delay, whatever the noise and the unit: of twenty records, with either instrument the better one, one in
 /// twenty may seem to, and one in a hundred is a false alarm: four and two at most by three standard errors of the counts.
 #[test]
 fn recover_no_delay_of_a_constant_speed() {
-    for (n, h, noise) in [(300, 1.0 / 150.0, [3e-3, 9e-3]), (200, 0.02, [9e-3, 2e-3])] {
+    for (n, h, noise, unit) in [(300, 1.0 / 150.0, [3e-3, 9e-3], 1.0), (200, 0.02, [9e-3, 2e-3], 1e3)] {
         let (mut told, mut alarms) = (0, 0);
         for seed in 0..20 {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            let [v, w] = noise
-                .map(|std| -> Vec<f64> { StandardNormal.sample_iter(&mut rng).take(n).map(|e: f64| 7.4 + std * e).collect() });
+            let [v, w] = noise.map(|std| -> Vec<f64> {
+                StandardNormal.sample_iter(&mut rng).take(n).map(|e: f64| unit * (7.4 + std * e)).collect()
+            });
             let found = measured(&[Witnesses::new(&v, w, h)]).expect("a scale");
             told += usize::from(found.delay_s.is_some());
             alarms += usize::from(found.p_value < 0.01);
