@@ -93,6 +93,11 @@ pub(super) fn thinned(role: Role, x: &[f64], y: &[f64]) -> Series {
     Series { role, x: some(x), y: some(y), ..Series::default() }
 }
 
+/// Every so-manieth time, from the first sample.
+pub(super) fn times(t_s: &[f64], thin: usize) -> Vec<f64> {
+    t_s.iter().step_by(thin).map(|t| short(t - t_s[0])).collect()
+}
+
 /// Six digits: more cannot be seen.
 pub(crate) fn short(x: f64) -> f64 {
     format!("{x:.5e}").parse().unwrap_or(x)

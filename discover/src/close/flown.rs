@@ -1,9 +1,8 @@
 //! discover: held-out runs flown again, for the page (thesis figures 5.6 and 5.8). In: a campaign, the plants before and after. Out:
 //! histories of Θ, ω_q,r and the errors, and how Θ and ω_q,r are distributed.
 
-use super::figure::{Figure, Role, Series, Topic, histogram, thinned};
+use super::figure::{Figure, Role, Series, Topic, histogram, thinned, times};
 use super::sides::Sides;
-use super::tracks::times;
 use crate::DiscoverError;
 use rayon::prelude::*;
 use windfall_model::{Campaign, Data, Record};

@@ -1,9 +1,9 @@
 //! discover: what smoothing takes out of tunnel records (thesis figures 3.1-3.3). In: a campaign, a smoother. Out: raw and smoothed signals
 //! of every run, and spectra of both with the frequencies at which the smoother cuts: `smoothing.json`.
 
-use super::figure::short;
+use super::figure::{short, times};
 use super::signals::{RunTracks, SignalTracks, TrackSignal, named};
-use super::tracks::{SAMPLES, empty, thinning, times};
+use super::tracks::{SAMPLES, empty, thinning};
 use super::{Figure, Role, Series, Topic};
 use crate::DiscoverError;
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! discover: measured and modelled signals over time, for the page and whoever plots them. In: a campaign, models. Out: a series per
 //! channel and run: `tracks.json`, `coefficients.json`, `flights.json`.
 
-use super::figure::short;
+use super::figure::{short, times};
 use super::figures::runs_flown;
 use super::sides::{Sides, sides_of};
 use super::signals::{BodyShape, RunTracks, SignalTracks, TrackSignal, named};
@@ -126,11 +126,6 @@ pub(super) fn thinning(campaign: &Campaign, most: usize) -> usize {
         Data::Point(p) => p.t_s.len(),
     };
     campaign.runs.iter().map(samples).sum::<usize>().div_ceil(most).max(1)
-}
-
-/// Times from the first sample.
-pub(super) fn times(t_s: &[f64], thin: usize) -> Vec<f64> {
-    t_s.iter().step_by(thin).map(|t| short(t - t_s[0])).collect()
 }
 
 /// The channels of a tunnel run, empty: pose, swing and body rates, tunnel speed, airspeed, the tether's pull.
