@@ -13,7 +13,7 @@ use crate::point_body::{self, InputSource, RunOwn};
 use crate::scenario::{declared_effects, run_exists, used};
 use crate::table::{Source, Table, number};
 use crate::wind_tunnel;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use windfall_model::{Acts, Campaign, Data, Effect, Knowledge, Measured, Role, Run, Use, effects};
 
@@ -170,9 +170,10 @@ fn entries(file: &Table<'_>, declared: Option<&Declared>) -> Vec<RunEntry> {
         })
         .collect();
     limits::of_file(file.source, "run", all.len(), 0.0);
-    for (i, e) in all.iter().enumerate() {
-        let stem = |e: &RunEntry| crate::formats::stem(&e.path);
-        if !e.file.is_empty() && all[..i].iter().any(|o| stem(o) == stem(e) && o.window_s == e.window_s) {
+    let mut windows: HashMap<Option<String>, Vec<Option<[f64; 2]>>> = HashMap::new();
+    for e in &all {
+        let before = windows.entry(crate::formats::stem(&e.path)).or_default();
+        if before.contains(&e.window_s) && !e.file.is_empty() {
             let what = "appears twice (or another file of the same name)";
             file.source.fault(
                 Some(e.span.clone()),
@@ -181,6 +182,8 @@ fn entries(file: &Table<'_>, declared: Option<&Declared>) -> Vec<RunEntry> {
                 what,
                 "name each run once, or give different windows",
             );
+        } else {
+            before.push(e.window_s);
         }
     }
     all
@@ -218,6 +221,11 @@ fn inputs_of(source: &Source<'_>, entries: &[RunEntry]) -> Vec<String> {
     let mut names: Vec<String> = entries.iter().flat_map(|e| e.inputs.keys().cloned()).collect();
     names.sort();
     names.dedup();
+    if names.len() > limits::INPUTS {
+        let what = format!("at most {} are read from one file", limits::INPUTS);
+        source.fault(None, "[[run]] inputs", names.len().to_string(), what, "the same inputs for every run");
+        return names;
+    }
     for e in entries {
         let missing: Vec<&str> = names.iter().filter(|n| !e.inputs.contains_key(*n)).map(String::as_str).collect();
         if !missing.is_empty() {

@@ -13,6 +13,8 @@ pub(crate) const FLIGHT_SAMPLES: f64 = 1e6;
 pub(crate) const FILE_SAMPLES: f64 = 4e6;
 /// Flights or runs of a file.
 pub(crate) const RUNS: usize = 10_000;
+/// Inputs of all runs of a file: every run has a value of each.
+pub(crate) const INPUTS: usize = 100;
 /// Draws of a study, and the parts in which they are kept: each part is a file.
 pub(crate) const DRAWS: f64 = 1e8;
 pub(crate) const PARTS: u64 = 100_000;

@@ -5,7 +5,7 @@
 
 use crate::error::{Fault, ReadError};
 use crate::keys::spec::{Key, Kind, TableSpec};
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
@@ -15,6 +15,8 @@ use toml::de::{DeTable, DeValue};
 pub(crate) struct Source<'t> {
     path: &'t Path,
     text: &'t str,
+    /// Where lines end, found when the first fault asks: each of many faults asks again.
+    line_ends: OnceCell<Vec<usize>>,
     faults: RefCell<Vec<Fault>>,
     /// Whether the tables that it names are bundled as well.
     bundled: bool,
@@ -22,7 +24,7 @@ pub(crate) struct Source<'t> {
 
 impl<'t> Source<'t> {
     pub(crate) fn new(path: &'t Path, text: &'t str) -> Self {
-        Self { path, text, faults: RefCell::new(Vec::new()), bundled: false }
+        Self { path, text, line_ends: OnceCell::new(), faults: RefCell::new(Vec::new()), bundled: false }
     }
     /// A bundled file, whose tables are bundled as well.
     pub(crate) fn bundled(path: &'t Path, text: &'t str) -> Self {
@@ -49,6 +51,11 @@ impl<'t> Source<'t> {
         }
         if errors.is_empty() { Ok(table.into_inner()) } else { Err(ReadError::Faults(self.take())) }
     }
+    /// Line of a byte, from 1.
+    fn line(&self, at: usize) -> usize {
+        let ends = self.line_ends.get_or_init(|| self.text.match_indices('\n').map(|(i, _)| i).collect());
+        ends.partition_point(|end| *end < at) + 1
+    }
     pub(crate) fn fault(
         &self,
         span: Option<Range<usize>>,
@@ -57,7 +64,7 @@ impl<'t> Source<'t> {
         allowed: impl Into<String>,
         remedy: impl Into<String>,
     ) {
-        let line = span.map(|s| self.text.as_bytes()[..s.start.min(self.text.len())].iter().filter(|b| **b == b'\n').count() + 1);
+        let line = span.map(|s| self.line(s.start));
         self.faults.borrow_mut().push(Fault {
             file: self.path.to_owned(),
             line,

@@ -105,6 +105,19 @@ fn law_faults_say_what_is_missing() {
     }
 }
 
+/// A run that lacks another's input says so; of a hundred and one inputs that no run shares the number is said, not each that each lacks.
+#[test]
+fn law_inputs_have_a_limit() {
+    let runs = |count: usize| -> String {
+        let one = |i: usize| format!("[[run]]\nfile = \"up.csv\"\nwindow_s = [0.0, {}.0]\ninputs = {{ a{i} = 1 }}\n", i + 2);
+        (0..count).map(one).collect()
+    };
+    let e = rocket("lacking", |t| t.to_owned() + &runs(2)).expect_err("a0 alone");
+    assert!(e.contains("a1, brake, rail: lacks inputs that other runs have"), "{e}");
+    let e = rocket("too-many", |t| t.to_owned() + &runs(99)).expect_err("101 inputs");
+    assert!(e.contains("[[run]] inputs = 101: at most 100 are read from one file") && !e.contains("lacks"), "{e}");
+}
+
 #[test]
 fn law_specific_force_and_angle_are_read_in_our_units() {
     let folder = folder("sensors");

@@ -6,7 +6,7 @@ mod common;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
-use windfall_scenarios::{Piece, ReadError, read_record_pieces, sensors_of_table_a3, write_record_csv};
+use windfall_scenarios::{Piece, ReadError, read_campaign, read_record_pieces, sensors_of_table_a3, write_record_csv};
 
 struct Folder(tempfile::TempDir);
 
@@ -123,7 +123,7 @@ fn quickest(read: impl Fn()) -> f64 {
     (0..3).map(|_| timed()).fold(f64::INFINITY, f64::min)
 }
 
-/// Eight times the rows or the columns take some eight times the time, not 64 times. Both are timed here, one beside the other, so that a slow
+/// Eight times the rows, columns, faults or runs take some eight times the time, not 64 times. Both are timed here, one beside the other, so that a slow
 /// machine slows both.
 #[test]
 fn law_reading_is_linear() {
@@ -149,6 +149,24 @@ fn law_reading_is_linear() {
             assert!(message.contains(&format!("c39 and {} more", columns - 40)));
         })
     };
-    let ratios = [long(64_000) / long(8_000), wide(100_000) / wide(12_500)];
+    // A campaign with a fault in every line: each once counted all lines before it. And one of many runs: each was once held against all.
+    let faulty = |keys: usize| {
+        let lines: String = (0..keys).map(|i| format!("k{i} = 1\n")).collect();
+        std::fs::write(folder.path("faults.toml"), format!("[vehicle]\n{lines}")).expect("writable");
+        quickest(|| {
+            let message = read_campaign(&folder.path("faults.toml")).expect_err("no campaign").to_string();
+            assert!(message.contains(&format!("faults.toml:{}: [vehicle] k{}", keys + 1, keys - 1)));
+        })
+    };
+    let runs = |count: usize| {
+        let tables: String = (0..count).map(|i| format!("[[run]]\nfile = \"r{i}.csv\"\n")).collect();
+        std::fs::write(folder.path("runs.toml"), tables).expect("writable");
+        quickest(|| {
+            let message = read_campaign(&folder.path("runs.toml")).expect_err("no such files").to_string();
+            assert!(message.contains(&format!("r{}.csv", count - 1)) && !message.contains("appears twice"));
+        })
+    };
+    let ratios =
+        [long(64_000) / long(8_000), wide(100_000) / wide(12_500), faulty(40_000) / faulty(5_000), runs(9_600) / runs(1_200)];
     assert!(ratios.iter().all(|r| *r < 24.0), "{ratios:?}");
 }
