@@ -4,6 +4,7 @@ use crate::PidError;
 use crate::euler::rates;
 use crate::smooth::{Smoother, smooth};
 use windfall_model::Record;
+use windfall_model::frames::EulerXyz;
 
 /// Series at the samples of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,17 +30,11 @@ pub fn rates_and_angles(record: &Record, smoother: &Smoother) -> Result<Angles, 
         .map(|i| rates([rx.value[i], ry.value[i], rz.value[i]], [rx.rate[i], ry.rate[i], rz.rate[i]], [0.0; 3]).0)
         .collect();
     Ok(Angles {
-        theta_rad: ry.value.iter().zip(&rz.value).map(|(y, z)| off_vertical(*y, *z)).collect(),
+        theta_rad: (0..s.t_s.len())
+            .map(|i| EulerXyz { rx_rad: rx.value[i], ry_rad: ry.value[i], rz_rad: rz.value[i] }.off_vertical_rad())
+            .collect(),
         omega_qr_rad_s: pqr_rad_s.iter().map(|[_, q, r]| q.hypot(*r)).collect(),
         pqr_rad_s,
         t_s: s.t_s,
     })
 }
-
-/// Angle of the body's axis off the vertical by R_y and R_z (eq. 5.1), rad.
-pub(crate) fn off_vertical(ry_rad: f64, rz_rad: f64) -> f64 {
-    (ry_rad.cos() * rz_rad.cos()).acos()
-}
-
-#[cfg(test)]
-mod tests;

@@ -6,7 +6,6 @@
 //! trim, with the sensors' noise, hand at the throttle and turbulence of the campaign. The filter's information is causal, so one
 //! flight gives all shorter ones. Gusts are not flown, only allowed for: what they would excite comes on top.
 
-use crate::angles::off_vertical;
 use crate::choice::identify_chosen;
 use crate::equations::{Craft, Drive, Extra, INPUTS, STATES, Segment, Transition, TunnelAir, origin};
 use crate::error::PidError;
@@ -16,6 +15,7 @@ use crate::plant::START_SCALE_M;
 use crate::{SearchKind, StopReason};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
+use windfall_model::frames::EulerXyz;
 use windfall_model::{CHANNELS, Campaign, PerChannel, Plant, Record, Turbulence, Unknowns};
 
 /// Release angles tried, deg.
@@ -126,7 +126,10 @@ pub fn plan(campaign: &Campaign, targets: &[Target], between_s: f64) -> Result<T
     let kinds = scene.kinds();
     let one = |t: &Target| scene.target(t, &now, &kinds, between_s);
     let targets = targets.iter().map(one).collect::<Result<Vec<_>, _>>()?;
-    let flown_deg = runs.iter().flat_map(|r| &r.smoothed.nodes).map(|n| off_vertical(n[4], n[5]).to_degrees());
+    let flown_deg = runs
+        .iter()
+        .flat_map(|r| &r.smoothed.nodes)
+        .map(|n| EulerXyz { rx_rad: n[3], ry_rad: n[4], rz_rad: n[5] }.off_vertical_rad().to_degrees());
     let flown_deg = flown_deg.fold(0.0, f64::max);
     let mut warnings = found.warnings;
     for t in targets.iter().filter(|t| t.options.is_empty() && t.std_error_now > t.std_error_wanted) {

@@ -6,7 +6,7 @@ use crate::columns::fault;
 use crate::error::Fault;
 use crate::run_columns::{Who, names_of};
 use std::path::Path;
-use windfall_model::frames::{Body, Vec3};
+use windfall_model::frames::{Body, EulerXyz, Vec3};
 use windfall_model::{FlowState, Plant, Record, Sensors, dynamic_pressure_pa};
 
 /// Median of the finite values; NaN when there are none.
@@ -77,8 +77,10 @@ fn angle_faults(path: &Path, angles: [&[f64]; 3], sensors: &Sensors) -> Vec<Faul
         );
         all.push(fault(path, None, "Rx_deg, Ry_deg, Rz_deg", "", &what, "degrees: 57.29578 x radians"));
     }
-    let tilt: Vec<f64> =
-        angles[1].iter().zip(angles[2]).map(|(y, z)| (y.to_radians().cos() * z.to_radians().cos()).acos().to_degrees()).collect();
+    let tilt_deg = |(y, z): (&f64, &f64)| {
+        EulerXyz { ry_rad: y.to_radians(), rz_rad: z.to_radians(), ..EulerXyz::default() }.off_vertical_rad().to_degrees()
+    };
+    let tilt: Vec<f64> = angles[1].iter().zip(angles[2]).map(tilt_deg).collect();
     let middle = median(&tilt);
     if middle > 90.0 {
         let what = format!("the nose is {middle:.1} deg off the downward vertical in most samples");

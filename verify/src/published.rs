@@ -110,16 +110,11 @@ fn off_vertical(plant: &Plant, like: &Flight) -> Result<Check, VerifyError> {
     p.aero.add(Coefficient::Cm, 0.02, 1.0, &[]);
     let t = truth(&p, &flight(like, 60.0, trim_speed(&p, density(&p, like)), REST))?;
     let ratio = match (t.attitude_rad.last(), t.alpha_t_rad.last()) {
-        (Some(attitude), Some(alpha_t)) => off_vertical_rad(*attitude) / alpha_t,
+        (Some(&[rx_rad, ry_rad, rz_rad]), Some(alpha_t)) => EulerXyz { rx_rad, ry_rad, rz_rad }.off_vertical_rad() / alpha_t,
         _ => f64::NAN,
     };
     let what = "off-vertical angle over total angle of attack in steady glide";
     Ok(published("off-vertical", what, (ratio, "1"), Bound::around(0.53, 0.005), "C_Nα/C_A with Table 5.5"))
-}
-
-/// Θ of thesis eq. 5.1.
-fn off_vertical_rad([_, y, z]: [f64; 3]) -> f64 {
-    (y.cos() * z.cos()).clamp(-1.0, 1.0).acos()
 }
 
 /// Air density in the tunnel over that at full scale, from each row of Table 2.2.

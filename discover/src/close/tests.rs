@@ -1,53 +1,20 @@
 //! discover tests: bodies and campaigns for the tests of closing.
 
-use windfall_model::frames::Vec3;
-use windfall_model::{
-    Aero, ApparentMass, Campaign, Data, Environment, Flight, Inertia, Knowledge, MeanFlow, Plant, PointMass, PointRecord, Run,
-    Sensors, Structure, Turbulence, Use, Vehicle, WakeShedding,
-};
+pub(super) use crate::tracks::tests::campaign;
+
+use crate::tracks::tests::ball;
+use windfall_model::{Campaign, Environment, Flight, Inertia, Knowledge, Plant, PointMass, Run, Sensors, Use, Vehicle};
 use windfall_sim::Seed;
 
 /// A body without attitude of 0.1 kg and 0.1 m in a vacuum.
 pub(super) fn body() -> Plant {
+    let like = ball(0.4);
     Plant {
-        vehicle: Vehicle {
-            mass_kg: 0.1,
-            inertia: Inertia::default(),
-            p_origin_cm: Vec3::zero(),
-            diameter_m: 0.1,
-            apparent: ApparentMass::default(),
-            loose: None,
-        },
-        aero: Aero::new(Structure::point_mass(), vec![0.4]),
-        tether: None,
-        flow: MeanFlow::default(),
-        turbulence: Turbulence::default(),
-        shedding: WakeShedding::default(),
-        contacts: Vec::new(),
-        environment: Environment { gravity_m_s2: 9.8, gas_constant_j_kg_k: 287.0 },
+        vehicle: Vehicle { mass_kg: 0.1, inertia: Inertia::default(), diameter_m: 0.1, ..like.vehicle },
+        environment: Environment { gravity_m_s2: 9.8, ..like.environment },
         sensors: Sensors { position_std_m: 0.002, angle_std_rad: 0.01, ..Sensors::default() },
         point: PointMass::default(),
-        free_flight: None,
-    }
-}
-
-/// Runs to identify on, with their settings.
-pub(super) fn campaign(plant: Plant, inputs: &[&str], runs: Vec<(Vec<f64>, PointRecord)>) -> Campaign {
-    let run = |(k, (inputs, record)): (usize, (Vec<f64>, PointRecord))| Run {
-        name: format!("run-{k}"),
-        kind: "drop".to_owned(),
-        used: Use::Identify,
-        inputs,
-        data: Data::Point(record),
-        notes: Vec::new(),
-    };
-    Campaign {
-        name: "made".to_owned(),
-        plant,
-        declared: vec![true],
-        inputs: inputs.iter().map(|n| (*n).to_owned()).collect(),
-        runs: runs.into_iter().enumerate().map(run).collect(),
-        knowledge: Knowledge::default(),
+        ..like
     }
 }
 

@@ -3,6 +3,7 @@
 use super::{FigureQuantity, Moment, SimulatedHistory, StatisticFigure, StatisticsError, StatisticsSetup};
 use crate::close::short;
 use rayon::prelude::*;
+use windfall_model::frames::EulerXyz;
 use windfall_model::{Plant, Record};
 use windfall_pid::smooth::{Smoother, TABLE_3_1_HZ};
 use windfall_pid::{Angles, rates_and_angles};
@@ -29,7 +30,11 @@ pub(super) fn true_runs(setup: &StatisticsSetup, plant: &Plant, runs: std::ops::
         .map(|run| {
             let (truth, _) = fly_truth(plant, &setup.flown, Seed { campaign: setup.seed, run })?;
             let angles = Angles {
-                theta_rad: truth.attitude_rad.iter().map(|[_, y, z]| (y.cos() * z.cos()).clamp(-1.0, 1.0).acos()).collect(),
+                theta_rad: truth
+                    .attitude_rad
+                    .iter()
+                    .map(|&[rx_rad, ry_rad, rz_rad]| EulerXyz { rx_rad, ry_rad, rz_rad }.off_vertical_rad())
+                    .collect(),
                 omega_qr_rad_s: truth.w_tunnel_body.iter().map(|[_, q, r]| q.hypot(*r)).collect(),
                 pqr_rad_s: truth.w_tunnel_body,
                 t_s: truth.t_s,

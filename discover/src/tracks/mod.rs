@@ -26,4 +26,4 @@ pub(crate) use track::stated_std;
 pub use witnesses::Witnesses;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -3,14 +3,14 @@
 use nalgebra::{DMatrix, DVector};
 use windfall_model::frames::Vec3;
 use windfall_model::{
-    Aero, Campaign, Data, Environment, FreeFlight, Inertia, Knowledge, MeanFlow, Plant, PointMass, PointRecord, Run, Sensors,
-    Structure, Turbulence, Use, Vehicle, WakeShedding,
+    Aero, Campaign, Data, Environment, FreeFlight, Inertia, Knowledge, MeanFlow, Measured, Plant, PointMass, PointRecord, Run,
+    Sensors, Structure, Turbulence, Use, Vehicle, WakeShedding,
 };
 
 pub(super) const GRAVITY_M_S2: f64 = 9.7;
 
 /// A ball with this drag coefficient.
-pub(super) fn ball(cd: f64) -> Plant {
+pub(crate) fn ball(cd: f64) -> Plant {
     Plant {
         vehicle: Vehicle {
             mass_kg: 0.2,
@@ -82,10 +82,19 @@ pub(super) fn thrown(t_s: &[f64], axes: &[usize], place_m: [f64; 3], v_m_s: [f64
     PointRecord { t_s: t_s.to_vec(), position_m: std::array::from_fn(series), ..PointRecord::default() }
 }
 
-/// A campaign of tracks with their inputs.
-pub(super) fn campaign(plant: &Plant, inputs: &[&str], runs: Vec<(PointRecord, Vec<f64>)>) -> Campaign {
-    let run = |(record, inputs): (PointRecord, Vec<f64>)| Run {
-        name: "thrown".to_owned(),
+/// Parabolas of a body that does not turn, seen with its attitude.
+pub(super) fn unturned(t_s: &[f64]) -> PointRecord {
+    PointRecord {
+        measured: Measured::Pose,
+        attitude: vec![[1.0, 0.0, 0.0, 0.0]; t_s.len()],
+        ..thrown(t_s, &[0, 1, 2], [1.0; 3], [2.0, 3.0, -1.0])
+    }
+}
+
+/// Runs to identify on, with their inputs.
+pub(crate) fn campaign(plant: Plant, inputs: &[&str], runs: Vec<(Vec<f64>, PointRecord)>) -> Campaign {
+    let run = |(k, (inputs, record)): (usize, (Vec<f64>, PointRecord))| Run {
+        name: format!("run-{k}"),
         kind: "drop".to_owned(),
         used: Use::Identify,
         inputs,
@@ -94,10 +103,10 @@ pub(super) fn campaign(plant: &Plant, inputs: &[&str], runs: Vec<(PointRecord, V
     };
     Campaign {
         name: "throws".to_owned(),
-        plant: plant.clone(),
+        plant,
         declared: vec![true],
         inputs: inputs.iter().map(|s| (*s).to_owned()).collect(),
-        runs: runs.into_iter().map(run).collect(),
+        runs: runs.into_iter().enumerate().map(run).collect(),
         knowledge: Knowledge::default(),
     }
 }

@@ -111,11 +111,11 @@ impl Witnesses {
         let mut x = Vector3::new(self.v[0], 0.0, 0.0);
         let mut p = Matrix3::from_diagonal_element(1e8 * self.variance[0].max(self.variance[1]));
         let mut out = Innovations { each: Vec::new(), minus_twice_log: 0.0, w_from: 0_usize.saturating_add_signed(-shift) };
+        let v_from = 0_usize.saturating_add_signed(shift);
+        let at = |x: &[f64], first: usize, i: usize| i.checked_sub(first).and_then(|k| x.get(k)).copied();
         // From the first sample of either record to the last.
         for i in 0..self.v.len() + shift.unsigned_abs() {
-            let of_v = 0_usize.saturating_add_signed(shift);
-            let at = |x: &'_ [f64], first: usize| i.checked_sub(first).and_then(|k| x.get(k)).copied();
-            for ((row, variance), y) in see.iter().zip([at(&self.v, of_v), at(&self.w, out.w_from)]) {
+            for ((row, variance), y) in see.iter().zip([at(&self.v, v_from, i), at(&self.w, out.w_from, i)]) {
                 let Some(y) = y else {
                     out.each.push(0.0);
                     continue;
@@ -235,9 +235,9 @@ fn local(pairs: &[Witnesses], at: [f64; 2]) -> Local {
 }
 
 fn measured(pairs: &[Witnesses]) -> Option<Pressure> {
-    let mean = |f: &dyn Fn(&Witnesses) -> f64| pairs.iter().map(f).sum::<f64>();
-    let scale = mean(&|p| p.w.iter().sum()) / mean(&|p| p.v.iter().sum());
-    let minus_twice_log = |delay: f64| mean(&|p| p.at([scale, delay], p.shift(delay)).minus_twice_log);
+    let sum = |f: &dyn Fn(&Witnesses) -> f64| pairs.iter().map(f).sum::<f64>();
+    let scale = sum(&|p| p.w.iter().sum()) / sum(&|p| p.v.iter().sum());
+    let minus_twice_log = |delay: f64| sum(&|p| p.at([scale, delay], p.shift(delay)).minus_twice_log);
     #[expect(clippy::cast_possible_truncation, reason = "twenty")]
     let tried = (LONGEST_S / TRIED_S) as i32;
     let tried: Vec<[f64; 2]> = (-tried..=tried).map(|k| f64::from(k) * TRIED_S).map(|d| [minus_twice_log(d), d]).collect();

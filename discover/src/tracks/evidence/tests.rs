@@ -29,7 +29,7 @@ fn felt(n: usize, axes: &[usize], end_s: f64) -> PointRecord {
 }
 
 fn evidence_of(runs: Vec<PointRecord>) -> TrackEvidence {
-    let c = campaign(&ball(0.0), &[], runs.into_iter().map(|r| (r, Vec::new())).collect());
+    let c = campaign(ball(0.0), &[], runs.into_iter().map(|r| (Vec::new(), r)).collect());
     TrackEvidence::new(&c, &(0..c.runs.len()).collect::<Vec<_>>(), &c.plant).expect("flies")
 }
 
@@ -160,7 +160,7 @@ fn poses(runs: usize) -> TrackEvidence {
     record.attitude = angles.iter().map(|a| (base * rotation_of([*a, 0.0, 0.0])).to_quaternion()).collect();
     record.measured = Measured::Pose;
     let inputs = |r: usize| vec![(0.7 * r as f64).sin()];
-    let c = campaign(&brick(), &["spin"], (0..runs).map(|r| (record.clone(), inputs(r))).collect());
+    let c = campaign(brick(), &["spin"], (0..runs).map(|r| (inputs(r), record.clone())).collect());
     TrackEvidence::new(&c, &(0..runs).collect::<Vec<_>>(), &c.plant).expect("flies")
 }
 

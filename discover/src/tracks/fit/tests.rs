@@ -30,9 +30,9 @@ fn throws() -> Campaign {
         let errors = wiggle(&t_s, 0.05, k as f64, true);
         let down = record.position_m[0].as_mut().expect("measured");
         down.iter_mut().zip(&t_s).zip(errors).for_each(|((x, t), e)| *x += 0.2 * t * t + e);
-        (record, Vec::new())
+        (Vec::new(), record)
     };
-    campaign(&ball(0.0), &[], (0..3).map(one).collect())
+    campaign(ball(0.0), &[], (0..3).map(one).collect())
 }
 
 fn evidence_of(c: &Campaign) -> TrackEvidence {
@@ -138,9 +138,9 @@ fn exact_variance_of_poses_is_held_back_by_few_runs() {
         for (k, series) in record.position_m.iter_mut().flatten().enumerate() {
             series.iter_mut().zip(&t_s).for_each(|(x, t)| *x += 0.3 * (1.0 + 2.3 * r as f64 + k as f64).sin() * t * t);
         }
-        (record, Vec::new())
+        (Vec::new(), record)
     };
-    let c = campaign(&brick(), &[], (0..9).map(one).collect());
+    let c = campaign(brick(), &[], (0..9).map(one).collect());
     let evidence = evidence_of(&c);
     let problem = Problem { evidence: &evidence, base: &c.plant, declared: &[false] };
     let (mut h, free) = (model(50.0, 0), [Free::Constant(0)]);

@@ -1,6 +1,6 @@
 //! discover tests: the initial state that flies nearest, against falls with drag in closed form.
 
-use super::super::tests::{GRAVITY_M_S2, ball, brick, close, fall, thrown, times, wiggle};
+use super::super::tests::{GRAVITY_M_S2, ball, brick, close, fall, thrown, times, unturned, wiggle};
 use super::*;
 use windfall_model::PointRecord;
 
@@ -127,11 +127,7 @@ fn law_estimated_state_leaves_nothing_in_the_basis() {
 #[test]
 fn exact_residual_from_the_records_own_start() {
     let t_s = times(12, 0.0, 1.3);
-    let record = PointRecord {
-        measured: Measured::Pose,
-        attitude: vec![[1.0, 0.0, 0.0, 0.0]; 12],
-        ..thrown(&t_s, &[0, 1, 2], [1.0; 3], [2.0, 3.0, -1.0])
-    };
+    let record = unturned(&t_s);
     let mut plant = brick();
     plant.free_flight.as_mut().expect("rigid").rate_damping_n_m_s = [-0.5; 3];
     let track = Track::new(&record, &[], 0, &plant, true).expect("flies");

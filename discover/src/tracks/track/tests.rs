@@ -1,6 +1,6 @@
 //! discover tests: what a track would record against closed forms, its bases against Gram and Schmidt.
 
-use super::super::tests::{GRAVITY_M_S2, ball, brick, close, fall, thrown, times, wiggle};
+use super::super::tests::{GRAVITY_M_S2, ball, brick, close, fall, thrown, times, unturned, wiggle};
 use super::*;
 
 fn all_close(a: &[f64], b: &[f64], by: f64) {
@@ -189,11 +189,7 @@ fn exact_bases_are_gram_schmidt_of_push_and_cosines() {
 #[test]
 fn exact_push_and_turn_of_a_rigid_body() {
     let t_s = times(9, 0.0, 1.3);
-    let record = PointRecord {
-        measured: Measured::Pose,
-        attitude: vec![[1.0, 0.0, 0.0, 0.0]; 9],
-        ..thrown(&t_s, &[0, 1, 2], [1.0; 3], [2.0, 3.0, -1.0])
-    };
+    let record = unturned(&t_s);
     let track = Track::new(&record, &[], 0, &brick(), true).expect("flies");
     let pushed = track.push_columns(&track.own(&brick()), &track.start).expect("flies");
     assert_eq!(pushed.shape(), (54, 6));

@@ -7,7 +7,7 @@ use super::*;
 #[test]
 fn exact_numbers_are_over_their_noise() {
     let t_s = times(8, 0.0, 1.3);
-    let c = campaign(&ball(0.0), &[], vec![(thrown(&t_s, &[0, 2], [1.0; 3], [2.0; 3]), Vec::new())]);
+    let c = campaign(ball(0.0), &[], vec![(Vec::new(), thrown(&t_s, &[0, 2], [1.0; 3], [2.0; 3]))]);
     let mut evidence = TrackEvidence::new(&c, &[0], &c.plant).expect("flies");
     evidence.noise = vec![super::super::bins::Cov::identity() * 0.09];
     let z: Vec<f64> = (0..BIN).map(|i| 0.7 + i as f64).collect();
