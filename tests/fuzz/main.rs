@@ -101,7 +101,7 @@ fn readers() -> Vec<Reader> {
         Reader { seeds: corpus!["many.json"], ..Reader::new("many", "many.json", Text, page) },
         Reader { seeds: corpus!["scenario.toml"], ..verb("simulate", "scenario.toml", fly) },
         Reader {
-            seeds: &["scenarios/bundled/glider-throws.toml"],
+            seeds: corpus!["throws.toml"],
             beside: &["scenarios/bundled/glider.toml"],
             ..verb("simulate-free", "scenario.toml", fly_free)
         },

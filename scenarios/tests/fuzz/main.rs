@@ -57,13 +57,7 @@ const BESIDE: &[&str] = corpus!["run.csv", "own.csv", "toss.csv", "drag.csv", "b
 fn readers() -> Vec<Reader> {
     vec![
         Reader {
-            seeds: &[
-                "scenarios/tests/formats/run.csv",
-                "scenarios/tests/fuzz/corpus/own.csv",
-                "scenarios/tests/fuzz/corpus/toss.csv",
-                "scenarios/tests/fuzz/corpus/drag.csv",
-                "scenarios/tests/fuzz/corpus/balance.csv",
-            ],
+            seeds: corpus!["run.csv", "own.csv", "toss.csv", "drag.csv", "balance.csv"],
             ..Reader::new("csv", "run.csv", Table, table)
         },
         Reader {
@@ -75,7 +69,7 @@ fn readers() -> Vec<Reader> {
             ],
             ..Reader::new("motion-capture", "run.csv", Table, |p| read(files::campaign_of_run(p)))
         },
-        Reader { seeds: formats!["run.csv"], finish: Some(gzip), ..Reader::new("csv-gz", "run.csv.gz", Table, run_file) },
+        Reader { seeds: corpus!["run.csv"], finish: Some(gzip), ..Reader::new("csv-gz", "run.csv.gz", Table, run_file) },
         Reader { seeds: formats!["run.csv.gz"], ..Reader::new("csv-gz-bytes", "run.csv.gz", Bytes, run_file) },
         Reader {
             seeds: formats!["polars-zstd.parquet", "pyarrow-zstd.parquet", "mixed.parquet"],
@@ -123,7 +117,7 @@ fn readers() -> Vec<Reader> {
             ..Reader::new("scenario", "scenario.toml", Text, |p| read(files::read_scenario_file(p)))
         },
         Reader {
-            seeds: &["scenarios/bundled/glider-throws.toml"],
+            seeds: corpus!["throws.toml"],
             beside: &["scenarios/bundled/glider.toml"],
             ..Reader::new("free-scenario", "scenario.toml", Text, |p| read(files::read_free(p)))
         },
