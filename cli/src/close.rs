@@ -79,7 +79,7 @@ fn story(c: &Closing) -> String {
     c.effects.iter().for_each(|e| effect(&mut text, e));
     channels(&mut text, c);
     if let (Some(b), Some(a)) = (&c.before.hold_out, &c.after.hold_out) {
-        held_out(&mut text, b, a);
+        held_out(&mut text, b, a, !c.effects.is_empty());
     }
     text += &crate::wind_tunnel::lines(&c.wind_tunnel);
     for note in c.notes() {
@@ -150,7 +150,7 @@ fn channels(text: &mut String, c: &Closing) {
     }
 }
 
-fn held_out(text: &mut String, b: &HeldOut, a: &HeldOut) {
+fn held_out(text: &mut String, b: &HeldOut, a: &HeldOut, added: bool) {
     let _ = writeln!(text, "\n{:<34}{:>10}{:>10}{:>14}", "error on runs held out, rms", "before", "after", "after/before");
     let mut line = |what: &str, b: f64, a: f64| {
         let _ = writeln!(text, "  {what:<32}{:>10}{:>10}{:>14.3}", number(b), number(a), a / b);
@@ -173,7 +173,7 @@ fn held_out(text: &mut String, b: &HeldOut, a: &HeldOut) {
     if let (Some(b), Some(a)) = (b.position_rms_m, a.position_rms_m) {
         line("position, flown again (mm)", 1e3 * b, 1e3 * a);
     }
-    if let (Some(b), Some(a)) = (b.log_likelihood, a.log_likelihood) {
+    if let (Some(b), Some(a), true) = (b.log_likelihood, a.log_likelihood, added) {
         let _ = writeln!(text, "  {:<32}{:>20}", "gain of log-likelihood", number(a - b));
     }
 }

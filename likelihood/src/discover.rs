@@ -351,13 +351,13 @@ pub fn identify(engine: &Engine, near: Option<&Model>) -> Result<Fit, String> {
 fn selected(engine: &Engine, fit: Fit, weighed: Weighed, log: &mut Vec<String>) -> (Fit, Weighed) {
     let select: Vec<usize> = (0..engine.campaign.runs.len()).filter(|&i| engine.campaign.runs[i].used == Use::Select).collect();
     let (mut fit, mut weighed) = (fit, weighed);
-    while let Some(here) = engine.predict(&fit.model, &select) {
+    while let Some(here) = engine.predictive(&fit, &select) {
         let free = (0..fit.model.members.len()).filter(|&k| !fit.model.members[k].declared && !fit.model.members[k].is_local());
         let without = free.filter_map(|k| {
             let mut model = fit.model.clone();
             model.members.remove(k);
             let less = engine.climb(&model, true, 6).ok()?;
-            Some((engine.predict(&less.model, &select)?, less))
+            Some((engine.predictive(&less, &select)?, less))
         });
         let Some((gain, less)) = without.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
         if gain <= here {

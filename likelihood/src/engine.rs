@@ -257,12 +257,6 @@ impl Engine {
         self.runs.first().map_or_else(String::new, |r| r.name.clone())
     }
 
-    /// Log-likelihood of other runs in the same noise, every number as it is; `None` without such runs or where the model departs.
-    #[must_use]
-    pub fn predict(&self, model: &Model, runs: &[usize]) -> Option<f64> {
-        self.beside(&self.campaign, runs)?.sum(model, &[], &[]).ok().map(|s| s.log_likelihood)
-    }
-
     /// The same with other noise.
     #[must_use]
     pub(crate) fn with_noise(&self, noise: PerChannel<ChannelNoise>) -> Self {

@@ -214,6 +214,16 @@ impl Model {
         matches!(id, Id::Member(m, i) if self.members[m].parameters[i].role == Role::Strength)
     }
 
+    /// The present value of a number, not less null.
+    pub(crate) fn value(&self, id: Id) -> Option<f64> {
+        match id {
+            Id::Declared(i) => Some(self.declared[i]),
+            Id::Constant(i) => Some(self.constants[i]),
+            Id::Member(m, i) => Some(self.members[m].values[i]),
+            Id::Strength(..) | Id::Generic(_) => None,
+        }
+    }
+
     /// Changes a number by `by`, within its range.
     pub fn change(&mut self, n: &Number, by: f64) {
         let value = match n.id {

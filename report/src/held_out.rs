@@ -61,7 +61,7 @@ pub(crate) fn held_out(c: &Closing) -> String {
     if let (Some(b), Some(a), true) = (b.log_likelihood, a.log_likelihood, added) {
         let _ = writeln!(
             out,
-            "<p>Log-likelihood of these runs, up to a constant of the data: {} before, {} after, a gain of {}.</p>",
+            "<p>Log-likelihood of these runs, averaged over what identification leaves of the parameters, up to a constant of the data: {} before, {} after, a gain of {}.</p>",
             number(b),
             number(a),
             number(a - b)

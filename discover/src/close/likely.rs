@@ -375,7 +375,7 @@ fn parameters(campaign: &Campaign, fit: &Fit) -> Vec<ParameterLine> {
 /// Parameters and errors on held-out runs. Runs on which the model cannot be flown again have no trajectory.
 fn side(campaign: &Campaign, engine: &Engine, fit: &Fit, held: &[usize], options: &Options) -> After {
     let plant = fit.model.plant(engine.campaign());
-    let log_likelihood = engine.predict(&fit.model, held);
+    let log_likelihood = engine.predictive(fit, held);
     let flights = if plant.disturbances(1.0).is_empty() { 1 } else { options.flights };
     let hold_out = if held.is_empty() || options.flights == 0 {
         None

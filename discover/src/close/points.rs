@@ -114,7 +114,7 @@ fn effect_line(
     let without = found.without(k);
     let gain = |h: &TrackEvidence| {
         let problem = problem(found.campaign, h);
-        without.map(|w| problem.predict(&fit.hypothesis) - problem.predict(&w.fit.hypothesis))
+        without.map(|w| problem.predictive(fit) - problem.predictive(&w.fit))
     };
     EffectLine {
         family: effect.family.to_owned(),
@@ -255,13 +255,12 @@ fn constants(campaign: &Campaign, fit: &TrackFit) -> Vec<ConstantLine> {
 /// Parameters and errors on runs held out.
 fn side(campaign: &Campaign, fit: &TrackFit, held: Option<&TrackEvidence>) -> After {
     let of = |h: &TrackEvidence| {
-        let problem = problem(campaign, h);
+        let log_likelihood = Some(problem(campaign, h).predictive(fit));
         let plant = fit.hypothesis.plant(&campaign.plant);
         if campaign.measured() == Measured::Pose {
-            return HeldOut::of_poses(h.pose_rms(&plant), Some(problem.predict(&fit.hypothesis)));
+            return HeldOut::of_poses(h.pose_rms(&plant), log_likelihood);
         }
-        let of_points =
-            HeldOut::of_points(campaign.measured(), h.rms_m(&plant), plant.point.pivot, Some(problem.predict(&fit.hypothesis)));
+        let of_points = HeldOut::of_points(campaign.measured(), h.rms_m(&plant), plant.point.pivot, log_likelihood);
         match campaign.measured() {
             Measured::PositionAndForce => of_points.with_specific_force(h.rms_m_s2(&plant)),
             _ => of_points,

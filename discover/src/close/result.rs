@@ -270,7 +270,7 @@ pub struct HeldOut {
     pub position_rms_m: Option<f64>,
     /// Table 5.6's statistics.
     pub statistics: Vec<Statistic>,
-    /// Log-likelihood of the runs, up to a constant of the data.
+    /// Log-likelihood of the runs, averaged over what identification leaves of the parameters, up to a constant of the data.
     pub log_likelihood: Option<f64>,
 }
 

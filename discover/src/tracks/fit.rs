@@ -10,6 +10,7 @@ use super::normal::NormalEquations;
 use super::scatter;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use windfall_likelihood::{Local, averaged};
 use windfall_model::{Plant, Role};
 use windfall_pid::StopReason;
 
@@ -214,18 +215,29 @@ impl Problem<'_> {
         self.evidence.generic().iter().map(Vec::as_slice).collect()
     }
 
-    /// Log-likelihood of this evidence with every number as it stands.
+    /// Log predictive density of this evidence: its likelihood averaged over what a fit to other runs leaves of its free numbers. Sizes of the
+    /// unmodelled residual are as fitted.
     #[must_use]
-    pub fn predict(&self, h: &TrackModel) -> f64 {
-        let z = self.evidence.residual(&h.plant(self.base));
-        if !z.iter().all(|x| x.is_finite()) {
-            return f64::NEG_INFINITY;
-        }
+    pub fn predictive(&self, fit: &TrackFit) -> f64 {
+        let at = |off: &DVector<f64>| {
+            let mut h = fit.hypothesis.clone();
+            fit.free.iter().zip(off.iter()).for_each(|(f, by)| h.set(*f, h.get(*f) + by));
+            let z = self.evidence.residual(&h.plant(self.base));
+            let whitening = z.iter().all(|x| x.is_finite()).then(|| self.whitening(&h)).flatten()?;
+            let white: Vec<Residual> = self.columns(&h, &fit.free, &z).iter().map(|a| whitening.whiten(a)).collect();
+            let (score, information) = NormalEquations::new(&whitening.whiten(&z), &white).parts();
+            Some(Local { off: off.clone(), log_likelihood: whitening.log_likelihood(&z), slopes: -score, information })
+        };
+        averaged(&fit.covariance, at).unwrap_or(f64::NEG_INFINITY)
+    }
+
+    /// What whitens this evidence with every size as it stands.
+    fn whitening(&self, h: &TrackModel) -> Option<Whitening> {
         let sigma = match &h.scatter {
             Some(between) => scatter::with_noise(self.evidence.noise(), between),
             None => total(self.evidence.noise(), &self.parts(), &h.generic),
         };
-        Whitening::new(&sigma).map_or(f64::NEG_INFINITY, |w| w.log_likelihood(&z))
+        Whitening::new(&sigma)
     }
 }
 

@@ -39,6 +39,10 @@ impl NormalEquations {
         }
         all
     }
+    /// Score and information.
+    pub(crate) fn parts(self) -> (DVector<f64>, DMatrix<f64>) {
+        (self.g, self.j)
+    }
     /// Adds what is known without the data: each value with a prior is one more observation of it.
     pub(crate) fn add_prior(&mut self, h: &TrackModel, free: &[Free]) {
         for (place, f) in free.iter().enumerate() {

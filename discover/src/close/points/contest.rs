@@ -282,7 +282,7 @@ impl<'a> TrackContest<'a> {
     fn tells(&self, less: &ScoredSet, more: &ScoredSet) -> bool {
         let chosen = self.select.is_none_or(|s| {
             let problem = problem(self.campaign, s);
-            problem.predict(&more.fit.hypothesis) > problem.predict(&less.fit.hypothesis)
+            problem.predictive(&more.fit) > problem.predictive(&less.fit)
         });
         chosen && self.evidence.tells(&less.fit.residual, &more.fit.residual)
     }

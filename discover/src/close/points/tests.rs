@@ -83,7 +83,7 @@ fn exact_bounds() {
     }
 }
 
-/// White noise, and no part of the residual that is not: the log-likelihood of held-out runs differs by half of the whitened
+/// White noise, no part of the residual that is not, and numbers that are known: the log-likelihood of held-out runs differs by half of the whitened
 /// squares.
 #[test]
 fn exact_gain_on_runs_held_out() {
@@ -92,8 +92,10 @@ fn exact_gain_on_runs_held_out() {
     let settings = Settings::of(&c, &[]);
     let mut found = with_drag(&c, &settings);
     let held = TrackEvidence::new(&c, &[1, 4], &c.plant).expect("two tracks");
-    found.best.fit.hypothesis.generic = vec![0.0; held.components()];
-    found.declared.fit.hypothesis.generic = vec![0.0; held.components()];
+    for fit in [&mut found.best.fit, &mut found.declared.fit] {
+        fit.hypothesis.generic = vec![0.0; held.components()];
+        fit.covariance.fill(0.0);
+    }
     let squares = |h: &TrackModel| held.residual(&h.plant(&c.plant)).iter().map(|z| z * z).sum::<f64>();
     let less = squares(&found.declared.fit.hypothesis) - squares(&found.best.fit.hypothesis);
     let gain = effect_line(&found, &settings, 0, true, Some(&held), 0.5).held_out_gain.expect("runs");

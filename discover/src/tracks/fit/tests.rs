@@ -121,7 +121,34 @@ fn law_likelihood_of_a_fit_has_the_prior_in_it() {
     let off = fit.hypothesis.get(Free::Constant(0));
     assert!((0.2..0.45).contains(&off) && fit.stop == StopReason::Converged, "{off} {:?}", fit.stop);
     // Sizes are found until a round gains 0.02.
-    close(fit.log_likelihood, problem.predict(&fit.hypothesis) - 0.5 * (off / 0.2).powi(2), 0.05);
+    close(fit.log_likelihood, problem.predictive(&sure(&fit)) - 0.5 * (off / 0.2).powi(2), 0.05);
+}
+
+/// The same fit as if it knew all its numbers.
+fn sure(fit: &TrackFit) -> TrackFit {
+    TrackFit { covariance: fit.covariance.map(|_| 0.0), ..fit.clone() }
+}
+
+/// Throws that a fit of others has not seen, averaged over what it leaves of gravity: the same by quadrature, in steps of a fortieth of its error.
+#[test]
+fn exact_predictive_density() {
+    let c = throws();
+    let [seen, unseen] = [[0, 1].as_slice(), &[2]].map(|runs| TrackEvidence::new(&c, runs, &c.plant).expect("flies"));
+    let of = |evidence| Problem { evidence, base: &c.plant, declared: &[false] };
+    let fit = of(&seen).fit(&model(0.2, seen.components()), false);
+    let problem = of(&unseen);
+    for std in [fit.std_error(Free::Constant(0)), 2.0] {
+        let fit = TrackFit { covariance: DMatrix::from_element(1, 1, std * std), ..fit.clone() };
+        let at = |u: f64| {
+            let mut moved = sure(&fit);
+            moved.hypothesis.set(Free::Constant(0), fit.hypothesis.get(Free::Constant(0)) + std * u);
+            problem.predictive(&moved) - 0.5 * u * u
+        };
+        let values: Vec<f64> = (-320..=320).map(|k| at(f64::from(k) / 40.0)).collect();
+        let top = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let sum: f64 = values.iter().map(|v| (v - top).exp()).sum();
+        close(problem.predictive(&fit), top + (sum / 40.0 / std::f64::consts::TAU.sqrt()).ln(), 1e-3);
+    }
 }
 
 /// Nine falls of a brick whose pushes differ, six numbers of each: weights are their own covariance about none, and a variance is
