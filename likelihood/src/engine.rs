@@ -29,6 +29,8 @@ pub struct Engine {
     pub hum: Vec<Hum>,
     /// Freedom of the accelerations at a search's start, zero otherwise.
     pub(crate) slack: f64,
+    /// Whether parameters in free accelerations stay within their own size of where they are declared; else each step of a fit stays within it.
+    pub(crate) near_declared: bool,
     /// Prior standard deviations of effects' strengths, as a multiple of those with which sets are weighed.
     pub(crate) strength_priors: f64,
     /// Forms of the gusts' spectra.
@@ -205,6 +207,7 @@ impl Engine {
             noise,
             hum,
             slack: 0.0,
+            near_declared: false,
             strength_priors: 1.0,
             exact_gusts: false,
             spectra: Spectra::default(),
@@ -423,7 +426,14 @@ impl Engine {
         let mut all = model.known(&self.campaign);
         if self.slack > 0.0 {
             // Free accelerations leave parameters that are hardly seen free too: each step stays within their own size.
-            all.iter_mut().filter(|n| matches!(n.id, Id::Declared(_))).for_each(|n| n.prior /= VAGUE_PRIOR);
+            let begun = &self.campaign.plant.aero.values;
+            for n in &mut all {
+                let Id::Declared(i) = n.id else { continue };
+                n.prior /= VAGUE_PRIOR;
+                if self.near_declared {
+                    n.value = model.declared[i] - begun[i];
+                }
+            }
         }
         let mut members = model.of_members(shapes);
         members.iter_mut().filter(|n| model.is_strength(n.id)).for_each(|n| n.prior *= self.strength_priors);

@@ -234,7 +234,9 @@ struct Freed {
 fn freed(engine: &Engine) -> Option<Freed> {
     const FREEDOM: [f64; 8] = [1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];
     const ABOUT: std::ops::Range<f64> = 0.9..1.5;
+    // A parameter that is hardly seen there would walk off step by step, and what is held against alternatives is how it then fits.
     let mut free = engine.coarse();
+    free.near_declared = true;
     let mut model = Model::declared(&engine.campaign);
     let mut last = None;
     for slack in FREEDOM {

@@ -85,11 +85,18 @@ fn recover_noise_and_sums() {
     let before = [likelihood(&coloured), far(&coloured)];
     assert!(coloured.refine_noise(&model));
     assert!(likelihood(&coloured) > before[0] + 5.0 && far(&coloured) < before[1], "{before:?} {}", likelihood(&coloured));
-    let free = Engine { slack: 1.0, ..engine.clone() };
-    for n in free.free(&model, false) {
-        let Id::Declared(i) = n.id else { continue };
-        let size = model.declared[i].abs().max(engine.campaign.plant.aero.values[i].abs()).max(1.0);
-        assert!((n.prior / size - 1.0).abs() < 1e-12, "{n:?}");
+    let mut moved = model.clone();
+    moved.declared.iter_mut().for_each(|v| *v = 1.5 * *v + 0.25);
+    for near_declared in [false, true] {
+        let free = Engine { slack: 1.0, near_declared, ..engine.clone() };
+        for n in free.free(&moved, false) {
+            let Id::Declared(i) = n.id else { continue };
+            let begun = engine.campaign.plant.aero.values[i];
+            let size = moved.declared[i].abs().max(begun.abs()).max(1.0);
+            assert!((n.prior / size - 1.0).abs() < 1e-12, "{n:?}");
+            let off = if near_declared { 0.5 * begun + 0.25 } else { 0.0 };
+            assert!((n.value - off).abs() < 1e-12 * size, "{n:?} {off}");
+        }
     }
 }
 
@@ -125,4 +132,25 @@ fn law_steps_and_climbs() {
         (values[0] - values[1]).abs() < 0.1 * covariance[(i, i)].sqrt() && (back.total - top.total).abs() < 0.05,
         "{values:?}"
     );
+}
+
+/// While accelerations are free a roll of a turn in two seconds says hardly anything of its damping: fits that go on from one another walk off with it, and
+/// stay within its own size of where it is declared when told to.
+#[test]
+fn law_what_free_accelerations_hide_stays() {
+    let (engine, _) = flown(4.0, "axial-speed", &[-0.5, 7.43]);
+    let declared = Model::declared(&engine.campaign);
+    let roll = engine.campaign.plant.aero.structure.parameters.iter().position(|p| p == "Cl_p").expect("roll damping");
+    let begun = declared.declared[roll];
+    let [walks, stays] = [false, true].map(|near_declared| {
+        let (mut free, mut model) = (Engine { near_declared, ..engine.coarse() }, declared.clone());
+        let mut farthest: f64 = 0.0;
+        for slack in [1.0, 1.0, 1.0, 0.3, 0.3, 0.3] {
+            free.slack = slack;
+            model = free.climb(&model, false, 4).expect("a fit").model;
+            farthest = farthest.max((model.declared[roll] - begun).abs() / begun.abs());
+        }
+        farthest
+    });
+    assert!(stays < 0.5 && walks > 1.5, "{stays} {walks}");
 }

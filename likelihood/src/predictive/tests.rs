@@ -43,6 +43,24 @@ fn exact_linear() {
     assert!(averaged(&covariance, |_| None).is_none());
 }
 
+/// Where information is understated fourfold a step goes far beyond the top: half of it is taken, and so on to the top, `κa/(1 + κ)` off.
+#[test]
+fn exact_shorter_steps() {
+    let (a, information) = (3.0, 4.0);
+    let at = |off: &DVector<f64>| {
+        let left = a - off[0];
+        Some(Local {
+            off: off.clone(),
+            log_likelihood: -0.5 * information * left * left,
+            slopes: DVector::from_element(1, information * left),
+            information: DMatrix::from_element(1, 1, 0.25 * information),
+        })
+    };
+    let found = averaged(&DMatrix::identity(1, 1), at).expect("a density");
+    let top = -0.5 * a * a * information / (1.0 + information);
+    assert!((found - (top - 0.5 * 2.0_f64.ln())).abs() < 0.01, "{found} {top}");
+}
+
 /// Numbers known much better than a run could tell leave it as likely as they are; one that is hardly known may stand anywhere within its error, at which the
 /// likelihood itself falls by hundreds; a fit that knows it badly predicts worse than one that knows it well.
 #[test]
