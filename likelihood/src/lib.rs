@@ -44,6 +44,6 @@ pub use hum::Hum;
 pub use innovations::Innovations;
 pub use model::{Id, Member, Model, Number};
 pub use noise::{ChannelNoise, declared as declared_noise};
-pub use predictive::{Local, averaged};
+pub use predictive::{NearFit, averaged};
 pub use random_range::RandomRange;
 pub use search::{Set, Unit, log_mean};

@@ -214,25 +214,22 @@ impl Model {
         matches!(id, Id::Member(m, i) if self.members[m].parameters[i].role == Role::Strength)
     }
 
-    /// The present value of a number, not less null.
-    pub(crate) fn value(&self, id: Id) -> Option<f64> {
-        match id {
-            Id::Declared(i) => Some(self.declared[i]),
-            Id::Constant(i) => Some(self.constants[i]),
-            Id::Member(m, i) => Some(self.members[m].values[i]),
-            Id::Strength(..) | Id::Generic(_) => None,
-        }
-    }
-
     /// Changes a number by `by`, within its range.
     pub fn change(&mut self, n: &Number, by: f64) {
+        self.moved(n, by);
+    }
+
+    /// The same; by how much it was changed.
+    pub(crate) fn moved(&mut self, n: &Number, by: f64) -> f64 {
         let value = match n.id {
             Id::Declared(i) => &mut self.declared[i],
             Id::Constant(i) => &mut self.constants[i],
             Id::Member(m, i) => &mut self.members[m].values[i],
-            Id::Strength(..) | Id::Generic(_) => return,
+            Id::Strength(..) | Id::Generic(_) => return 0.0,
         };
-        *value = (*value + by).clamp(n.range[0], n.range[1]);
+        let before = *value;
+        *value = (before + by).clamp(n.range[0], n.range[1]);
+        *value - before
     }
 
     /// Declared parameters and uncertain constants.

@@ -15,7 +15,7 @@ const ENOUGH: f64 = 0.02;
 
 /// How likely other runs are at numbers near a fit's.
 #[derive(Clone, Debug)]
-pub struct Local {
+pub struct NearFit {
     /// How far off the fit's the numbers are, each in its unit.
     pub off: DVector<f64>,
     /// Log-likelihood there.
@@ -29,13 +29,13 @@ pub struct Local {
 /// Log of the mean likelihood over numbers that are normal with that covariance, by Laplace's approximation (Tierney and Kadane 1986): exact where
 /// the likelihood is normal. `at` has the likelihood at numbers that far off the mean, `None` where there is none. Of a covariance that is not
 /// positive definite the likelihood at the mean.
-pub fn averaged(covariance: &DMatrix<f64>, at: impl Fn(&DVector<f64>) -> Option<Local>) -> Option<f64> {
+pub fn averaged(covariance: &DMatrix<f64>, at: impl Fn(&DVector<f64>) -> Option<NearFit>) -> Option<f64> {
     let n = covariance.nrows();
     let mut here = at(&DVector::zeros(n))?;
     // In numbers u of unit covariance, with off = L u.
     let Some(lower) = Cholesky::new(covariance.clone()).map(|c| c.unpack()) else { return Some(here.log_likelihood) };
     let unit = |off: &DVector<f64>| lower.solve_lower_triangular(off);
-    let value = |l: &Local| unit(&l.off).map(|u| l.log_likelihood - 0.5 * u.norm_squared());
+    let value = |l: &NearFit| unit(&l.off).map(|u| l.log_likelihood - 0.5 * u.norm_squared());
     for _ in 0..MOST {
         let u = unit(&here.off)?;
         let slope = lower.tr_mul(&here.slopes) - &u;
@@ -54,7 +54,7 @@ pub fn averaged(covariance: &DMatrix<f64>, at: impl Fn(&DVector<f64>) -> Option<
 }
 
 /// Root of the information of fit and other runs together, in numbers of unit covariance.
-fn posterior(lower: &DMatrix<f64>, here: &Local) -> Option<Cholesky<f64, nalgebra::Dyn>> {
+fn posterior(lower: &DMatrix<f64>, here: &NearFit) -> Option<Cholesky<f64, nalgebra::Dyn>> {
     let n = lower.nrows();
     Cholesky::new(DMatrix::identity(n, n) + lower.tr_mul(&here.information) * lower)
 }
@@ -68,12 +68,11 @@ impl Engine {
         let at = |wanted: &DVector<f64>| {
             let mut model = fit.model.clone();
             let numbers = &fit.numbers[..wanted.len()];
-            numbers.iter().zip(wanted.iter()).for_each(|(n, by)| model.change(n, *by));
             // Within its range a number may have gone less far.
-            let off = numbers.iter().map(|n| Some(model.value(n.id)? - fit.model.value(n.id)?)).collect::<Option<Vec<f64>>>()?;
-            let off = DVector::from_vec(off);
+            let off = numbers.iter().zip(wanted.iter()).map(|(n, by)| model.moved(n, *by));
+            let off = DVector::from_iterator(numbers.len(), off);
             let sum = others.sum(&model, numbers, &[]).ok()?;
-            Some(Local { off, log_likelihood: sum.log_likelihood, slopes: sum.b, information: sum.g })
+            Some(NearFit { off, log_likelihood: sum.log_likelihood, slopes: sum.b, information: sum.g })
         };
         averaged(&fit.covariance, at)
     }

@@ -375,12 +375,11 @@ fn parameters(campaign: &Campaign, fit: &Fit) -> Vec<ParameterLine> {
 /// Parameters and errors on held-out runs. Runs on which the model cannot be flown again have no trajectory.
 fn side(campaign: &Campaign, engine: &Engine, fit: &Fit, held: &[usize], options: &Options) -> After {
     let plant = fit.model.plant(engine.campaign());
-    let log_likelihood = engine.predictive(fit, held);
     let flights = if plant.disturbances(1.0).is_empty() { 1 } else { options.flights };
     let hold_out = if held.is_empty() || options.flights == 0 {
         None
     } else {
-        hold_out(campaign, &plant, held, flights).ok().map(|h| HeldOut::of_tunnel(h, log_likelihood))
+        hold_out(campaign, &plant, held, flights).ok().map(|h| HeldOut::of_tunnel(h, engine.predictive(fit, held)))
     };
     After { parameters: parameters(campaign, fit), hold_out }
 }

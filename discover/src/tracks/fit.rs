@@ -10,7 +10,7 @@ use super::normal::NormalEquations;
 use super::scatter;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use windfall_likelihood::{Local, averaged};
+use windfall_likelihood::{NearFit, averaged};
 use windfall_model::{Plant, Role};
 use windfall_pid::StopReason;
 
@@ -226,7 +226,7 @@ impl Problem<'_> {
             let whitening = z.iter().all(|x| x.is_finite()).then(|| self.whitening(&h)).flatten()?;
             let white: Vec<Residual> = self.columns(&h, &fit.free, &z).iter().map(|a| whitening.whiten(a)).collect();
             let (score, information) = NormalEquations::new(&whitening.whiten(&z), &white).parts();
-            Some(Local { off: off.clone(), log_likelihood: whitening.log_likelihood(&z), slopes: -score, information })
+            Some(NearFit { off: off.clone(), log_likelihood: whitening.log_likelihood(&z), slopes: -score, information })
         };
         averaged(&fit.covariance, at).unwrap_or(f64::NEG_INFINITY)
     }

@@ -23,7 +23,7 @@ fn exact_linear() {
         let y = DVector::from_row_slice(&y);
         let at = |off: &DVector<f64>| {
             let left = &y - &h * off;
-            Some(Local {
+            Some(NearFit {
                 off: off.clone(),
                 log_likelihood: normal(&left, &errors),
                 slopes: h.tr_mul(&(&inverse * left)),
@@ -35,7 +35,7 @@ fn exact_linear() {
         assert!((found / expected - 1.0).abs() < 1e-10, "{found} {expected}");
         let none = |off: &DVector<f64>| {
             let (slopes, information) = (DVector::zeros(0), DMatrix::zeros(0, 0));
-            Some(Local { off: off.clone(), slopes, information, ..at(&DVector::zeros(2))? })
+            Some(NearFit { off: off.clone(), slopes, information, ..at(&DVector::zeros(2))? })
         };
         let alone = averaged(&DMatrix::zeros(0, 0), none).expect("a density");
         assert!((alone - normal(&y, &errors)).abs() < 1e-12, "{alone}");
@@ -49,7 +49,7 @@ fn exact_shorter_steps() {
     let (a, information) = (3.0, 4.0);
     let at = |off: &DVector<f64>| {
         let left = a - off[0];
-        Some(Local {
+        Some(NearFit {
             off: off.clone(),
             log_likelihood: -0.5 * information * left * left,
             slopes: DVector::from_element(1, information * left),
