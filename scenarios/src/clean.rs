@@ -2,7 +2,9 @@
 //! and what was done.
 //!
 //! The local fit is a polynomial through the neighbours of a sample, without the sample; its error is scaled to that of one sample,
-//! so that Gaussian noise gives errors of its own standard deviation in the middle and at the ends of a run.
+//! so that Gaussian noise gives errors of its own standard deviation in the middle and at the ends of a run. Before a sample is removed its
+//! neighbours are fitted again without those that do not lie on one curve with the most of them: next to a spike at an end of a run a sound
+//! sample is farther from its fit than the spike.
 
 /// Neighbours of a sample that a spike is judged by.
 const NEIGHBOURS: usize = 10;
@@ -103,6 +105,45 @@ fn error_of(t: &[f64], x: &[f64], i: usize, at: f64, reach_s: f64) -> Option<(f6
     Some(((at - fit) / (1.0 + weights2).sqrt(), fit))
 }
 
+/// The same by the neighbours that are no spikes themselves: those within `scale` times [`SIGMAS`] of the cubic through four of them to which the
+/// larger part is nearest (least quantile of squares over all fours: Rousseeuw 1984, with as many as its breakdown point asks).
+fn robust_error_of(t: &[f64], x: &[f64], i: usize, scale: f64, reach_s: f64) -> Option<f64> {
+    let points = neighbours(t, x, i, NEIGHBOURS / 2, reach_s);
+    if points.len() < DEGREE + 3 {
+        return None;
+    }
+    let most = (points.len() + DEGREE + 2) / 2;
+    let four = fours(points.len()).min_by(|a, b| quantile(&points, *a, most).total_cmp(&quantile(&points, *b, most)))?;
+    let mut sound = Points { all: [(0.0, 0.0); MOST_POINTS], count: 0 };
+    for point in points.iter().filter(|p| off(&points, four, p) <= SIGMAS * scale) {
+        sound.all[sound.count] = *point;
+        sound.count += 1;
+    }
+    let (fit, weights2) = fit_at_zero(&sound, DEGREE);
+    Some((x[i] - fit) / (1.0 + weights2).sqrt())
+}
+
+/// Every choice of four places of so many.
+fn fours(n: usize) -> impl Iterator<Item = [usize; DEGREE + 1]> {
+    (0..n).flat_map(move |a| (a + 1..n).flat_map(move |b| (b + 1..n).flat_map(move |c| (c + 1..n).map(move |d| [a, b, c, d]))))
+}
+
+/// Distance of a point from the cubic through four others.
+fn off(points: &[(f64, f64)], four: [usize; DEGREE + 1], point: &(f64, f64)) -> f64 {
+    let weight = |k: usize| {
+        let others = four.iter().filter(|o| **o != k);
+        others.map(|o| (point.0 - points[*o].0) / (points[k].0 - points[*o].0)).product::<f64>()
+    };
+    (point.1 - four.iter().map(|k| weight(*k) * points[*k].1).sum::<f64>()).abs()
+}
+
+/// Distance within which the nearest `most` points lie of the cubic through four of them.
+fn quantile(points: &[(f64, f64)], four: [usize; DEGREE + 1], most: usize) -> f64 {
+    let mut all = [f64::INFINITY; MOST_POINTS];
+    all.iter_mut().zip(points).for_each(|(d, p)| *d = off(points, four, p));
+    *all.select_nth_unstable_by(most - 1, f64::total_cmp).1
+}
+
 fn median_of(mut values: Vec<f64>) -> f64 {
     if values.is_empty() {
         return 0.0;
@@ -129,11 +170,11 @@ impl Scales {
     /// where the former leaves a doubt.
     fn ratio(&self, i: usize, error: f64) -> f64 {
         let most = error.abs() / self.global;
-        if most <= SIGMAS {
-            return most;
-        }
+        if most <= SIGMAS { most } else { error.abs() / self.at(i) }
+    }
+    fn at(&self, i: usize) -> f64 {
         let part = &self.errors[i.saturating_sub(SCALE_REACH)..(i + SCALE_REACH + 1).min(self.errors.len())];
-        error.abs() / self.global.max(MAD_TO_SIGMA * median_of(sizes(part)))
+        self.global.max(MAD_TO_SIGMA * median_of(sizes(part)))
     }
 }
 
@@ -154,6 +195,11 @@ pub(crate) fn remove_spikes(t: &[f64], x: &mut [f64], interval_s: f64, floor: f6
     while let Some((place, ratio)) = worst.first() {
         if ratio <= SIGMAS || removed.len() >= x.len() / 4 {
             break;
+        }
+        let among_sound = scales.ratio_of(place, robust_error_of(t, x, place, scales.at(place), reach_s));
+        if among_sound.is_some_and(|ratio| ratio <= SIGMAS) {
+            worst.put(place, among_sound);
+            continue;
         }
         removed.push((place, x[place]));
         x[place] = f64::NAN;
@@ -315,6 +361,44 @@ mod tests {
             let others = x.iter().zip(&clean).enumerate().filter(|(i, _)| *i != at);
             assert!(others.into_iter().all(|(_, (a, b))| a.to_bits() == b.to_bits()), "{bad}");
         }
+    }
+
+    /// Spikes of a hundred deviations anywhere, at an end, next to it, two within five samples or so that both swell the scale there: they and
+    /// nothing else are removed.
+    #[test]
+    fn law_spikes_cost_their_own_samples_only() {
+        const N: usize = 200;
+        let t: Vec<f64> = (0..N).map(|i| i as f64 / 150.0).collect();
+        let noise = |i: usize| 1e-3 * (12.9898 * i as f64).sin();
+        let clean: Vec<f64> = t.iter().enumerate().map(|(i, t)| 0.1 * (5.0 * t).sin() + noise(i)).collect();
+        for at in (0..8).chain(95..100).chain(N - 13..N) {
+            for (apart, sign) in (0..6).chain(22..28).flat_map(|d| [(d, 1.0), (d, -1.0)]) {
+                let bad = [at, (at + apart).min(N - 1)];
+                let mut x = clean.clone();
+                (x[bad[1]], x[bad[0]]) = (clean[bad[1]] + sign * 0.1, clean[bad[0]] + 0.1);
+                let spikes = remove_spikes(&t, &mut x, 1.0 / 150.0, 1e-3);
+                let mut expected = bad.to_vec();
+                expected.dedup();
+                assert_eq!(spikes.iter().map(|s| s.index).collect::<Vec<_>>(), expected, "{bad:?} {sign}");
+            }
+        }
+    }
+
+    /// Of ten points on a cubic three may lie anywhere: the others are told.
+    #[test]
+    fn exact_sound_neighbours_are_told() {
+        let cubic = |t: f64| 0.3 + t - 0.4 * t * t + 0.1 * t * t * t;
+        let t: Vec<f64> = (0..11).map(f64::from).collect();
+        for i in [0, 4, 10] {
+            for bad in [[1, 2, 3], [2, 5, 9], [6, 7, 8]] {
+                let mut x: Vec<f64> = t.iter().map(|t| cubic(*t)).collect();
+                bad.iter().enumerate().for_each(|(k, b)| x[*b] += [5.0, -7.0, 6.0][k]);
+                let error = robust_error_of(&t, &x, i, 1e-6, 20.0).expect("ten neighbours");
+                assert!(error.abs() < 1e-9, "{i} {bad:?} {error}: rounding of values below 40");
+            }
+        }
+        assert_eq!(fours(10).count(), 210);
+        assert!(robust_error_of(&t[..6], &[0.0; 6], 2, 1e-6, 20.0).is_none(), "five neighbours");
     }
 
     #[test]
