@@ -9,16 +9,13 @@ use super::{
 };
 use crate::DiscoverError;
 use statrs::distribution::{ContinuousCDF, Normal};
-use windfall_likelihood::{Discovery, Engine, Fit, Id, Lead, Member, discover};
+use windfall_likelihood::{CONTRADICTED, Discovery, Engine, Fit, Id, Lead, Member, discover};
 use windfall_model::{CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, POSE, Role, Use};
 use windfall_replay::{ReplayError, hold_out};
 
 /// Gain, in nats beyond its cost, from which a generic alternative says that something is unexplained, and from which a line of the
 /// instrument's is listed.
 const LEAD: f64 = 4.0;
-/// Nats by which held-out runs that are less likely with the effects than without contradict them: of some 160 campaigns of another simulator with
-/// names two lost any, both named wrong: a trim that scatters, and a wrong harmonic.
-const HELD_OUT: f64 = 10.0;
 /// How well noise is known from the record, as a share of its variance.
 const NOISE_KNOWN: f64 = 0.03;
 /// Mean square of the whitened innovations over what it should be from which a residual is left, whatever it varies with.
@@ -350,7 +347,7 @@ fn held_out_gain(before: &After, after: &After) -> Option<f64> {
 
 /// What is said where the effects make held-out runs less likely: what identification made of them is not what acts there.
 fn against_held_out(gain: f64, found: &Discovery) -> Option<Unexplained> {
-    (gain < -HELD_OUT).then(|| Unexplained {
+    (gain < -CONTRADICTED).then(|| Unexplained {
         channel: worst_channel(found).to_owned(),
         description: format!(
             "varies with run: the held-out runs are less likely with what is named here than without, by {:.0} in log-likelihood; \

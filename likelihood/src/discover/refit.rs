@@ -1,11 +1,12 @@
 //! likelihood: close rivals fitted. In: the best set and all sets weighed at it. Out: the likeliest of it and its rivals, each weighed by its own fit.
 //!
 //! Sets are weighed by columns at the fit of one of them. In gusts those leave out that a number also changes how uncertain a prediction is, and a
-//! rival may be several nats likelier than they say: those that are close are fitted before one of them is named.
+//! rival may be several nats likelier than they say: those that are close are fitted before one of them is named. What runs kept for choosing say
+//! counts as well.
 
 use super::polish::climb_down;
 use super::weigh::{Weighed, weigh, with_set};
-use super::{describe, more, score};
+use super::{describe, more, predicted, score};
 use crate::engine::{Engine, Fit};
 use crate::search::{is_above, is_behind};
 
@@ -25,7 +26,8 @@ pub(super) fn rivals_fitted(engine: &Engine, fit: Fit, weighed: Weighed, log: &m
     let own = fit.model.found();
     let mut weighed = weighed;
     let Some(gain) = weighed.sets.iter().find(|s| weighed.families_of(s) == own).map(|s| s.gain) else { return (fit, weighed) };
-    let here = score(engine, &fit);
+    let all = |fit: &Fit| score(engine, fit) + predicted(engine, fit);
+    let here = all(&fit);
     let mut tried: Vec<Vec<&str>> = vec![own.clone()];
     let mut best: Option<(f64, Fit)> = None;
     for k in 0..weighed.sets.len() {
@@ -41,7 +43,7 @@ pub(super) fn rivals_fitted(engine: &Engine, fit: Fit, weighed: Weighed, log: &m
         tried.push(of_set);
         let rival = rival.map(|r| engine.settle_random(&engine.climb(&r.model, true, 8).unwrap_or(r), STEPS));
         let Some(rival) = rival.filter(|r| r.model.found() == tried[tried.len() - 1]) else { continue };
-        let there = score(engine, &rival);
+        let there = all(&rival);
         log.push(format!(
             "rival by its own fit {}, by columns {}: {}",
             more(there, here),

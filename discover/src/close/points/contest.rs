@@ -6,7 +6,7 @@ use crate::DiscoverError;
 use crate::tracks::{EffectInstance, Free, Problem, TrackEvidence, TrackFit, TrackModel};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use windfall_likelihood::log_mean;
+use windfall_likelihood::{CONTRADICTED, log_mean};
 use windfall_model::{Campaign, Effect, Measured, Role};
 
 /// Log odds by which a larger set must beat a smaller one: gains are held back already by what few runs know of their scatter
@@ -20,6 +20,8 @@ const SURE_OF_POSES: f64 = 3.0;
 const PLAUSIBLE: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
 /// The same of a declared parameter over its size: knows nothing of it.
 const VAGUE: f64 = 30.0;
+/// Log predictive density of runs that a fit cannot fly.
+const UNFLOWN: f64 = -1e6;
 /// Most effects in a set, and most moves of the search.
 const MOST: usize = 4;
 const MOVES: usize = 12;
@@ -208,7 +210,7 @@ impl<'a> TrackContest<'a> {
     }
 
     /// Log marginal likelihood by Laplace's approximation with normal priors about null, the mean over their widths, effect by effect, less
-    /// what the families cost.
+    /// what the families cost; with it what the runs kept for choosing say.
     fn score(&self, fit: &TrackFit, families: usize) -> f64 {
         let own = fit.hypothesis.effects.len() - families;
         let ways = PLAUSIBLE.len().pow(families as u32);
@@ -220,7 +222,12 @@ impl<'a> TrackContest<'a> {
         let mean = log_mean(&all);
         let added = fit.free.len().saturating_sub(self.declared.fit.free.len());
         let gain = (fit.log_likelihood - self.declared.fit.log_likelihood) * self.factor(added);
-        gain + mean - families as f64 * (self.families.len() as f64).ln()
+        gain + mean - families as f64 * (self.families.len() as f64).ln() + self.predicted(fit)
+    }
+
+    /// Log predictive density of the runs kept for choosing; zero without such runs.
+    fn predicted(&self, fit: &TrackFit) -> f64 {
+        self.select.map_or(0.0, |s| problem(self.campaign, s).predictive(fit).max(UNFLOWN))
     }
 
     /// What integrating over the free numbers gives beside the likelihood at its maximum, with a prior width for every effect.
@@ -266,25 +273,24 @@ impl<'a> TrackContest<'a> {
     fn next(&self) -> Option<ScoredSet> {
         let n = self.best.families.len();
         let smaller = (0..n).filter_map(|k| self.without(k));
-        let needless = smaller.filter(|s| self.best.score < s.score + self.sure() || !self.tells(s, &self.best));
+        let needless = smaller.filter(|s| !self.tells(s, &self.best));
         if let Some(s) = needless.max_by(|a, b| a.score.total_cmp(&b.score)) {
             return Some(s.clone());
         }
         let better = |s: &&ScoredSet| match s.families.len().cmp(&n) {
-            std::cmp::Ordering::Greater => s.score > self.best.score + self.sure() && self.tells(&self.best, s),
+            std::cmp::Ordering::Greater => self.tells(&self.best, s),
             std::cmp::Ordering::Equal => s.score > self.best.score + 0.01,
             std::cmp::Ordering::Less => false,
         };
         self.neighbours.iter().filter(better).max_by(|a, b| a.score.total_cmp(&b.score)).cloned()
     }
 
-    /// Whether one set says more than a smaller one: more than the tracker's stated error could make, and on the runs kept for choosing.
+    /// Whether one set says more than a smaller one: surely, more than the tracker's stated error could make, and not contradicted by the runs
+    /// kept for choosing.
     fn tells(&self, less: &ScoredSet, more: &ScoredSet) -> bool {
-        let chosen = self.select.is_none_or(|s| {
-            let problem = problem(self.campaign, s);
-            problem.predictive(&more.fit) > problem.predictive(&less.fit)
-        });
-        chosen && self.evidence.tells(&less.fit.residual, &more.fit.residual)
+        more.score > less.score + self.sure()
+            && self.predicted(&more.fit) >= self.predicted(&less.fit) - CONTRADICTED
+            && self.evidence.tells(&less.fit.residual, &more.fit.residual)
     }
 }
 
