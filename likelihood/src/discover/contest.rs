@@ -131,6 +131,37 @@ fn is_faint(size_m_s: f64, speed_m_s: f64) -> bool {
     size_m_s < FAINT * speed_m_s
 }
 
+/// The same fit with turbulence in the place of gusts whose band is a line, where that is not surely less likely: of Dryden's form or of a broad
+/// band, each from the lengths that are likeliest at the gusts' own size.
+fn as_turbulence(engine: &Engine, fit: &Fit, gusts: usize, log: &mut Vec<String>) -> Option<Fit> {
+    /// Most steps of scoring of sizes and shapes.
+    const STEPS: usize = 8;
+    let speed = engine.mean_speed_m_s();
+    let own = &fit.model.members[gusts];
+    tone_hz(engine, own, speed)?;
+    let starts = Member::null(own.effect, &engine.campaign).forms().into_iter().filter_map(|form| {
+        let mut model = fit.model.clone();
+        model.members[gusts].values = form;
+        own.strengths().for_each(|i| model.members[gusts].values[i] = own.values[i]);
+        Some((engine.sum(&model, &[], &[]).ok()?.log_likelihood, model))
+    });
+    let starts: Vec<(f64, Model)> = starts.collect();
+    let likeliest = |band: bool| {
+        let of_kind = starts.iter().filter(|(_, model)| engine.has_band(model) == band);
+        of_kind.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, model)| model)
+    };
+    let fits = [false, true].into_iter().filter_map(likeliest).filter_map(|model| {
+        let near = engine.climb(model, false, 6).ok()?;
+        let end = engine.settle_random(&near, STEPS);
+        let end = engine.climb(&end.model, true, 8).unwrap_or(end);
+        tone_hz(engine, &end.model.members[gusts], speed).is_none().then(|| (score(engine, &end), end))
+    });
+    let (there, end) = fits.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let here = score(engine, fit);
+    log.push(format!("turbulence {there:.1} for a line {here:.1}: {}", describe(&end.model)));
+    is_within(there, here, SURE).then_some(end)
+}
+
 /// A fit without gusts beside the generic alternatives, and the score of both.
 struct Still {
     there: f64,
@@ -152,6 +183,14 @@ pub(super) fn against_gusts(
     let gusts = fit.model.members.iter().position(|m| m.random && !m.declared && engine.moves_air(m));
     let Some(gusts) = gusts else { return (fit, weighed, contest, Vec::new()) };
     let all = alternatives(engine);
+    let broad = as_turbulence(engine, &fit, gusts, log).and_then(|fit| Some((weigh(engine, &fit.model)?, fit)));
+    let (fit, weighed, contest) = match broad {
+        Some((weighed, fit)) => {
+            let again = self::contest(engine, &fit.model, &all);
+            (fit, weighed, again)
+        }
+        None => (fit, weighed, contest),
+    };
     let mut without = fit.model.clone();
     without.members.remove(gusts);
     let has_more = without.members.iter().any(|m| !m.declared && !m.random);

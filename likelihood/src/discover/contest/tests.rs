@@ -3,6 +3,7 @@
 use super::super::tests::{alone_by_hand, apart, bare, fit, in_gusts, number, set, unit, weighed};
 use super::*;
 use crate::columns::{Basis, Site};
+use crate::flown::flown;
 use nalgebra::DMatrix;
 
 /// A member beside three alternatives: a lead brings what its number does by itself, less its cost; one nearly as strong is its rival, a weak one is not.
@@ -62,4 +63,26 @@ fn exact_stand_in() {
     assert!((hz - 7.4 / (std::f64::consts::TAU * 0.6)).abs() < 1e-9, "{hz}");
     model.members[0].values = vec![0.1, 0.1, 0.6, 0.6, 0.0];
     assert!(stand_in(&engine, &fit(model, Vec::new(), DMatrix::zeros(0, 0), [0.0, 57.0]), &still, 0, 7.4).is_none());
+}
+
+/// Gusts of Dryden's form, fitted with a band of a tenth of its centre, are turbulence; those flown in so narrow a band are not.
+#[test]
+fn recover_turbulence_from_a_line() {
+    let narrow = |engine: &Engine, model: &Model| {
+        let mut model = model.clone();
+        model.members[0].values[4] = 0.1;
+        engine.settle_random(&engine.climb(&model, false, 6).expect("a fit"), 6)
+    };
+    let (engine, model) = in_gusts();
+    let line = narrow(&engine, &model);
+    assert!(tone_hz(&engine, &line.model.members[0], 7.4).is_some());
+    let broad = as_turbulence(&engine, &line, 0, &mut Vec::new()).expect("as likely");
+    assert!(tone_hz(&engine, &broad.model.members[0], 7.4).is_none() && score(&engine, &broad) > score(&engine, &line) - SURE);
+    assert!(as_turbulence(&engine, &broad, 0, &mut Vec::new()).is_none(), "no line");
+
+    let (engine, model) = flown(4.0, "turbulence", &[0.05, 0.05, 0.6, 0.6, 0.1]);
+    let line = narrow(&engine, &model);
+    let mut log = Vec::new();
+    assert!(as_turbulence(&engine, &line, 0, &mut log).is_none(), "{log:?}");
+    assert!(log.iter().any(|l| l.starts_with("turbulence ")), "compared: {log:?}");
 }
