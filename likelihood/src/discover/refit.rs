@@ -86,10 +86,10 @@ fn at_rival(rival: Fit, mut again: Weighed, before: &Weighed, [ahead, gain]: [f6
 mod tests {
     use super::super::tests::{apart, bare, fit, in_gusts, member, number, set, unit, weighed};
     use super::*;
-    use crate::flown::flown;
+    use crate::flown::{flown, flown_by};
     use crate::model::{Id, Member, Model};
     use nalgebra::DMatrix;
-    use windfall_model::CATALOGUE;
+    use windfall_model::{CATALOGUE, Use};
 
     /// A centre of mass a tenth of a millimetre off, taken for a lander that is not symmetric: the likelier rival takes the place, and both are as far
     /// apart as their fits.
@@ -112,6 +112,24 @@ mod tests {
         let gain = |family: &str| weighed.sets.iter().find(|s| weighed.families_of(s) == [family]).expect("a set").gain;
         let sets = gain("center-of-mass") - gain("asymmetry");
         assert!((fits - sets).abs() < 0.05, "{fits} {sets}");
+    }
+
+    /// A run kept for choosing counts: of the same two each has the gain of both runs.
+    #[test]
+    fn law_a_run_that_chooses_counts() {
+        let off = [0.0, 1e-4, 0.0];
+        let (engine, truth) = flown_by("center-of-mass", &[(Use::Identify, 6.0, &off), (Use::Select, 4.0, &off)]);
+        let asymmetry = CATALOGUE.iter().find(|e| e.family == "asymmetry").expect("an effect of the catalogue");
+        let taken = Model { members: vec![Member::null(asymmetry, &engine.campaign)], ..truth };
+        let fit = engine.climb(&taken, true, 12).expect("a fit");
+        let before = [score(&engine, &fit), predicted(&engine, &fit)];
+        let weighed = weigh(&engine, &fit.model).expect("weighed");
+        let (after, weighed) = rivals_fitted(&engine, fit, weighed, &mut Vec::new());
+        let own = score(&engine, &after) - before[0];
+        let other = predicted(&engine, &after) - before[1];
+        let gain = |family: &str| weighed.sets.iter().find(|s| weighed.families_of(s) == [family]).expect("a set").gain;
+        let sets = gain("center-of-mass") - gain("asymmetry");
+        assert!(other.abs() > 0.5 && (own + other - sets).abs() < 0.05, "{own} {other} {sets}");
     }
 
     /// A set that was fitted before is as far behind the rival as the fits were, where weighing at the rival says no less.

@@ -156,6 +156,9 @@ fn law_runs_that_choose() {
         let (by, ahead, left) = chosen(1e-5, 1e-5, duration_s);
         assert!((-4.0..3.0).contains(&by) && ahead > 20.0 && left == ["center-of-mass"], "{duration_s}: {by} {ahead} {left:?}");
     }
+    // Nor does a run that speaks for it by more than the other.
+    let (by, ahead, left) = chosen(1e-5, 1e-5, 6.0);
+    assert!(by > ahead + 3.0 && ahead > 20.0 && left == ["center-of-mass"], "{by} {ahead} {left:?}");
     let (by, ahead, left) = chosen(5e-5, 0.0, 3.0);
     assert!(by < -100.0 && ahead + by > 100.0 && left.is_empty(), "{by} {ahead} {left:?}");
     let (by, ahead, left) = chosen(0.0, 0.0, 1.0);

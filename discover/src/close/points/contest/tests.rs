@@ -101,6 +101,14 @@ fn exact_score_of_two_families() {
     let expected = 0.25 * 12.0 + mean.ln() - 2.0 * 3.0_f64.ln();
     let score = found.score(&set.fit, 2);
     assert!((score - expected).abs() < 1e-9 * expected.abs(), "{score} {expected}");
+    // Runs kept for choosing add their log predictive density.
+    let kept = TrackEvidence::new(&c, &[1, 4], &c.plant).expect("two tracks");
+    let added = problem(&c, &kept).predictive(&set.fit);
+    let both = TrackContest { select: Some(&kept), ..found }.score(&set.fit, 2);
+    assert!(
+        added > UNFLOWN && added.abs() > 1.0 && (both - expected - added).abs() < 1e-9 * both.abs(),
+        "{both} {expected} {added}"
+    );
 }
 
 /// One family more, less or other, and no two.
