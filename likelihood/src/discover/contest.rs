@@ -162,6 +162,12 @@ fn as_turbulence(engine: &Engine, fit: &Fit, gusts: usize, log: &mut Vec<String>
     is_within(there, here, SURE).then_some(end)
 }
 
+/// A fit with all sets and all generic alternatives weighed at it.
+fn anew(engine: &Engine, fit: Fit, all: &[Alternative]) -> Option<(Fit, Weighed, Option<Contest>)> {
+    let (weighed, contest) = (weigh(engine, &fit.model)?, contest(engine, &fit.model, all));
+    Some((fit, weighed, contest))
+}
+
 /// A fit without gusts beside the generic alternatives, and the score of both.
 struct Still {
     there: f64,
@@ -183,14 +189,8 @@ pub(super) fn against_gusts(
     let gusts = fit.model.members.iter().position(|m| m.random && !m.declared && engine.moves_air(m));
     let Some(gusts) = gusts else { return (fit, weighed, contest, Vec::new()) };
     let all = alternatives(engine);
-    let broad = as_turbulence(engine, &fit, gusts, log).and_then(|fit| Some((weigh(engine, &fit.model)?, fit)));
-    let (fit, weighed, contest) = match broad {
-        Some((weighed, fit)) => {
-            let again = self::contest(engine, &fit.model, &all);
-            (fit, weighed, again)
-        }
-        None => (fit, weighed, contest),
-    };
+    let broad = as_turbulence(engine, &fit, gusts, log).and_then(|fit| anew(engine, fit, &all));
+    let (fit, weighed, contest) = broad.unwrap_or((fit, weighed, contest));
     let mut without = fit.model.clone();
     without.members.remove(gusts);
     let has_more = without.members.iter().any(|m| !m.declared && !m.random);
