@@ -85,6 +85,8 @@ pub struct Discovery {
 /// Nats by which runs that were not identified on are less likely with effects than without, from which they contradict them: of some 160 campaigns of
 /// another simulator with names two lost any, both named wrong: a trim that scatters, and a wrong harmonic.
 pub const CONTRADICTED: f64 = 10.0;
+/// Log predictive density of runs that a fit cannot fly.
+pub const UNFLOWN: f64 = -1e6;
 
 /// Odds against one family, beforehand: one of all families in a third of the campaigns. With one in every campaign, stated probabilities of
 /// sets came out too low: at 0.6 to 0.8 (mean 73 %) 97 % of 150 were true.
@@ -354,15 +356,18 @@ pub fn identify(engine: &Engine, near: Option<&Model>) -> Result<Fit, String> {
 /// Effects that the runs kept for choosing leave: one goes that these and the identified runs together are not surely likelier with, or that these
 /// alone contradict; worst first.
 fn selected(engine: &Engine, fit: Fit, weighed: Weighed, log: &mut Vec<String>) -> (Fit, Weighed) {
+    if !engine.campaign.runs.iter().any(|r| r.used == Use::Select) {
+        return (fit, weighed);
+    }
     let (mut fit, mut weighed) = (fit, weighed);
-    while engine.campaign.runs.iter().any(|r| r.used == Use::Select) {
-        let (here, predicted) = (score(engine, &fit), predicted(engine, &fit));
+    loop {
+        let (here, kept) = (score(engine, &fit), predicted(engine, &fit));
         let free = (0..fit.model.members.len()).filter(|&k| !fit.model.members[k].declared && !fit.model.members[k].is_local());
         let without = free.filter_map(|k| {
             let mut model = fit.model.clone();
             model.members.remove(k);
             let less = engine.climb(&model, true, 6).ok()?;
-            let by = self::predicted(engine, &less) - predicted;
+            let by = predicted(engine, &less) - kept;
             let both = score(engine, &less) + by;
             (is_within(both, here, SURE) || by > CONTRADICTED).then_some((by, both, less))
         });
@@ -376,8 +381,6 @@ fn selected(engine: &Engine, fit: Fit, weighed: Weighed, log: &mut Vec<String>) 
 
 /// Log predictive density of the runs kept for choosing; zero without such runs.
 fn predicted(engine: &Engine, fit: &Fit) -> f64 {
-    /// Of runs that a fit cannot fly.
-    const UNFLOWN: f64 = -1e6;
     let select: Vec<usize> = (0..engine.campaign.runs.len()).filter(|&i| engine.campaign.runs[i].used == Use::Select).collect();
     if select.is_empty() { 0.0 } else { engine.predictive(fit, &select).unwrap_or(UNFLOWN) }
 }

@@ -37,7 +37,9 @@ mod spectrum;
 mod wind;
 
 pub use check::Lead;
-pub use discover::{CONTRADICTED, Contest, Discovery, FamilySet, RivalPair, Rivals, Unseen, discover, identify, log_odds};
+pub use discover::{
+    CONTRADICTED, Contest, Discovery, FamilySet, RivalPair, Rivals, UNFLOWN, Unseen, discover, identify, log_odds,
+};
 pub use engine::{Engine, Fit};
 pub use gram::{Gram, Posterior};
 pub use hum::Hum;

@@ -101,8 +101,13 @@ fn error_of(t: &[f64], x: &[f64], i: usize, at: f64, reach_s: f64) -> Option<(f6
     if points.len() < DEGREE + 3 {
         return None;
     }
-    let (fit, weights2) = fit_at_zero(&points, DEGREE);
-    Some(((at - fit) / (1.0 + weights2).sqrt(), fit))
+    Some(error_by(&points, at))
+}
+
+/// Error of a value at time zero against the fit through points, scaled to one sample, and the fit.
+fn error_by(points: &[(f64, f64)], at: f64) -> (f64, f64) {
+    let (fit, weights2) = fit_at_zero(points, DEGREE);
+    ((at - fit) / (1.0 + weights2).sqrt(), fit)
 }
 
 /// The same by the neighbours that are no spikes themselves: those within `scale` times [`SIGMAS`] of the cubic through four of them to which the
@@ -113,14 +118,14 @@ fn robust_error_of(t: &[f64], x: &[f64], i: usize, scale: f64, reach_s: f64) -> 
         return None;
     }
     let most = (points.len() + DEGREE + 2) / 2;
-    let four = fours(points.len()).min_by(|a, b| quantile(&points, *a, most).total_cmp(&quantile(&points, *b, most)))?;
+    let reaches = fours(points.len()).map(|four| (quantile(&points, four, most), four));
+    let (_, four) = reaches.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let mut sound = Points { all: [(0.0, 0.0); MOST_POINTS], count: 0 };
     for point in points.iter().filter(|p| off(&points, four, p) <= SIGMAS * scale) {
         sound.all[sound.count] = *point;
         sound.count += 1;
     }
-    let (fit, weights2) = fit_at_zero(&sound, DEGREE);
-    Some((x[i] - fit) / (1.0 + weights2).sqrt())
+    Some(error_by(&sound, x[i]).0)
 }
 
 /// Every choice of four places of so many.

@@ -6,7 +6,7 @@ use crate::DiscoverError;
 use crate::tracks::{EffectInstance, Free, Problem, TrackEvidence, TrackFit, TrackModel};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use windfall_likelihood::{CONTRADICTED, log_mean};
+use windfall_likelihood::{CONTRADICTED, UNFLOWN, log_mean};
 use windfall_model::{Campaign, Effect, Measured, Role};
 
 /// Log odds by which a larger set must beat a smaller one: gains are held back already by what few runs know of their scatter
@@ -20,8 +20,6 @@ const SURE_OF_POSES: f64 = 3.0;
 const PLAUSIBLE: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
 /// The same of a declared parameter over its size: knows nothing of it.
 const VAGUE: f64 = 30.0;
-/// Log predictive density of runs that a fit cannot fly.
-const UNFLOWN: f64 = -1e6;
 /// Most effects in a set, and most moves of the search.
 const MOST: usize = 4;
 const MOVES: usize = 12;
