@@ -354,12 +354,12 @@ pub fn identify(engine: &Engine, near: Option<&Model>) -> Result<Fit, String> {
 }
 
 /// Effects that the runs kept for choosing leave: one goes that these and the identified runs together are not surely likelier with, or that these
-/// alone contradict; worst first.
+/// alone contradict; worst first. Sets with it are as much less likely, or none.
 fn selected(engine: &Engine, fit: Fit, weighed: Weighed, log: &mut Vec<String>) -> (Fit, Weighed) {
     if !engine.campaign.runs.iter().any(|r| r.used == Use::Select) {
         return (fit, weighed);
     }
-    let (mut fit, mut weighed) = (fit, weighed);
+    let (mut fit, mut weighed, mut gone) = (fit, weighed, Vec::new());
     loop {
         let (here, kept) = (score(engine, &fit), predicted(engine, &fit));
         let free = (0..fit.model.members.len()).filter(|&k| !fit.model.members[k].declared && !fit.model.members[k].is_local());
@@ -369,10 +369,13 @@ fn selected(engine: &Engine, fit: Fit, weighed: Weighed, log: &mut Vec<String>) 
             let less = engine.climb(&model, true, 6).ok()?;
             let by = predicted(engine, &less) - kept;
             let both = score(engine, &less) + by;
-            (is_within(both, here, SURE) || by > CONTRADICTED).then_some((by, both, less))
+            let family = fit.model.members[k].effect.family;
+            (is_within(both, here, SURE) || by > CONTRADICTED).then_some((by, both, less, family))
         });
-        let Some((by, both, less)) = without.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-        let Some(w) = weigh::weigh(engine, &less.model) else { break };
+        let Some((by, both, less, family)) = without.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+        let Some(mut w) = weigh::weigh(engine, &less.model) else { break };
+        gone.push((family, by));
+        gone.iter().for_each(|(f, by)| if *by > CONTRADICTED { w.leave_out(&[f]) } else { w.lessen(f, *by) });
         log.push(format!("select runs are likelier by {by:.1}, all by {}: {}", more(both, here), describe(&less.model)));
         (fit, weighed) = (less, w);
     }

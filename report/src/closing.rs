@@ -16,6 +16,7 @@ use crate::svg::dots;
 use crate::wind_tunnel::differences;
 use crate::words::{channel, number, p_value, plain_key, sentence, with_interval, with_unit};
 use std::fmt::Write as _;
+use windfall_discover::NORMAL_95;
 use windfall_discover::close::{
     ChannelResidual, Closing, EffectLine, Figure, ParameterLine, SignalTracks, SmoothingTracks, Topic, Verdict,
 };
@@ -203,8 +204,8 @@ fn form(e: &EffectLine) -> String {
 }
 
 fn parameter(p: &ParameterLine) -> Vec<Cell> {
-    let (estimate, half) = with_interval(p.estimate, p.std_error.map(|s| 1.96 * s));
-    let bound = |x: f64| with_interval(x, p.std_error.map(|s| 1.96 * s)).0;
+    let (estimate, half) = with_interval(p.estimate, p.std_error.map(|s| NORMAL_95 * s));
+    let bound = |x: f64| with_interval(x, p.std_error.map(|s| NORMAL_95 * s)).0;
     let interval = p.ci95.map_or_else(|| "not determined".to_owned(), |[a, b]| format!("[{}, {}]", bound(a), bound(b)));
     vec![
         Cell::text(&p.name),
@@ -300,7 +301,7 @@ fn candidates(c: &Closing, plots: &mut Plots) -> String {
 fn shifts(c: &Closing) -> String {
     let error = |of: &[ParameterLine], name: &str| of.iter().find(|p| p.name == name).and_then(|p| p.std_error);
     let with = |x: f64, s: Option<f64>| {
-        let (estimate, half) = with_interval(x, s.map(|s| 1.96 * s));
+        let (estimate, half) = with_interval(x, s.map(|s| NORMAL_95 * s));
         half.map_or(estimate.clone(), |h| format!("{estimate} ± {h}"))
     };
     let rows: Vec<Vec<Cell>> = c

@@ -12,7 +12,7 @@ use crate::wind_tunnel::{differences, points};
 use crate::words::{number, p_value, with_interval};
 use serde_json::Value;
 use windfall_discover::close::{Figure, Role, Series, Topic};
-use windfall_discover::{DataSet, Identification, Identified, WindTunnelLine};
+use windfall_discover::{DataSet, Identification, Identified, NORMAL_95, WindTunnelLine};
 use windfall_replay::{Bootstrap, Resimulation, RunComparison};
 
 /// The body of an identification; none for what is none.
@@ -104,7 +104,7 @@ fn copies(b: &Bootstrap) -> String {
                 Cell::text(&p.name),
                 Cell::number(p.std_error),
                 Cell::number(p.scatter),
-                Cell::Number(format!("{:.2} ± {:.2}", p.ratio, 1.96 * b.ratio_std_error)),
+                Cell::Number(format!("{:.2} ± {:.2}", p.ratio, NORMAL_95 * b.ratio_std_error)),
                 Cell::Number(format!("{:+.2}", p.bias_over_std_error)),
                 Cell::Number(format!("{:.0} %", 100.0 * p.covered)),
             ]
@@ -137,7 +137,7 @@ fn estimates(all: &Identification, coefficient: &str, plots: &mut Plots) -> Stri
         for set in std::iter::once(combined).chain(all.data_sets.iter().filter(|d| d.name != combined.name)) {
             let Some(e) = set.get(coefficient, &p.name) else { continue };
             let whole = set.name == combined.name;
-            let (estimate, half) = with_interval(e.estimate, Some(1.96 * e.std_error));
+            let (estimate, half) = with_interval(e.estimate, Some(NORMAL_95 * e.std_error));
             let range = Range {
                 name: if whole { p.name.clone() } else { set.name.clone() },
                 ends: e.ci95.map(percent),
@@ -163,8 +163,8 @@ fn rounded(x: f64) -> String {
 
 fn parameters(set: &DataSet) -> String {
     let row = |p: &windfall_discover::Estimate| {
-        let (estimate, half) = with_interval(p.estimate, Some(1.96 * p.std_error));
-        let end = |x: f64| with_interval(x, Some(1.96 * p.std_error)).0;
+        let (estimate, half) = with_interval(p.estimate, Some(NORMAL_95 * p.std_error));
+        let end = |x: f64| with_interval(x, Some(NORMAL_95 * p.std_error)).0;
         vec![
             Cell::text(&p.coefficient),
             Cell::text(&p.name),

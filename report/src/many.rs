@@ -6,14 +6,13 @@ use crate::draw::Look;
 use crate::html::{Cell, escape, page, section, table};
 use crate::plot::{Plot, Plots};
 use crate::words::{interval, number, p_value, with_interval};
+use windfall_discover::NORMAL_95;
 use windfall_study::many::{CampaignOutcome, ManySummary, PooledParameter, Status};
 
 /// Title of the page.
 pub(crate) const TITLE: &str = "Many campaigns";
 /// Campaigns in a forest plot at most, those with the smallest errors.
 const FOREST: usize = 80;
-/// Half width of a campaign's 95 % interval, standard errors.
-const REACH: f64 = 1.96;
 
 /// The page in one piece.
 #[must_use]
@@ -156,10 +155,10 @@ fn forest(s: &ManySummary, p: &PooledParameter, plots: &mut Plots) -> String {
     };
     let one = |(path, y, error): &(&str, f64, f64)| Range {
         name: path.strip_suffix("/campaign.toml").unwrap_or(path).to_owned(),
-        ends: [y - REACH * error, y + REACH * error],
+        ends: [y - NORMAL_95 * error, y + NORMAL_95 * error],
         inner: None,
         dot: *y,
-        note: half(*y, REACH * error),
+        note: half(*y, NORMAL_95 * error),
         look: Look::After,
     };
     let mut ranges: Vec<Range> = all.iter().map(one).collect();

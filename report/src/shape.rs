@@ -7,6 +7,7 @@ use crate::html::{Cell, escape, section, table};
 use crate::legend::{legend, share};
 use crate::plot::{Plot, Plots};
 use crate::words::{number, plain_key, with_interval};
+use windfall_discover::NORMAL_95;
 use windfall_discover::close::{Closing, Figure, InnovationShape, NoiseLine, Role, Series, Topic};
 
 /// Histograms and autocorrelations of the innovations.
@@ -61,7 +62,7 @@ fn histogram(channel: &str, sides: &[(Role, &InnovationShape)]) -> Figure {
 fn correlation(channel: &str, step_s: f64, sides: &[(Role, &InnovationShape)]) -> Figure {
     let lags = sides.first().map_or(0, |(_, s)| s.autocorrelation.len());
     let x: Vec<f64> = (1..=lags).map(|k| k as f64 * step_s).collect();
-    let bound = 1.96 / (sides.first().map_or(1, |(_, s)| s.count.max(1)) as f64).sqrt();
+    let bound = NORMAL_95 / (sides.first().map_or(1, |(_, s)| s.count.max(1)) as f64).sqrt();
     let flat = |y: f64| Series { role: Role::Noise, x: x.clone(), y: vec![y; lags], ..Series::default() };
     let mut series = vec![flat(bound), flat(-bound)];
     series.extend(sides.iter().map(|(role, s)| Series {
@@ -123,7 +124,7 @@ pub(crate) fn constants(c: &Closing, plots: &mut Plots) -> String {
         let (moved, error) = ((k.estimate - k.declared) / k.uncertainty, k.std_error? / k.uncertainty);
         Some(Range {
             name: k.key.clone(),
-            ends: [moved - 1.96 * error, moved + 1.96 * error],
+            ends: [moved - NORMAL_95 * error, moved + NORMAL_95 * error],
             inner: None,
             dot: moved,
             note: String::new(),
@@ -135,7 +136,7 @@ pub(crate) fn constants(c: &Closing, plots: &mut Plots) -> String {
         .constants
         .iter()
         .map(|k| {
-            let (estimate, half) = with_interval(k.estimate, k.std_error.map(|s| 1.96 * s));
+            let (estimate, half) = with_interval(k.estimate, k.std_error.map(|s| NORMAL_95 * s));
             vec![
                 Cell::text(&k.key),
                 Cell::number(k.declared),
@@ -149,7 +150,7 @@ pub(crate) fn constants(c: &Closing, plots: &mut Plots) -> String {
     let plot = Plot::Ranges {
         title: "Constants: found less declared".to_owned(),
         x_label: "declared standard uncertainties; bar: 95 %".to_owned(),
-        marks: vec![-1.96, 0.0, 1.96],
+        marks: vec![-NORMAL_95, 0.0, NORMAL_95],
         ranges,
     };
     plots.put(plot) + &table(&["constant", "declared", "uncertainty", "found", "± 95 %", "unit"], &rows)
@@ -159,7 +160,7 @@ pub(crate) fn constants(c: &Closing, plots: &mut Plots) -> String {
 pub(crate) fn moves(c: &Closing, plots: &mut Plots) -> String {
     let one = |s: &windfall_discover::close::Shift| {
         let before = c.before.parameters.iter().find(|p| p.name == s.name).and_then(|p| p.std_error)?;
-        let (moved, half) = ((s.after - s.before) / before, 1.96 * s.std_error_after / before);
+        let (moved, half) = ((s.after - s.before) / before, NORMAL_95 * s.std_error_after / before);
         let ends = [moved - half, moved + half];
         let found = moved.is_finite() && half.is_finite();
         let (name, note) = (s.name.clone(), format!("{} → {}", number(s.before), number(s.after)));
@@ -169,7 +170,7 @@ pub(crate) fn moves(c: &Closing, plots: &mut Plots) -> String {
     plots.put(Plot::Ranges {
         title: "Declared parameters: with the effects less before".to_owned(),
         x_label: "standard errors before; bar: 95 % with the effects".to_owned(),
-        marks: vec![-1.96, 0.0, 1.96],
+        marks: vec![-NORMAL_95, 0.0, NORMAL_95],
         ranges,
     })
 }

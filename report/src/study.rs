@@ -10,12 +10,12 @@ use crate::plot::{Plot, Plots};
 use crate::study_closings::closings;
 use crate::study_varied::over_varied;
 use crate::words::with_interval;
+use windfall_discover::NORMAL_95;
 use windfall_discover::close::{Figure, Role, Series};
 use windfall_study::{NumberLine, ParameterSummary, Rate, RecoveredDraw, RecoveryLine, ReliabilityPoint, Summary, WordLine};
 
-/// Share of the draws that a stated interval should cover, and the number of standard errors that it reaches.
+/// Share of the draws that a stated interval should cover.
 const STATED: f64 = 0.95;
-const REACH: f64 = 1.96;
 
 /// The body of a study's page.
 pub(crate) fn study_body(s: &Summary, plots: &mut Plots) -> String {
@@ -108,7 +108,7 @@ fn errors(own: &[&ParameterSummary], numbers: &[NumberLine], plots: &mut Plots) 
     };
     let rows: Vec<Range> = own.iter().filter_map(one).collect();
     let label = "error in stated standard errors: median, half and 95 % of the draws";
-    ranges(plots, "Errors: inside the outer marks where stated errors are true", rows, &[-REACH, 0.0, REACH], label)
+    ranges(plots, "Errors: inside the outer marks where stated errors are true", rows, &[-NORMAL_95, 0.0, NORMAL_95], label)
 }
 
 fn coverage(own: &[&ParameterSummary], plots: &mut Plots) -> String {
@@ -169,7 +169,7 @@ fn reliability(own: &[&RecoveryLine], plots: &mut Plots) -> String {
 /// Every parameter's first draws.
 fn recovery(own: &[&RecoveryLine], plots: &mut Plots) -> String {
     let one = |l: &&RecoveryLine| {
-        let of = |d: &RecoveredDraw| Pair { truth: d.truth, estimate: d.estimate, half: REACH * d.std_error };
+        let of = |d: &RecoveredDraw| Pair { truth: d.truth, estimate: d.estimate, half: NORMAL_95 * d.std_error };
         let name = format!("{} {}", l.coefficient, l.name);
         Plot::Pairs { title: format!("{}: {name}", l.method), y_label: name, pairs: l.draws.iter().map(of).collect() }
     };

@@ -9,11 +9,10 @@ use crate::plot::{Plot, Plots};
 use crate::study_varied::{decades, quantity};
 use crate::words::with_unit;
 use std::fmt::Write as _;
+use windfall_discover::NORMAL_95;
 use windfall_discover::close::{Figure, Role, Series, Topic};
 use windfall_study::{ClosingSummary, DependenceLine, ReliabilityPoint};
 
-/// Standard deviations that chance exceeds in one of twenty.
-const REACH: f64 = 1.96;
 /// Quantities in the list, and those with a figure.
 const MOST: usize = 16;
 const SHOWN: usize = 6;
@@ -56,12 +55,12 @@ fn hangs(c: &ClosingSummary, plots: &mut Plots) -> String {
         inner: None,
         dot: *score,
         note: if *score > 0.0 { "right where large" } else { "right where small" }.to_owned(),
-        look: if score.abs() > REACH { Look::After } else { Look::Plain },
+        look: if score.abs() > NORMAL_95 { Look::After } else { Look::Plain },
     };
     let drawn = plots.put(Plot::Ranges {
         title: "How far right and wrong draws differ in what was varied".to_owned(),
         x_label: "score of Mann and Whitney, standard deviations".to_owned(),
-        marks: vec![-REACH, 0.0, REACH],
+        marks: vec![-NORMAL_95, 0.0, NORMAL_95],
         ranges: scored.iter().take(MOST).map(one).collect(),
     });
     let charts = plots.charts(scored.iter().take(SHOWN).map(|(d, _)| over(d)).collect::<Vec<_>>());

@@ -4,14 +4,12 @@ use crate::html::section;
 use crate::legend::key;
 use crate::plot::Plots;
 use crate::words::{plain_key, with_unit};
+use windfall_discover::NORMAL_95;
 use windfall_discover::close::{Figure, Role, Series, Topic};
 use windfall_study::{RecoveryLine, VariedLine};
 
 /// Varied quantities that are shown at most.
 const SHOWN: usize = 4;
-/// Reach of a 95 % interval, standard errors.
-const REACH: f64 = 1.96;
-
 /// A figure for each coefficient and varied quantity; nothing where nothing varies.
 pub(crate) fn over_varied(title: &str, own: &[&RecoveryLine], varied: &[VariedLine], plots: &mut Plots) -> String {
     let mut coefficients: Vec<&str> = own.iter().map(|l| l.coefficient.as_str()).collect();
@@ -62,7 +60,7 @@ fn figure(coefficient: &str, lines: &[&RecoveryLine], v: &VariedLine) -> Option<
     let (first, last) = (points.first()?[0], points.last()?[0]);
     let level = |y: f64| Series { role: Role::Noise, x: vec![first, last], y: vec![y; 2], ..Series::default() };
     let of = |role: Role, inside: bool| {
-        let own = points.iter().filter(|p| (p[1].abs() <= REACH) == inside);
+        let own = points.iter().filter(|p| (p[1].abs() <= NORMAL_95) == inside);
         let (x, y) = own.map(|[a, b]| (*a, *b)).unzip();
         Series { role, x, y, points: true, ..Series::default() }
     };
@@ -74,7 +72,7 @@ fn figure(coefficient: &str, lines: &[&RecoveryLine], v: &VariedLine) -> Option<
         x_label: with_unit(&name, unit),
         y_label: "error (stated standard errors)".to_owned(),
         log_x: decades(&[first, last]),
-        series: [level(REACH), level(-REACH)].into_iter().chain(clouds).collect(),
+        series: [level(NORMAL_95), level(-NORMAL_95)].into_iter().chain(clouds).collect(),
         ..Figure::default()
     })
 }

@@ -2,14 +2,11 @@
 
 use crate::html::{Cell, table};
 use windfall_discover::close::{Role, Series};
-use windfall_discover::{WindTunnelLine, WindTunnelModel};
-
-/// Reach of an error bar, standard uncertainties.
-const REACH: f64 = 1.96;
+use windfall_discover::{NORMAL_95, WindTunnelLine, WindTunnelModel};
 
 /// Points of a test with their 95 % uncertainty.
 pub(crate) fn points(line: &WindTunnelLine) -> Series {
-    let end = |sign: f64| line.measured.iter().zip(&line.std).map(|(v, s)| v + sign * REACH * s).collect();
+    let end = |sign: f64| line.measured.iter().zip(&line.std).map(|(v, s)| v + sign * NORMAL_95 * s).collect();
     Series {
         role: Role::Measured,
         x: line.angle_deg.clone(),

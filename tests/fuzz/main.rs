@@ -10,7 +10,7 @@ use harness::{Reader, Total, Until, as_asked, run};
 use mutate::Content::Text;
 use std::path::Path;
 use windfall::files::read_json;
-use windfall::results::Identification;
+use windfall::results::{Figure, Identification, SignalTracks, SmoothingTracks};
 use windfall::{Campaign, Drawing, Fly, Resimulate, ResultsFolder, Scenario};
 
 /// Samples that a changed scenario may order; more are legal and long.
@@ -19,7 +19,7 @@ const SAMPLES: f64 = 5000.0;
 const SECONDS: f64 = 20.0;
 
 /// Whether it was done; what it says otherwise is written out.
-fn well<T>(result: windfall::Result<T>) -> bool {
+fn well<T>(result: Result<T, impl std::fmt::Display>) -> bool {
     result.map_err(|e| e.to_string()).is_ok()
 }
 
@@ -78,24 +78,24 @@ fn readers() -> Vec<Reader> {
         Reader { seeds: corpus!["identify.json"], ..Reader::new("requests", "request.json", Text, request) },
         Reader {
             seeds: corpus!["identification.json"],
-            ..Reader::new("identification", "identification.json", Text, |p| read_json::<Identification>(p).is_ok() && page(p))
+            ..Reader::new("identification", "identification.json", Text, |p| well(read_json::<Identification>(p)) && page(p))
         },
         Reader { seeds: corpus!["resimulation.json"], ..Reader::new("resimulation", "resimulation.json", Text, page) },
         Reader { seeds: corpus!["close.json"], ..Reader::new("close", "close.json", Text, page) },
         Reader {
             seeds: corpus!["figures.json"],
             beside: corpus!["close.json"],
-            ..Reader::new("figures", "figures.json", Text, page)
+            ..Reader::new("figures", "figures.json", Text, |p| well(read_json::<Vec<Figure>>(p)) && page(p))
         },
         Reader {
             seeds: corpus!["tracks.json"],
             beside: corpus!["close.json"],
-            ..Reader::new("tracks", "tracks.json", Text, page)
+            ..Reader::new("tracks", "tracks.json", Text, |p| well(read_json::<SignalTracks>(p)) && page(p))
         },
         Reader {
             seeds: corpus!["smoothing.json"],
             beside: corpus!["close.json"],
-            ..Reader::new("smoothing", "smoothing.json", Text, page)
+            ..Reader::new("smoothing", "smoothing.json", Text, |p| well(read_json::<SmoothingTracks>(p)) && page(p))
         },
         Reader { seeds: corpus!["summary.json"], ..Reader::new("study-summary", "summary.json", Text, page) },
         Reader { seeds: corpus!["many.json"], ..Reader::new("many", "many.json", Text, page) },

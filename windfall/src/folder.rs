@@ -1,7 +1,9 @@
 //! windfall: a folder of results. In: the `--out` folder of other commands. Out: its page.
 
 use crate::{Error, Result};
+use serde::de::IgnoredAny;
 use serde_json::Value;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use windfall_discover::close::{Closing, Figure, SignalTracks, SmoothingTracks};
 use windfall_replay::descent::DescentSummary;
@@ -62,11 +64,11 @@ impl ResultsFolder {
         let mut others = Vec::new();
         let mut closing: Option<Closing> = None;
         if let Some(path) = there(folder, "close.json") {
-            let value: Value = read_json(&path)?;
             // A closing against statistics names its source and no campaign.
-            if value.get("campaign").is_some() {
+            if read_json::<HashMap<String, IgnoredAny>>(&path)?.contains_key("campaign") {
                 closing = Some(read_json(&path)?);
             } else {
+                let value: Value = read_json(&path)?;
                 has_keys(&path, &value, STATISTICS)?;
                 others.push(("Closed against published statistics".to_owned(), value));
             }

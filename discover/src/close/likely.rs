@@ -11,6 +11,7 @@ use crate::DiscoverError;
 use statrs::distribution::{ContinuousCDF, Normal};
 use windfall_likelihood::{CONTRADICTED, Discovery, Engine, Fit, Id, Lead, Member, discover};
 use windfall_model::{CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, POSE, Role, Use};
+use windfall_pid::NORMAL_95;
 use windfall_replay::{ReplayError, hold_out};
 
 /// Gain, in nats beyond its cost, from which a generic alternative says that something is unexplained, and from which a line of the
@@ -267,7 +268,7 @@ fn bounds(found: &Discovery) -> Vec<EffectBound> {
         for (i, &place) in places.iter().enumerate().skip(present.len()) {
             let number = &found.gram.numbers[place];
             let Id::Strength(_, _, parameter) = number.id else { continue };
-            let upper95 = (posterior.mean[i].abs() + 1.96 * posterior.covariance[(i, i)].sqrt()).min(number.range[1]);
+            let upper95 = (posterior.mean[i].abs() + NORMAL_95 * posterior.covariance[(i, i)].sqrt()).min(number.range[1]);
             let p = &(effect.parameters)(&[])[parameter];
             match all.iter_mut().find(|b| b.family == effect.family && b.parameter == p.name) {
                 Some(b) => b.upper95 = b.upper95.max(upper95),

@@ -7,11 +7,10 @@ use super::figure::{Figure, Role, Series, Topic, short};
 use crate::tracks::{TrackEvidence, TrackResidual};
 use nalgebra::{Matrix3, Vector3};
 use windfall_model::{Campaign, Measured, Plant};
+use windfall_pid::NORMAL_95;
 
 /// Settings that are shown at most, those with the most values first; of two their difference is one more.
 const SHOWN: usize = 3;
-/// Reach of an error bar, standard deviations.
-const REACH: f64 = 1.96;
 
 /// A setting of the runs: its words and its value in each.
 type Setting = (String, Vec<f64>);
@@ -81,7 +80,7 @@ pub(super) fn lift(campaign: &Campaign, plant: &Plant, evidence: &TrackEvidence,
     let mut points: Vec<[f64; 4]> = own.iter().zip(&moved).filter(|(a, b)| a.run == b.run).filter_map(one).collect();
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let of = |f: &dyn Fn(&[f64; 4]) -> f64| points.iter().map(|p| short(f(p))).collect::<Vec<f64>>();
-    let end = |sign: f64| of(&|p| p[1] + sign * REACH * p[2]);
+    let end = |sign: f64| of(&|p| p[1] + sign * NORMAL_95 * p[2]);
     let x = of(&|p| p[0]);
     let measured =
         Series { role: Role::Measured, x: x.clone(), y: of(&|p| p[1]), band: Some([end(-1.0), end(1.0)]), points: true };
@@ -140,7 +139,7 @@ fn series(role: Role, runs: &[TrackResidual], axis: usize, values: &[f64], std_m
     };
     let mut points: Vec<(f64, f64, f64)> = runs.iter().filter_map(one).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let end = |sign: f64| points.iter().map(|p| short(p.1 + sign * REACH * p.2)).collect();
+    let end = |sign: f64| points.iter().map(|p| short(p.1 + sign * NORMAL_95 * p.2)).collect();
     Series {
         role,
         x: points.iter().map(|p| p.0).collect(),

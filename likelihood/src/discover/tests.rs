@@ -149,7 +149,18 @@ fn law_runs_that_choose() {
         let by = predicted(&engine, &fit) - predicted(&engine, &alone);
         let ahead = score(&engine, &fit) - score(&engine, &alone);
         let weighed = weigh::weigh(&engine, &fit.model).expect("weighed");
-        let (after, _) = selected(&engine, fit, weighed, &mut Vec::new());
+        let (after, weighed) = selected(&engine, fit, weighed, &mut Vec::new());
+        // Of what is gone, the list of sets says the same.
+        let all = named(&weighed, &after.model);
+        let with = all.iter().find(|s| s.families == ["center-of-mass"]).map(|s| s.gain);
+        if after.model.found().is_empty() {
+            let own = named(&weigh::weigh(&engine, &after.model).expect("weighed"), &after.model);
+            let own = own.iter().find(|s| s.families == ["center-of-mass"]).expect("a set").gain;
+            match with {
+                Some(gain) => assert!((gain - own - by).abs() < 0.05 && by > -10.0 && gain < 3.0, "{gain} {own} {by}"),
+                None => assert!(by < -10.0, "{by}"),
+            }
+        }
         (by, ahead, after.model.found())
     };
     for duration_s in [0.5, 1.1, 1.3] {

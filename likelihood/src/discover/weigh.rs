@@ -24,16 +24,31 @@ impl Weighed {
 
     /// Families of a set, ascending.
     pub(super) fn families_of(&self, set: &Set) -> Vec<&'static str> {
-        let mut all: Vec<&str> = set.units.iter().map(|&u| CATALOGUE[self.families[u].0].family).collect();
+        let mut all: Vec<&str> = families_of(&self.families, set).collect();
         all.sort_unstable();
         all
     }
 
     /// Sets with one of those families are no more among them.
     pub(super) fn leave_out(&mut self, families: &[&str]) {
-        let of = |u: usize| CATALOGUE.get(self.families[u].0).map(|e| e.family);
-        self.sets.retain(|s| !s.units.iter().any(|&u| of(u).is_some_and(|f| families.contains(&f))));
+        self.sets.retain(|s| !families_of(&self.families, s).any(|f| families.contains(&f)));
     }
+
+    /// Sets with that family are less likely by so many nats.
+    pub(super) fn lessen(&mut self, family: &str, by: f64) {
+        for s in &mut self.sets {
+            if families_of(&self.families, s).any(|f| f == family) {
+                s.gain -= by;
+                s.fit -= by;
+            }
+        }
+        self.sets.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    }
+}
+
+/// Families of a set's units, without generic alternatives.
+fn families_of(families: &[(usize, Option<usize>)], set: &Set) -> impl Iterator<Item = &'static str> {
+    set.units.iter().filter_map(|&u| CATALOGUE.get(families[u].0).map(|e| e.family))
 }
 
 pub(super) struct Weighed {
@@ -192,8 +207,7 @@ pub(super) fn named(w: &Weighed, model: &Model) -> Vec<FamilySet> {
     let random: Vec<&'static str> = model.members.iter().filter(|m| m.random && !m.declared).map(|m| m.effect.family).collect();
     let mut all: Vec<FamilySet> = Vec::new();
     for set in &w.sets {
-        let mut families: Vec<&'static str> =
-            set.units.iter().map(|&u| CATALOGUE[w.families[u].0].family).chain(random.iter().copied()).collect();
+        let mut families: Vec<&'static str> = families_of(&w.families, set).chain(random.iter().copied()).collect();
         families.sort_unstable();
         match all.iter_mut().find(|other| other.families == families) {
             Some(same) => {

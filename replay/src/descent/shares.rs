@@ -3,9 +3,8 @@
 use super::result::ParameterShare;
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, Normal};
+use windfall_pid::NORMAL_95;
 
-/// Normal quantile of a 95 % interval.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// Singular values of scaled parameters below this share of the largest are no direction of their own (parameters tied to each other).
 const SAME: f64 = 1e-9;
 

@@ -63,3 +63,18 @@ fn exact_sum_over_forms() {
         "{found:?}"
     );
 }
+
+/// Sets with a family that other runs speak against fall by so much, gain and fit, and are sorted anew; those that they contradict are gone.
+#[test]
+fn exact_sets_that_other_runs_speak_against() {
+    let (engine, _) = in_gusts();
+    let places = ["damping-shape", "swirl"].map(|f| place_of(member(&engine, f).effect).expect("an effect of the catalogue"));
+    let whole = apart(vec![number(Id::Constant(0), 0.0, 1.0), number(Id::Generic(0), 0.0, 1.0)], &[1.0; 2], &[0.0; 2], 0.0);
+    let sets = vec![set(&[0, 1], 9.0), set(&[0], 7.5), set(&[1], 6.0), set(&[], 0.0)];
+    let mut w = weighed(whole, places.map(|p| unit(p, &[0], 0.0)).to_vec(), places.map(|p| (p, None)).to_vec(), sets);
+    w.lessen("damping-shape", 2.5);
+    let found: Vec<_> = w.sets.iter().map(|s| (s.units.as_slice(), s.gain, s.fit)).collect();
+    assert_eq!(found, [(&[0, 1][..], 6.5, -2.5), (&[1], 6.0, 0.0), (&[0], 5.0, -2.5), (&[], 0.0, 0.0)]);
+    w.leave_out(&["damping-shape"]);
+    assert_eq!(w.sets.iter().map(|s| s.units.as_slice()).collect::<Vec<_>>(), [&[1][..], &[]]);
+}
