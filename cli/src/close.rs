@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use windfall::files::{series_text, text_atomically, write_json_atomically};
 use windfall::report::{closing_page, number, p_value, sentence, with_interval};
-use windfall::results::{Closing, EffectLine, HeldOut, Verdict, statistics_table};
+use windfall::results::{Closing, EffectLine, HeldOut, NORMAL_95, Verdict, statistics_table};
 use windfall::{CampaignSource, Close, Fly, Published};
 
 /// Names of the result files; without a campaign there are no figures.
@@ -114,7 +114,7 @@ fn effect(text: &mut String, e: &EffectLine) {
     let _ = writeln!(text, "  {}", folded(&e.physics, 2));
     for p in &e.parameters {
         let unit = if p.unit == "-" { "" } else { p.unit.as_str() };
-        let (estimate, half) = with_interval(p.estimate, p.std_error.map(|s| 1.96 * s));
+        let (estimate, half) = with_interval(p.estimate, p.std_error.map(|s| NORMAL_95 * s));
         let half = half.map_or_else(String::new, |h| format!(" ± {h} (95 %)"));
         let _ = writeln!(text, "  {:<20}{estimate:>12}{half} {unit}", p.name);
     }

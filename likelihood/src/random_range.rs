@@ -16,6 +16,7 @@ use crate::model::Model;
 use crate::random_fit::{log_range, random_numbers};
 use nalgebra::DMatrix;
 use windfall_model::{Role, Shape};
+use windfall_pid::NORMAL_95;
 
 /// What is known of one number of a random member.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +54,7 @@ struct RidgePoint {
 
 /// 95 % interval of a number whose logarithm is known to `s`, within its plausible range: an unknown one has all of it.
 fn log_normal(value: f64, s: f64, [low, high]: [f64; 2]) -> [f64; 2] {
-    [-1.96, 1.96].map(|z: f64| (value * (z * s).exp()).min(high).max(low))
+    [-NORMAL_95, NORMAL_95].map(|z: f64| (value * (z * s).exp()).min(high).max(low))
 }
 
 impl Engine {
@@ -199,8 +200,8 @@ impl Engine {
 /// A range with what `bursts` leave of its logarithm, within what is plausible.
 fn within(range: RandomRange, [low, high]: [f64; 2], bursts: f64) -> RandomRange {
     let ends = range.ci95.map(|end| end.clamp(low, high));
-    let half = (ends[1] / ends[0].max(1e-12)).ln() / (2.0 * 1.96);
-    let wider = (1.96 * (half.hypot(bursts) - half)).exp();
+    let half = (ends[1] / ends[0].max(1e-12)).ln() / (2.0 * NORMAL_95);
+    let wider = (NORMAL_95 * (half.hypot(bursts) - half)).exp();
     RandomRange {
         std: range.std.hypot(range.value * bursts).min(high - low),
         ci95: [ends[0] / wider, (ends[1] * wider).min(high)],
@@ -213,7 +214,7 @@ fn sized(range: RandomRange, blown: Blown) -> RandomRange {
     let by = blown.square.sqrt();
     let value = range.value * by;
     let unseen = 0.5 * (3.0 * blown.unseen / blown.square).ln_1p();
-    let above = (range.ci95[1] / range.value).ln().max(0.0).hypot(1.96 * unseen);
+    let above = (range.ci95[1] / range.value).ln().max(0.0).hypot(NORMAL_95 * unseen);
     RandomRange {
         value,
         std: (range.std * by).hypot(value * unseen.exp_m1()),
@@ -229,7 +230,7 @@ fn averaged(one: RandomRange, two: RandomRange, odds: f64) -> RandomRange {
     // Each side of a number's logarithm is a normal one's, as wide as its interval says.
     let below = |r: &RandomRange, centre: f64, x: f64| {
         let end = if x < centre { r.ci95[0] } else { r.ci95[1] };
-        let spread = (end.max(1e-300) / centre).ln().abs().max(1e-9) / 1.96;
+        let spread = (end.max(1e-300) / centre).ln().abs().max(1e-9) / NORMAL_95;
         statrs::function::erf::erfc(-(x / centre).ln() / (spread * std::f64::consts::SQRT_2)) / 2.0
     };
     let all = |x: f64| (1.0 - share) * below(&one, at, x) + share * below(&two, away, x);

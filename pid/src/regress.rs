@@ -6,6 +6,7 @@ mod reflect;
 mod spectral;
 
 use crate::PidError;
+use crate::interval::NORMAL_95;
 use nalgebra::{DMatrix, DVector};
 use reflect::Triangle;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -197,7 +198,7 @@ impl RegressionFit {
     /// Half-width of the 95 % interval in standard errors.
     #[must_use]
     pub fn t95(&self) -> f64 {
-        StudentsT::new(0.0, 1.0, self.freedom).map_or(1.96, |t| t.inverse_cdf(0.975))
+        StudentsT::new(0.0, 1.0, self.freedom).map_or(NORMAL_95, |t| t.inverse_cdf(0.975))
     }
 }
 

@@ -32,7 +32,9 @@ fn errors(smoother: &Smoother, rate_hz: f64) -> [f64; 3] {
     };
     let smoothed = smooth(&record, smoother).expect("a good record");
     let c = &smoothed.channels[0];
-    let far = |found: &[f64], k: usize| found.iter().zip(&t_s).map(|(f, t)| (f - wave(*t)[k]).abs()).fold(0.0, f64::max);
+    let far = |found: &[f64], k: usize| {
+        found.iter().zip(&t_s).map(|(f, t)| (f - wave(*t)[k]).abs()).max_by(f64::total_cmp).unwrap_or(f64::NAN)
+    };
     [far(&c.value, 0), far(&c.rate, 1), far(&c.second, 2)]
 }
 

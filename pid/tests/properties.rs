@@ -94,7 +94,7 @@ fn apart(a: &DataSet, b: &DataSet, roll: f64) -> f64 {
         let side = if p.name == "Cl_0" { roll } else { 1.0 };
         ((p.estimate - side * q.estimate).abs() / p.std_error).max((p.std_error / q.std_error - 1.0).abs())
     };
-    a.parameters.iter().zip(&b.parameters).map(one).fold(0.0, f64::max)
+    a.parameters.iter().zip(&b.parameters).map(one).max_by(f64::total_cmp).unwrap_or(f64::NAN)
 }
 
 /// Rounding of 1e-16 grown by the second derivatives of a spline (1e4 for 0.1 s and 50 Hz) and the condition of the fit (hundreds).

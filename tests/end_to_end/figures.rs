@@ -38,7 +38,7 @@ fn claimed(json: &Value, coefficient: &str, name: &str) -> f64 {
 }
 fn largest_percent(json: &Value) -> f64 {
     let error = |(coefficient, name, planted): &(&str, &str, f64)| 100.0 * (of(json, coefficient, name) / planted - 1.0).abs();
-    crate::program::TABLE_5_5.iter().map(error).fold(0.0, f64::max)
+    crate::program::TABLE_5_5.iter().map(error).max_by(f64::total_cmp).unwrap_or(f64::NAN)
 }
 /// Figure of the check that begins with these words.
 fn checked(json: &Value, what: &str) -> f64 {

@@ -14,7 +14,7 @@ use crate::DiscoverError;
 use crate::close::result::FormCheck;
 use crate::tracks::{Free, Problem, TrackEvidence, TrackFit, TrackModel};
 use windfall_model::{Acts, Campaign, Measured, Use};
-use windfall_pid::StopReason;
+use windfall_pid::{NORMAL_95, StopReason};
 use windfall_replay::ReplayError;
 
 mod contest;
@@ -209,7 +209,7 @@ fn bounds(found: &TrackContest<'_>, settings: &Settings) -> Vec<EffectBound> {
                 .map(|((value, std), p)| EffectBound {
                     family: instance.effect.family.to_owned(),
                     parameter: p.name.clone(),
-                    upper95: (value.abs() + 1.96 * std).min(p.high),
+                    upper95: (value.abs() + NORMAL_95 * std).min(p.high),
                     unit: p.unit.to_owned(),
                 })
                 .collect::<Vec<_>>()

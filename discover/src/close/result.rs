@@ -3,7 +3,7 @@
 use crate::residual::ChannelResidual;
 use serde::{Deserialize, Serialize};
 use windfall_model::{Measured, Pivot};
-use windfall_pid::relative_percent;
+use windfall_pid::{ci95, relative_percent};
 use windfall_replay::{HoldOut, Statistic, TrajectoryError};
 
 /// What closing concludes.
@@ -69,7 +69,7 @@ impl ParameterLine {
             name: name.to_owned(),
             estimate,
             std_error,
-            ci95: std_error.map(|s| [estimate - 1.96 * s, estimate + 1.96 * s]),
+            ci95: std_error.map(|s| ci95(estimate, s)),
             rse_percent: std_error.and_then(|s| relative_percent(s, estimate)),
             unit: unit.to_owned(),
         }
@@ -419,11 +419,11 @@ mod tests {
         assert_eq!((of(0.0), of(-2.0)), (None, Some(25.0)));
     }
 
-    /// 1.96 standard errors to either side; an angle on a pivot is the arm's times as far along the path.
+    /// 1.959964 standard errors to either side; an angle on a pivot is the arm's times as far along the path.
     #[test]
     fn exact_interval_and_path_of_an_angle() {
         let [low, high] = ParameterLine::new("", "CD", 3.0, 0.5, "-").ci95.expect("an error");
-        assert!((low - 2.02).abs() < 1e-15 && (high - 3.98).abs() < 1e-15, "{low} {high}");
+        assert!((low - 2.020_018_007_5).abs() < 1e-12 && (high - 3.979_981_992_5).abs() < 1e-12, "{low} {high}");
         let pivot = Pivot { arm_m: 0.3, inertia_kg_m2: 1.0, viscous_n_m_s: 0.0, dry_n_m: 0.0 };
         let held = HeldOut::of_points(Measured::Angle, 0.02, Some(pivot), None);
         assert!((held.position_rms_m.expect("an arm") - 0.006).abs() < 1e-15);

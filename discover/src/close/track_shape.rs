@@ -3,6 +3,7 @@
 
 use super::figure::{Figure, Role, Series, Topic, histogram, short};
 use crate::tracks::TrackResidual;
+use windfall_pid::NORMAL_95;
 use windfall_replay::quantile;
 
 /// Lags of an autocorrelation.
@@ -65,7 +66,7 @@ fn distribution(c: &ShapeChannel, sides: &[(Role, Vec<Vec<f64>>)]) -> Figure {
 fn correlation(c: &ShapeChannel, sides: &[(Role, Vec<Vec<f64>>)]) -> Figure {
     let lags: Vec<f64> = (1..=LAGS).map(|k| k as f64).collect();
     let count: usize = sides[0].1.iter().map(Vec::len).sum();
-    let bound = short(1.96 / (count.max(1) as f64).sqrt());
+    let bound = short(NORMAL_95 / (count.max(1) as f64).sqrt());
     let flat = |y: f64| Series { role: Role::Noise, x: lags.clone(), y: vec![y; LAGS], ..Series::default() };
     let mut series = vec![flat(bound), flat(-bound)];
     series.extend(sides.iter().map(|(role, runs)| Series {
@@ -142,9 +143,9 @@ mod tests {
                 let one = (-0.5_f64).exp() / (std_mm * std::f64::consts::TAU.sqrt());
                 assert!((bell.y[50] / one - 1.0).abs() < 1e-5, "{} {one}", bell.y[50]);
             }
-            // 19 of 20 correlations of 60 numbers without any are within ±1.96/√60.
+            // 19 of 20 correlations of 60 numbers without any are within ±1.959964/√60, written to five digits.
             let bounds = [&all[1].series[0], &all[1].series[1]].map(|s| s.y[7]);
-            assert!((bounds[0] - 0.253_035).abs() < 1e-6 && (bounds[1] + 0.253_035).abs() < 1e-6, "{bounds:?}");
+            assert!((bounds[0] - 0.253_03).abs() < 1e-9 && (bounds[1] + 0.253_03).abs() < 1e-9, "{bounds:?}");
         }
     }
 

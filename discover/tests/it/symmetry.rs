@@ -99,7 +99,7 @@ fn apart(a: &Closing, b: &Closing, unit: fn(f64, f64) -> f64) -> f64 {
         let (_, y, other) = b.iter().find(|(n, ..)| n == name).expect("the same numbers");
         (x.abs() - y.abs()).abs() / unit(*s, *other)
     };
-    a.iter().map(one).fold(0.0, f64::max)
+    a.iter().map(one).max_by(f64::total_cmp).unwrap_or(f64::NAN)
 }
 
 fn same(what: &str, base: &Closing, other: &Closing, within: f64) {

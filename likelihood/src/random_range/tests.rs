@@ -10,7 +10,7 @@ fn exact_an_unknown_size_has_its_range() {
     let [low, high] = log_normal(0.001, 400.0, [0.0, 2.0]);
     assert!(low < 1e-12 && (high - 2.0).abs() < 1e-12);
     let [low, high] = log_normal(0.1, 0.1, [0.0, 2.0]);
-    assert!((low / 0.1 - (-0.196_f64).exp()).abs() < 1e-12 && (high / 0.1 - 0.196_f64.exp()).abs() < 1e-12);
+    assert!((low / 0.1 - (-0.1 * NORMAL_95).exp()).abs() < 1e-12 && (high / 0.1 - (0.1 * NORMAL_95).exp()).abs() < 1e-12);
 }
 
 /// A model that is as likely as another of the same size leaves the interval, one that is far likelier gives its own, and one far
@@ -52,8 +52,8 @@ fn exact_intervals_of_a_gaussian_ridge() {
     let ridge: Vec<RidgePoint> = (-20..=20).map(point).collect();
     let (shape, size) = ranges(&ridge, [1.0, 1.0]).expect("a ridge");
     for (range, s) in [(shape, s), (size, 0.5 * s)] {
-        assert!((range.ci95[0].ln() / (-1.96 * s) - 1.0).abs() < 0.02, "{range:?}");
-        assert!((range.ci95[1].ln() / (1.96 * s) - 1.0).abs() < 0.02, "{range:?}");
+        assert!((range.ci95[0].ln() / (-NORMAL_95 * s) - 1.0).abs() < 0.02, "{range:?}");
+        assert!((range.ci95[1].ln() / (NORMAL_95 * s) - 1.0).abs() < 0.02, "{range:?}");
         assert!((range.std / s - 1.0).abs() < 0.1, "{range:?}");
     }
     assert!(ranges(&ridge[..1], [1.0, 1.0]).is_none());
@@ -111,7 +111,7 @@ fn exact_range_in_bursts() {
     let (value, s, bursts) = (0.4_f64, 0.2_f64, 0.15_f64);
     let range = RandomRange { place: (1, 2), value, std: 0.09, ci95: log_normal(value, s, [0.0, 9.0]) };
     let found = within(range, [0.01, 9.0], bursts);
-    let half = 1.96 * s.hypot(bursts);
+    let half = NORMAL_95 * s.hypot(bursts);
     assert!(
         (found.ci95[0] / (value * (-half).exp()) - 1.0).abs() < 1e-12
             && (found.ci95[1] / (value * half.exp()) - 1.0).abs() < 1e-12
@@ -131,7 +131,7 @@ fn exact_size_with_a_part_unseen() {
     assert!((found.value - own).abs() < 1e-15);
     assert!((found.std.powi(2) - 1.3 * 0.005_f64.powi(2) - (larger - own).powi(2)).abs() < 1e-15);
     assert!(
-        ((found.ci95[1] / own).ln().powi(2) - 1.96_f64.powi(2) * (0.05_f64.powi(2) + (larger / own).ln().powi(2))).abs() < 1e-12
+        ((found.ci95[1] / own).ln().powi(2) - NORMAL_95.powi(2) * (0.05_f64.powi(2) + (larger / own).ln().powi(2))).abs() < 1e-12
     );
 }
 
@@ -153,7 +153,7 @@ fn exact_intervals_of_few_points() {
     for (range, m, s, e) in [(shape, m, s, estimates[0]), (size, at, 0.8 * s, estimates[1])] {
         let square = (2.0 * (m + s * s)).exp() - 2.0 * e * (m + 0.5 * s * s).exp() + e * e;
         assert!((range.std / square.sqrt() - 1.0).abs() < 5e-3, "{range:?} {square}");
-        for (end, z) in range.ci95.into_iter().zip([-1.96, 1.96]) {
+        for (end, z) in range.ci95.into_iter().zip([-NORMAL_95, NORMAL_95]) {
             // Within half a piece of the longest step.
             assert!(((end.ln() - m) / s - z).abs() < 0.07, "{range:?}");
         }
@@ -268,7 +268,7 @@ fn law_ranges_of_all_numbers() {
     narrow.members[0].parameters[2].role = Role::Reference;
     for (j, range) in engine.ranges_in(&narrow).into_iter().enumerate() {
         let (value, s) = (model.members[0].values[j], covariance[(j, j)].sqrt());
-        let end = (value * (1.96 * s).exp()).min(model.members[0].parameters[j].high);
+        let end = (value * (NORMAL_95 * s).exp()).min(model.members[0].parameters[j].high);
         assert!((range.std / (value * s) - 1.0).abs() < 1e-9 && (range.ci95[1] / end - 1.0).abs() < 1e-9, "{range:?} {s}");
     }
     let size = partner(&model, &random_numbers(&model), &covariance, 2).expect("a strength");

@@ -128,7 +128,7 @@ fn exact_intensity_is_the_likeliest() {
     let apart = |decade: i32| {
         let dense = of(decade);
         let speed = &dense.speed * dense.factor().solve(&dense.beyond);
-        found.smoothed.iter().zip(speed.iter()).map(|(f, v)| (f[0] - 7.0 - v).abs()).fold(0.0, f64::max)
+        found.smoothed.iter().zip(speed.iter()).map(|(f, v)| (f[0] - 7.0 - v).abs()).max_by(f64::total_cmp).unwrap_or(f64::NAN)
     };
     assert!(apart(best) < 0.2 * apart(best + 10).min(apart(best - 10)));
 }

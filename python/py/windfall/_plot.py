@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from io import BytesIO
+from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
@@ -12,6 +13,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from . import results as r
+
+
+_NORMAL_95 = NormalDist().inv_cdf(0.975)
+"""Standard errors to either side that a 95 % interval reaches."""
 
 
 class Drawn(Figure):
@@ -166,7 +171,7 @@ def _many(many: r.Many) -> Figure:
             axes,
             [name for name, _ in of],
             [q.estimate for _, q in of],
-            [1.96 * (q.std_error or 0.0) for _, q in of],
+            [_NORMAL_95 * (q.std_error or 0.0) for _, q in of],
             f"{p.name}, {p.unit}",
         )
         axes.axvspan(p.ci95[0], p.ci95[1], alpha=0.3)

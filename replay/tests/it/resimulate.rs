@@ -45,7 +45,7 @@ fn recover_exact_campaign_from_its_first_states() {
     let flown = replay.fly(replay.first()).expect("flies");
     assert_eq!(flown.record.len(), measured.len());
     for k in 0..3 {
-        let far = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+        let far = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).max_by(f64::total_cmp).unwrap_or(f64::NAN);
         let (p, a) = (
             far(&flown.record.position_m[k], &measured.position_m[k]),
             far(&flown.record.attitude_rad[k], &measured.attitude_rad[k]),
@@ -67,7 +67,7 @@ fn recover_a_run_by_a_wrong_clock_and_ruler() {
     let far = |plant: &windfall_model::Plant| {
         let again = Replay::new(&made, plant).expect("smooth").fly(order.release).expect("flies").record;
         assert_eq!(again.len(), made.len());
-        let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+        let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).max_by(f64::total_cmp).unwrap_or(f64::NAN);
         let clock = apart(&again.t_s, &made.t_s);
         [clock, apart(&again.position_m[1], &made.position_m[1]), apart(&again.attitude_rad[1], &made.attitude_rad[1])]
     };

@@ -92,7 +92,7 @@ fn rows(t: &Truth) -> Vec<Vec<f64>> {
 
 fn apart(a: &Truth, b: &Truth) -> f64 {
     assert_eq!(a.len(), b.len());
-    rows(a).concat().iter().zip(rows(b).concat()).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
+    rows(a).concat().iter().zip(rows(b).concat()).map(|(x, y)| (x - y).abs()).max_by(f64::total_cmp).unwrap_or(f64::NAN)
 }
 
 fn error(plant: &Plant, order: &Flight, steps_per_sample: u32) -> f64 {
@@ -257,7 +257,8 @@ fn law_states_and_records_are_those_of_the_truth() {
         .iter()
         .zip(alone.record.position_m.concat())
         .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max);
+        .max_by(f64::total_cmp)
+        .unwrap_or(f64::NAN);
     assert!(far < 1e-6, "{far} m");
 }
 
@@ -339,7 +340,7 @@ fn by_round_off(plant: &Plant, flight: &Flight, alone: &Truth) -> f64 {
         flight.release.rates_rad_s[0] *= 1.0 + change;
         apart(&fly(plant, &flight, Seed::default()).expect("flies").truth, alone)
     };
-    [1e-15, -1e-14, 1e-13, -1e-12, 1e-11].map(moved).into_iter().fold(0.0, f64::max)
+    [1e-15, -1e-14, 1e-13, -1e-12, 1e-11].map(moved).into_iter().max_by(f64::total_cmp).unwrap_or(f64::NAN)
 }
 
 /// Adaptive steps are as many as in the single flight and end where it does, but for some ten times what round-off does to that flight; they

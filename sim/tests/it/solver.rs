@@ -18,7 +18,13 @@ impl System<f64, Vector2<f64>> for Cosine {
 fn error(clock: bool) -> f64 {
     let mut solver = Dop853::new(Cosine { clock }, 0.0, 12.05, 0.1, Vector2::zeros(), 1e-10, 1e-12);
     match solver.integrate() {
-        Ok(_) => solver.x_out().iter().zip(solver.y_out()).map(|(t, y)| (y[0] - t.sin()).abs()).fold(0.0, f64::max),
+        Ok(_) => solver
+            .x_out()
+            .iter()
+            .zip(solver.y_out())
+            .map(|(t, y)| (y[0] - t.sin()).abs())
+            .max_by(f64::total_cmp)
+            .unwrap_or(f64::NAN),
         Err(_) => f64::INFINITY,
     }
 }

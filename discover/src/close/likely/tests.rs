@@ -166,7 +166,7 @@ fn exact_candidates_and_bounds() {
     let p = of_all((-0.5 * (worth(0) + worth(1))).exp());
     assert!((lines[1].p_value / p - 1.0).abs() < 1e-9, "{lines:?} {p}");
     let all = bounds(&found);
-    let upper = |i: usize| b[i].abs() / information[i] + 1.96 / information[i].sqrt();
+    let upper = |i: usize| b[i].abs() / information[i] + NORMAL_95 / information[i].sqrt();
     // The largest of a strength's forms; one that would be beyond what a model can have is under that.
     for (line, (family, expected)) in all.iter().zip([("swirl", upper(0).max(upper(1))), ("mass", upper(2).max(0.31))]) {
         assert!(line.family == family && (line.upper95 - expected).abs() < 1e-12, "{all:?} {expected}");

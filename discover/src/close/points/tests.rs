@@ -75,7 +75,7 @@ fn exact_bounds() {
     let c = drops();
     let settings = Settings::of(&c, &[]);
     let mut found = with_drag(&c, &settings);
-    for (value, upper) in [(-1.1, 1.1 + 1.96 * 0.12_f64.sqrt()), (2.9, 3.0)] {
+    for (value, upper) in [(-1.1, 1.1 + NORMAL_95 * 0.12_f64.sqrt()), (2.9, 3.0)] {
         found.neighbours[2].fit.hypothesis.effects[1].values[0] = value;
         let all = bounds(&found, &settings);
         assert_eq!(all.len(), 1, "{all:?}");

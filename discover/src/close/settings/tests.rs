@@ -69,7 +69,7 @@ fn recover_lift_of_every_launch() {
         // By the slopes of the residual.
         let pairs = own[run].residual_m.iter().zip(&moved[run].residual_m).filter_map(|(a, b)| Some((a.as_ref()?, b.as_ref()?)));
         let square: f64 = pairs.flat_map(|(a, b)| a.iter().zip(b).map(|(a, b)| ((a - b) / 0.01).powi(2))).sum();
-        let bar = 1.96 * 0.002 / square.sqrt();
+        let bar = NORMAL_95 * 0.002 / square.sqrt();
         assert!((measured.y[k] - low[k] - bar).abs() < 1e-4 * bar.max(0.1), "{low:?} {bar}");
         assert!((high[k] - measured.y[k] - bar).abs() < 1e-4 * bar.max(0.1), "{high:?} {bar}");
     }
@@ -93,7 +93,7 @@ fn exact_difference_of_settings_and_bars() {
     };
     let found = series(Role::Before, &[of(0, 0.7), of(1, -0.4), of(2, 0.2)], 1, &all[0].1, 0.002);
     // By orthogonal polynomials: ½ a₂ (0.1 s)² is what k² − 20/3 is times, whose squares sum to 308 over −4 … 4.
-    let bar = 1.96 * 0.002 * 200.0 / 308.0_f64.sqrt();
+    let bar = NORMAL_95 * 0.002 * 200.0 / 308.0_f64.sqrt();
     let [low, high] = found.band.as_ref().expect("bars");
     for (k, (x, push)) in [(1.4, 0.2), (1.8, 0.7), (2.9, -0.4)].into_iter().enumerate() {
         assert!((found.x[k] - x).abs() < 1e-12 && (found.y[k] - push).abs() < 1e-9, "{found:?}");

@@ -11,6 +11,7 @@ use super::super::{
 use super::{FINAL, Found, Search, WITHIN};
 use nalgebra::DMatrix;
 use windfall_model::Plant;
+use windfall_pid::NORMAL_95;
 
 /// Level of rejection.
 const LEVEL: f64 = 0.05;
@@ -132,7 +133,7 @@ fn parameters(f: &Found, std_errors: &[f64]) -> Vec<Estimated> {
         .filter(|i| f.h.held(*i).is_none_or(|v| v != 0.0))
         .map(|i| {
             let (effect, p) = f.h.entry(i);
-            let reach = searched.iter().position(|s| *s == i).map_or(f64::INFINITY, |k| 1.96 * std_errors[k]);
+            let reach = searched.iter().position(|s| *s == i).map_or(f64::INFINITY, |k| NORMAL_95 * std_errors[k]);
             let (low, high) = ((f.x[i] - reach).max(0.0), (f.x[i] + reach).min(1.0));
             let mut ci95 = if reach.is_finite() { [f.h.value(i, low), f.h.value(i, high)] } else { [p.low, p.high] };
             ci95.sort_by(f64::total_cmp);

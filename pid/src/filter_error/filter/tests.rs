@@ -349,7 +349,7 @@ fn exact_filter_is_that_of_the_textbook() {
     let (innovations, variances, slopes) = textbook(&filter, &plant, &c);
     assert_eq!(seen.pass.innovation.len(), innovations.len());
     // Of an error of an angle slopes begin at one and fall to thousandths.
-    let largest = |j: usize| slopes.iter().map(|s| s[j].abs()).fold(0.0, f64::max);
+    let largest = |j: usize| slopes.iter().map(|s| s[j].abs()).max_by(f64::total_cmp).unwrap_or(f64::NAN);
     let largest: Vec<f64> = (0..c.free).map(largest).collect();
     for (row, innovation) in innovations.iter().enumerate().take(12 * 2 * CHANNELS) {
         let std = variances[row].sqrt();
@@ -378,13 +378,19 @@ fn law_another_pass_is_the_filter_with_other_sizes() {
     let mut work = Transition::default();
     let seen = filter.run(&RANDOM, &c, &mut work).expect("flies");
     let same = filter.again(&RANDOM, &seen);
-    let near = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let near = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).max_by(f64::total_cmp).unwrap_or(f64::NAN);
     assert!(near(&same.innovation, &seen.pass.innovation) < 1e-12);
     let mut other = RANDOM;
     (other.turbulence.axial_rms_m_s, other.turbulence.lateral_rms_m_s, other.turning) = (0.06, 0.1, [0.1, 0.1]);
     let (again, new) = (filter.again(&other, &seen), filter.run(&other, &c, &mut work).expect("flies"));
     let whole = near(&new.pass.innovation, &seen.pass.innovation);
     let part = near(&new.pass.innovation, &again.innovation) / whole;
-    let ratios = again.variance.iter().zip(&new.pass.variance).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+    let ratios = again
+        .variance
+        .iter()
+        .zip(&new.pass.variance)
+        .map(|(a, b)| (a / b - 1.0).abs())
+        .max_by(f64::total_cmp)
+        .unwrap_or(f64::NAN);
     assert!(part < 0.05 && ratios < 0.02, "{part} of {whole}, {ratios}");
 }

@@ -43,7 +43,7 @@ fn exact_least_squares_are_the_normal_equations() {
     assert!((&normal.step - &step).amax() < 1e-12 * step.amax(), "{} {step}", normal.step);
     let condition = (eigenvalues.max() / eigenvalues.min()).sqrt();
     assert!((normal.condition / condition - 1.0).abs() < 1e-10, "{} {condition}", normal.condition);
-    let in_errors = (0..3).map(|i| (step[i] / covariance[(i, i)].sqrt()).abs()).fold(0.0, f64::max);
+    let in_errors = (0..3).map(|i| (step[i] / covariance[(i, i)].sqrt()).abs()).max_by(f64::total_cmp).unwrap_or(f64::NAN);
     assert!((normal.largest_step() / in_errors - 1.0).abs() < 1e-12, "{} {in_errors}", normal.largest_step());
 }
 

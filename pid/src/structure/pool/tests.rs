@@ -71,7 +71,7 @@ fn differs(candidate: &Candidate, turn: Option<f64>) -> f64 {
         }
     };
     let (f, expected) = moved(FLOW, acts(candidate, FLOW));
-    acts(candidate, f).iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    acts(candidate, f).iter().zip(expected).map(|(a, b)| (a - b).abs()).max_by(f64::total_cmp).unwrap_or(f64::NAN)
 }
 
 /// Each term is unchanged by what its symmetry allows, to rounding, and by no more. Turned by a quarter the sideslip is the angle of

@@ -27,12 +27,12 @@ fn exact_intervals_of_parameters() {
     let strength = |end: f64, x: f64| end * 10.0_f64.powf(4.0 * (x - 1.0));
     let scale = |x: f64| 0.05 * 200.0_f64.powf(x);
     let sign = f.h.value(5, 1.0) / 0.5;
-    let other = [strength(0.5 * sign, 0.508), strength(0.5 * sign, 1.0)];
+    let other = [strength(0.5 * sign, 0.9 - 0.2 * NORMAL_95), strength(0.5 * sign, 1.0)];
     let expected = [
-        (strength(2.0, 0.8), [strength(2.0, 0.604), strength(2.0, 0.996)], true),
-        (scale(0.35), [scale(0.35 - 1.96 * 0.1276), scale(0.35 + 1.96 * 0.1276)], false),
+        (strength(2.0, 0.8), [strength(2.0, 0.8 - 0.1 * NORMAL_95), strength(2.0, 0.8 + 0.1 * NORMAL_95)], true),
+        (scale(0.35), [scale(0.35 - NORMAL_95 * 0.1276), scale(0.35 + NORMAL_95 * 0.1276)], false),
         (0.9, [0.05, 10.0], false),
-        (strength(-0.5, 0.45), [strength(-0.5, 0.548), strength(-0.5, 0.352)], true),
+        (strength(-0.5, 0.45), [strength(-0.5, 0.45 + 0.05 * NORMAL_95), strength(-0.5, 0.45 - 0.05 * NORMAL_95)], true),
         (strength(0.5 * sign, 0.9), if sign < 0.0 { [other[1], other[0]] } else { other }, true),
     ];
     let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
