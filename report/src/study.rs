@@ -213,6 +213,6 @@ mod tests {
         let Plot::Chart(reliability) = &plots.all[2] else { panic!("reliability after coverage") };
         assert_eq!((reliability.series[1].x.as_slice(), reliability.series[1].y.as_slice()), (&[0.5, 0.9][..], &[0.5, 0.75][..]));
         let Plot::Pairs { pairs, .. } = &plots.all[3] else { panic!("recovery last") };
-        assert!(pairs.len() == 2 && (pairs[1].half - 0.98).abs() < 1e-12);
+        assert!(pairs.len() == 2 && (pairs[1].half - 0.5 * NORMAL_95).abs() < 1e-12);
     }
 }

@@ -58,7 +58,7 @@ mod tests {
             "models": [{"model": "after", "value": [0.0, -0.4], "rms": 0.05, "mean": -0.05, "beyond_runs": 1, "apart": 1}]});
         let line: WindTunnelLine = serde_json::from_value(value).expect("a line");
         let band = points(&line).band.expect("stated");
-        assert!((band[1][1] + 0.5 - 0.0392).abs() < 1e-12 && (band[0][0] + 0.0196).abs() < 1e-12);
+        assert!((band[1][1] + 0.5 - 0.02 * NORMAL_95).abs() < 1e-12 && (band[0][0] + 0.01 * NORMAL_95).abs() < 1e-12);
         let html = differences(&[line], str::to_uppercase);
         for text in ["&lt;b&gt;", ">AFTER<", ">10.0 %<", ">1 of 2<"] {
             assert!(html.contains(text), "{text} in {html}");
