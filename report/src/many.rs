@@ -6,7 +6,7 @@ use crate::draw::Look;
 use crate::html::{Cell, escape, page, section, table};
 use crate::plot::{Plot, Plots};
 use crate::words::{interval, number, p_value, with_interval};
-use windfall_discover::NORMAL_95;
+use windfall_discover::{NORMAL_95, ci95};
 use windfall_study::many::{CampaignOutcome, ManySummary, PooledParameter, Status};
 
 /// Title of the page.
@@ -155,7 +155,7 @@ fn forest(s: &ManySummary, p: &PooledParameter, plots: &mut Plots) -> String {
     };
     let one = |(path, y, error): &(&str, f64, f64)| Range {
         name: path.strip_suffix("/campaign.toml").unwrap_or(path).to_owned(),
-        ends: [y - NORMAL_95 * error, y + NORMAL_95 * error],
+        ends: ci95(*y, *error),
         inner: None,
         dot: *y,
         note: half(*y, NORMAL_95 * error),

@@ -7,8 +7,8 @@ use crate::html::{Cell, escape, section, table};
 use crate::legend::{legend, share};
 use crate::plot::{Plot, Plots};
 use crate::words::{number, plain_key, with_interval};
-use windfall_discover::NORMAL_95;
 use windfall_discover::close::{Closing, Figure, InnovationShape, NoiseLine, Role, Series, Topic};
+use windfall_discover::{NORMAL_95, ci95};
 
 /// Histograms and autocorrelations of the innovations.
 pub(crate) fn innovations(c: &Closing, plots: &mut Plots) -> String {
@@ -124,7 +124,7 @@ pub(crate) fn constants(c: &Closing, plots: &mut Plots) -> String {
         let (moved, error) = ((k.estimate - k.declared) / k.uncertainty, k.std_error? / k.uncertainty);
         Some(Range {
             name: k.key.clone(),
-            ends: [moved - NORMAL_95 * error, moved + NORMAL_95 * error],
+            ends: ci95(moved, error),
             inner: None,
             dot: moved,
             note: String::new(),

@@ -10,6 +10,7 @@ use windfall_study::{RecoveryLine, VariedLine};
 
 /// Varied quantities that are shown at most.
 const SHOWN: usize = 4;
+
 /// A figure for each coefficient and varied quantity; nothing where nothing varies.
 pub(crate) fn over_varied(title: &str, own: &[&RecoveryLine], varied: &[VariedLine], plots: &mut Plots) -> String {
     let mut coefficients: Vec<&str> = own.iter().map(|l| l.coefficient.as_str()).collect();
