@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use windfall::Method;
 use windfall::files::series_text;
 use windfall::report;
-use windfall::results::{Bootstrap, DataSet, Estimate, Identification, SignalTracks, SmoothingTracks};
+use windfall::results::{Bootstrap, DataSet, Estimate, FoundNumber, Identification, SignalTracks, SmoothingTracks};
 
 /// Names of the result files.
 const FILES: [&str; 3] = ["identification.json", "coefficients.json", "records.json"];
@@ -97,6 +97,12 @@ fn data_set(text: &mut String, d: &DataSet) {
     for h in &d.held {
         let _ = writeln!(text, "{:<11}{:<16}{:>14.6}   held", "", h.name, h.value);
     }
+    for c in &d.constants {
+        let _ = writeln!(text, "{}", beside(&c.name, c));
+    }
+    for (e, p) in d.effects.iter().flat_map(|e| e.parameters.iter().map(move |p| (e, p))) {
+        let _ = writeln!(text, "{}", beside(&format!("{}.{}", e.family, p.name), p));
+    }
     for f in &d.fits {
         let _ = writeln!(
             text,
@@ -104,6 +110,13 @@ fn data_set(text: &mut String, d: &DataSet) {
             f.coefficient, f.r2, f.residual_std, f.residual_whiteness_p
         );
     }
+}
+
+/// A constant or an effect's number: found with its standard error, or held.
+fn beside(name: &str, p: &FoundNumber) -> String {
+    let unit = if p.unit == "-" { "" } else { p.unit.as_str() };
+    let how = p.std_error.map_or_else(|| "held".to_owned(), |s| format!("± {s:.3e}"));
+    format!("{name:<41} {:>14.6} {unit}   {how}", p.estimate)
 }
 
 fn line(p: &Estimate) -> String {

@@ -5,14 +5,15 @@ use crate::DiscoverError;
 use crate::close::LEFT;
 use crate::wind_tunnel::{self, WindTunnelLine};
 use serde::{Deserialize, Serialize};
-use windfall_likelihood::{Engine, Id, Model};
-use windfall_model::Campaign;
+use windfall_likelihood::{Engine, Fit, Id, Member, Model};
+use windfall_model::{Campaign, Constant, Parameter};
 use windfall_pid::bands::add_curves;
 use windfall_pid::compatibility::{Compatibility, pressure};
 use windfall_pid::output_error::{EstimateOptions, Handling, Prior};
 use windfall_pid::plausible::plausible;
 use windfall_pid::{
-    DataSet, Estimate, Held, Identification, Method, ci95, identifiability, identify_by, identify_chosen, relative_percent,
+    DataSet, Estimate, FoundEffect, FoundNumber, Held, Identification, Method, ci95, identifiability, identify_by,
+    identify_chosen, relative_percent,
 };
 use windfall_replay::{Bootstrap, bootstrap};
 
@@ -126,13 +127,16 @@ fn says_more(campaign: &Campaign) -> bool {
 /// Parameters by the likelihood that carries what a campaign says; the other methods take constants as exact. How well each coefficient is
 /// explained is regression's.
 fn by_likelihood(campaign: &Campaign, options: &EstimateOptions) -> Result<Identification, DiscoverError> {
-    let mut found = identify_by(campaign, Method::EquationError, options)?;
+    // Random effects, which regression warns of, are in the likelihood.
+    let mut found = identify_by(&campaign.with_effects_in_plant(), Method::EquationError, options)?;
     let fit = |d: &DataSet, near: Option<&Model>| {
         let indices: Vec<usize> = (0..campaign.runs.len()).filter(|&i| d.runs.contains(&campaign.runs[i].name)).collect();
         let engine = Engine::new(campaign, &indices).ok_or_else(|| "no run is long enough".to_owned());
         let end = engine.and_then(|engine| {
             let fit = windfall_likelihood::identify(&engine, near)?;
-            Ok((engine.robust(&fit), fit.covariance))
+            let robust = engine.robust(&fit);
+            let constants = found_constants(engine.campaign(), &robust);
+            Ok((robust, fit.covariance, constants))
         });
         end.map_err(|words| DiscoverError::NoEnd { campaign: format!("{}, {}", campaign.name, d.name), words })
     };
@@ -143,10 +147,11 @@ fn by_likelihood(campaign: &Campaign, options: &EstimateOptions) -> Result<Ident
     for (i, d) in found.data_sets.iter().enumerate() {
         match &lead {
             Some(f) if Some(i) == whole => all.push(f.clone()),
-            _ => all.push(fit(d, lead.as_ref().map(|(f, _)| &f.model))?),
+            _ => all.push(fit(d, lead.as_ref().map(|(f, ..)| &f.model))?),
         }
     }
-    for (d, (fit, white)) in found.data_sets.iter_mut().zip(&all) {
+    for (d, (fit, white, constants)) in found.data_sets.iter_mut().zip(&all) {
+        (d.constants, d.effects) = (constants.clone(), found_effects(fit));
         let structure = &campaign.plant.aero.structure;
         let place = |e: &Estimate| {
             let i = structure.index(&e.name)?;
@@ -168,7 +173,7 @@ fn by_likelihood(campaign: &Campaign, options: &EstimateOptions) -> Result<Ident
             }
         }
     }
-    for (d, (fit, _)) in found.data_sets.iter().zip(&all) {
+    for (d, (fit, ..)) in found.data_sets.iter().zip(&all) {
         if fit.chi > LEFT {
             found.warnings.push(format!(
                 "{}: the innovations' mean square is {:.2} of what noise leaves: `windfall close` says what the model lacks",
@@ -179,6 +184,32 @@ fn by_likelihood(campaign: &Campaign, options: &EstimateOptions) -> Result<Ident
     found.reason = Some("the campaign says what is uncertain of its constants or which effects act".to_owned());
     LIKELIHOOD.clone_into(&mut found.method);
     Ok(found)
+}
+
+/// Constants as a fit has them.
+fn found_constants(campaign: &Campaign, fit: &Fit) -> Vec<FoundNumber> {
+    let one = |(i, c): (usize, &Constant)| FoundNumber {
+        name: c.name(),
+        estimate: c.value(&campaign.plant).unwrap_or(0.0) + fit.model.constants[i],
+        std_error: fit.std_error(Id::Constant(i)),
+        unit: c.unit.to_owned(),
+    };
+    campaign.knowledge.constants.iter().enumerate().map(one).collect()
+}
+
+/// Effects as a fit has them: those that are declared, and gusts where the likelihood finds such.
+fn found_effects(fit: &Fit) -> Vec<FoundEffect> {
+    let number = |k: usize, i: usize, p: &Parameter, value: f64| FoundNumber {
+        name: p.name.clone(),
+        estimate: value,
+        std_error: fit.std_error(Id::Member(k, i)),
+        unit: p.unit.to_owned(),
+    };
+    let one = |(k, m): (usize, &Member)| FoundEffect {
+        family: m.effect.family.to_owned(),
+        parameters: m.parameters.iter().zip(&m.values).enumerate().map(|(i, (p, v))| number(k, i, p, *v)).collect(),
+    };
+    fit.model.members.iter().enumerate().map(one).collect()
 }
 
 /// The campaign with what is to be held at its value and no longer declared.

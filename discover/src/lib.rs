@@ -15,4 +15,6 @@ pub use identify::{Identified, IdentifyOrder, Tie, identify};
 pub use wind_tunnel::{WindTunnelLine, WindTunnelModel};
 // What `Identified` is made of.
 pub use windfall_pid::compatibility::{Compatibility, InstrumentError, Instruments, Pressure};
-pub use windfall_pid::{Correlation, DataSet, Estimate, Identifiability, Identification, NORMAL_95, ci95};
+pub use windfall_pid::{
+    Correlation, DataSet, Estimate, FoundEffect, FoundNumber, Identifiability, Identification, NORMAL_95, ci95,
+};

@@ -2,8 +2,8 @@
 //! Out: differences at every point and their size. Nothing is fitted to the points.
 
 use serde::{Deserialize, Serialize};
-use windfall_model::{Campaign, Data, Plant, StaticPoints};
-use windfall_pid::bands::{static_name, static_value, still_flow};
+use windfall_model::{Campaign, Plant, StaticPoints};
+use windfall_pid::bands::{mean_speed_m_s, static_name, static_value, still_flow};
 use windfall_pid::{DataSet, NORMAL_95};
 
 /// One coefficient of one wind-tunnel test beside one or more models.
@@ -85,12 +85,15 @@ fn model(name: &str, s: &StaticPoints, reached_rad: f64, at: impl Fn(f64) -> Opt
 
 /// Every data set that has curves at the points of the campaign's wind-tunnel tests.
 pub(crate) fn of_data_sets(campaign: &Campaign, sets: &[DataSet]) -> Vec<WindTunnelLine> {
-    let structure = &campaign.plant.aero.structure;
+    let speed = mean_speed_m_s(campaign);
     let reached = |d: &DataSet| {
         let ends = d.curves.iter().filter_map(|c| c.angle_deg.last());
         ends.copied().fold(0.0, f64::max).to_radians()
     };
-    let of = |s: &StaticPoints, d: &DataSet| model(&d.name, s, reached(d), |a| static_value(structure, d, s.coefficient, a));
+    let of = |s: &StaticPoints, d: &DataSet| {
+        let plant = d.plant_in(campaign).ok()?;
+        model(&d.name, s, reached(d), |a| static_value(&plant.aero, speed, d, s.coefficient, a))
+    };
     lines(campaign, |s| sets.iter().filter(|d| !d.curves.is_empty()).filter_map(|d| of(s, d)).collect())
 }
 
@@ -104,17 +107,10 @@ pub(crate) fn of_plants(campaign: &Campaign, plants: &[(&str, &Plant)], reached_
     lines(campaign, |s| plants.iter().filter_map(|p| of(s, p)).collect())
 }
 
-/// Mean tunnel speed of all runs, for terms that vary with it.
-pub(crate) fn mean_speed_m_s(campaign: &Campaign) -> f64 {
-    let all = campaign.runs.iter().filter_map(|r| if let Data::Tunnel(t) = &r.data { Some(&t.vw_m_s) } else { None });
-    let (sum, n) = all.flatten().fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
-    if n > 0.0 { sum / n } else { 1.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use windfall_model::{Coefficient, Knowledge, Record, Run, StaticPoint, Use};
+    use windfall_model::{Coefficient, StaticPoint};
 
     /// Two points off by +0.3 and −0.1: rms √0.05, mean 0.1; the second is within 1.96·√(0.04² + 0.03²) and beyond the runs.
     #[test]
@@ -137,23 +133,5 @@ mod tests {
         let points = [0.1, 0.3 + 1e-15, 0.3 + 1e-8, 0.4].map(point).to_vec();
         let s = StaticPoints { test: "t".to_owned(), coefficient: Coefficient::CA, points };
         assert_eq!(model("m", &s, 0.3, |_| Some([1.0, f64::NAN])).expect("known").beyond_runs, 2);
-    }
-
-    /// Mean over all samples, not over runs; one where there is none.
-    #[test]
-    fn exact_mean_speed() {
-        let plant = windfall_scenarios::read_bundled("sage-combined").expect("bundled").scenario.plant;
-        let run = |vw_m_s: &[f64]| Run {
-            name: String::new(),
-            kind: String::new(),
-            used: Use::Identify,
-            inputs: Vec::new(),
-            data: Data::Tunnel(Record { vw_m_s: vw_m_s.to_vec(), ..Record::default() }),
-            notes: Vec::new(),
-        };
-        let of = |runs| Campaign::of_flights("two", &plant, &[], &Knowledge::default(), runs);
-        let speed = mean_speed_m_s(&of(vec![run(&[7.0, 7.5]), run(&[8.25, 9.0, 6.5])]));
-        assert!((speed - 38.25 / 5.0).abs() < 1e-14, "{speed}");
-        assert!((mean_speed_m_s(&of(Vec::new())) - 1.0).abs() < 1e-15);
     }
 }

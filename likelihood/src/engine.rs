@@ -70,6 +70,15 @@ pub struct Fit {
     pub stop: StopReason,
 }
 
+impl Fit {
+    /// Standard error of one of its numbers; none of what was not fitted.
+    #[must_use]
+    pub fn std_error(&self, id: Id) -> Option<f64> {
+        let place = self.numbers.iter().position(|n| n.id == id)?;
+        Some(self.covariance[(place, place)].sqrt()).filter(|s| s.is_finite())
+    }
+}
+
 /// Key of the instant at which a pose is taken within its sample interval: known to half of that interval where nothing is declared.
 const STAMP: &str = "sensors.pose_delay_s";
 /// Length of a node, s, where the sample interval is shorter: a fiftieth of the pitch mode's period.

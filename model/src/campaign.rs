@@ -1,6 +1,7 @@
 //! model: a campaign, one vehicle with its declared model and its runs. In: checked data. Out: what identifier and loop work on.
 
 use crate::acts::Acts;
+use crate::effects::Effect;
 use crate::knowledge::Knowledge;
 use crate::plant::Plant;
 use crate::record::{Measured, PointRecord, Record};
@@ -114,6 +115,34 @@ impl Campaign {
             Some(Data::Point(record)) => record.measured,
             _ => Measured::Position,
         }
+    }
+    /// The declared model as it is flown: its numbers, with the declared effects at their starting values.
+    #[must_use]
+    pub fn declared_plant(&self) -> Plant {
+        let mut plant = self.plant.clone();
+        for (effect, values) in &self.knowledge.effects {
+            (effect.apply)(&mut plant, values);
+        }
+        plant
+    }
+    /// The same campaign with its declared effects in its plant and none beside it, so that none acts twice: for all that takes a
+    /// declared model as numbers of a plant.
+    #[must_use]
+    pub fn with_effects_in_plant(&self) -> Self {
+        let mut own = Self { plant: self.declared_plant(), ..self.clone() };
+        own.knowledge.effects.clear();
+        own
+    }
+    /// Declared effects that are random inputs, gusts or shedding: no load of a plant, but a drive that a method carries or leaves out.
+    #[must_use]
+    pub fn random_effects(&self) -> Vec<&'static Effect> {
+        let drives = |(effect, values): &&(&'static Effect, Vec<f64>)| {
+            let mut plant = self.plant.clone();
+            (effect.apply)(&mut plant, values);
+            // Which there are does not depend on the speed.
+            plant.disturbances(1.0) != self.plant.disturbances(1.0)
+        };
+        self.knowledge.effects.iter().filter(drives).map(|(effect, _)| *effect).collect()
     }
     /// The plant as it acts in run `i`.
     #[must_use]

@@ -9,7 +9,7 @@ use crate::identification::{Curve, DataSet, Identification};
 use crate::interval::NORMAL_95;
 use crate::smooth::{Smoother, smooth};
 use crate::states::states;
-use windfall_model::{Campaign, Coefficient, Data, FlowState, Structure, VARIABLES, Variable};
+use windfall_model::{Aero, Campaign, Coefficient, Data, FlowState, Structure, Term, VARIABLES, Variable};
 
 /// Points of a curve.
 const POINTS: usize = 61;
@@ -58,9 +58,18 @@ pub fn add_curves(campaign: &Campaign, found: &mut Identification) -> Result<(),
     }
     for set in &mut found.data_sets {
         let own = reached.iter().filter(|(name, _)| set.runs.contains(name));
-        set.curves = curves(&campaign.plant.aero.structure, set, own.map(|r| r.1).fold(0.0, f64::max));
+        let largest_rad = own.map(|r| r.1).fold(0.0, f64::max);
+        set.curves = curves(&set.plant_in(campaign)?.aero, mean_speed_m_s(campaign), set, largest_rad);
     }
     Ok(())
+}
+
+/// Mean tunnel speed of all runs, for what effects add that varies with it; one where there is none.
+#[must_use]
+pub fn mean_speed_m_s(campaign: &Campaign) -> f64 {
+    let all = campaign.runs.iter().filter_map(|r| if let Data::Tunnel(t) = &r.data { Some(&t.vw_m_s) } else { None });
+    let (sum, n) = all.flatten().fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
+    if n > 0.0 { sum / n } else { 1.0 }
 }
 
 /// Largest total angle of attack of a run, rad; zero of one without attitude.
@@ -69,20 +78,21 @@ pub fn add_curves(campaign: &Campaign, found: &mut Identification) -> Result<(),
 /// A record that cannot be smoothed.
 pub fn largest_angle_rad(campaign: &Campaign, run: usize) -> Result<f64, PidError> {
     let Data::Tunnel(record) = &campaign.runs[run].data else { return Ok(0.0) };
-    let all = states(&smooth(record, &Smoother::Auto)?, &campaign.plant_for(&campaign.plant, run))?;
+    let all = states(&smooth(record, &Smoother::Auto)?, &campaign.plant_for(&campaign.declared_plant(), run))?;
     Ok(all.iter().map(|s| s.alpha_t).fold(0.0, f64::max))
 }
 
-/// Curves of a data set up to an angle, rad; those on which no estimate acts are left out. Parameters without estimate count as zero.
+/// Curves of a data set up to an angle, rad, at a tunnel speed, m/s; those on which no estimate acts are left out. Parameters without
+/// estimate count as zero; what effects of the model add, `aero.extra`, counts as exact.
 #[must_use]
-pub fn curves(structure: &Structure, set: &DataSet, largest_rad: f64) -> Vec<Curve> {
+pub fn curves(aero: &Aero, speed_m_s: f64, set: &DataSet, largest_rad: f64) -> Vec<Curve> {
     if set.covariance.len() != set.parameters.len() {
         return Vec::new();
     }
-    SORTS.iter().filter_map(|sort| curve(sort, structure, set, largest_rad)).collect()
+    SORTS.iter().filter_map(|sort| curve(sort, aero, speed_m_s, set, largest_rad)).collect()
 }
 
-fn curve(sort: &Sort, structure: &Structure, set: &DataSet, largest_rad: f64) -> Option<Curve> {
+fn curve(sort: &Sort, aero: &Aero, speed_m_s: f64, set: &DataSet, largest_rad: f64) -> Option<Curve> {
     let member = members(sort, set);
     let mut c = Curve {
         quantity: sort.quantity.to_owned(),
@@ -95,9 +105,9 @@ fn curve(sort: &Sort, structure: &Structure, set: &DataSet, largest_rad: f64) ->
     let mut acts = false;
     for k in 0..POINTS {
         let angle = largest_rad * k as f64 / (POINTS - 1) as f64;
-        let at = point(sort, structure, set, &member, angle);
+        let at = point(sort, &aero.structure, set, &member, angle);
         acts |= at.acts;
-        let (value, half) = (at.value, NORMAL_95 * at.std);
+        let (value, half) = (at.value + added(sort, aero, speed_m_s, angle), NORMAL_95 * at.std);
         c.angle_deg.push(angle.to_degrees());
         c.value.push(value);
         c.low.push(value - half);
@@ -127,19 +137,36 @@ fn point(sort: &Sort, structure: &Structure, set: &DataSet, member: &[usize], an
     CurvePoint { value, std: variance.max(0.0).sqrt(), acts: a.iter().any(|a| *a != 0.0) }
 }
 
+/// What effects of the model add to a curve at an angle.
+fn added(sort: &Sort, aero: &Aero, speed_m_s: f64, angle: f64) -> f64 {
+    let mut still = flow(angle, sort.sideways);
+    still.values[Variable::Speed as usize] = speed_m_s;
+    let own = aero.extra.iter().filter(|(c, ..)| *c == sort.coefficient);
+    own.map(|(_, size, term)| size * value_of(sort, term, &still)).sum()
+}
+
+/// A term's share of a curve: its value without rates, or what a unit of damping's variable changes.
+fn value_of(sort: &Sort, term: &Term, still: &FlowState) -> f64 {
+    let Some(variable) = sort.damping else { return term.value(still) };
+    let mut moving = *still;
+    moving.values[variable as usize] = 1.0;
+    term.value(&moving) - term.value(still)
+}
+
 /// Name of a static coefficient's curve; none of those that have none.
 #[must_use]
 pub fn static_name(coefficient: Coefficient) -> Option<&'static str> {
     SORTS.iter().find(|s| s.coefficient == coefficient && s.damping.is_none()).map(|s| s.quantity)
 }
 
-/// A static coefficient and its standard error at a total angle of attack, rad, as a data set has it; none without curve or covariance.
+/// A static coefficient and its standard error at a total angle of attack, rad, and a tunnel speed, m/s, as a data set has it; none without
+/// curve or covariance.
 #[must_use]
-pub fn static_value(structure: &Structure, set: &DataSet, coefficient: Coefficient, angle_rad: f64) -> Option<[f64; 2]> {
+pub fn static_value(aero: &Aero, speed_m_s: f64, set: &DataSet, coefficient: Coefficient, angle_rad: f64) -> Option<[f64; 2]> {
     let sort = SORTS.iter().find(|s| s.coefficient == coefficient && s.damping.is_none())?;
     let whole = set.covariance.len() == set.parameters.len();
-    let at = whole.then(|| point(sort, structure, set, &members(sort, set), angle_rad))?;
-    Some([at.value, at.std])
+    let at = whole.then(|| point(sort, &aero.structure, set, &members(sort, set), angle_rad))?;
+    Some([at.value + added(sort, aero, speed_m_s, angle_rad), at.std])
 }
 
 /// Flow from below at a total angle of attack, rad, without rates, at a speed, m/s.
@@ -155,15 +182,7 @@ fn slopes(sort: &Sort, structure: &Structure, angle: f64) -> Vec<f64> {
     let still = flow(angle, sort.sideways);
     let mut slopes = vec![0.0; structure.parameters.len()];
     for k in structure.contributions.iter().filter(|k| k.coefficient == sort.coefficient) {
-        let value = match sort.damping {
-            None => k.term.value(&still),
-            Some(variable) => {
-                let mut moving = still;
-                moving.values[variable as usize] = 1.0;
-                k.term.value(&moving) - k.term.value(&still)
-            }
-        };
-        slopes[k.parameter] += value;
+        slopes[k.parameter] += value_of(sort, &k.term, &still);
     }
     slopes
 }
@@ -185,6 +204,24 @@ fn flow(angle: f64, sideways: bool) -> FlowState {
 mod tests {
     use super::*;
     use crate::identification::Estimate;
+    use windfall_model::{Knowledge, Record, Run, Use};
+
+    /// Mean over all samples, not over runs; one where there is none.
+    #[test]
+    fn exact_mean_speed() {
+        let run = |vw_m_s: &[f64]| Run {
+            name: String::new(),
+            kind: String::new(),
+            used: Use::Identify,
+            inputs: Vec::new(),
+            data: Data::Tunnel(Record { vw_m_s: vw_m_s.to_vec(), ..Record::default() }),
+            notes: Vec::new(),
+        };
+        let of = |runs| Campaign::of_flights("two", &crate::equations::tests::plant(), &[], &Knowledge::default(), runs);
+        let speed = mean_speed_m_s(&of(vec![run(&[7.0, 7.5]), run(&[8.25, 9.0, 6.5])]));
+        assert!((speed - 38.25 / 5.0).abs() < 1e-14, "{speed}");
+        assert!((mean_speed_m_s(&of(Vec::new())) - 1.0).abs() < 1e-15);
+    }
 
     /// C_m = a s + b s³ with correlated errors: value and variance by hand, and the damping's a + b α².
     #[test]
@@ -218,8 +255,11 @@ mod tests {
             ],
             curves: Vec::new(),
             held: Vec::new(),
+            constants: Vec::new(),
+            effects: Vec::new(),
         };
-        let all = curves(&Structure::axisymmetric(), &set, 0.4);
+        let aero = Aero::new(Structure::axisymmetric(), vec![0.0; Structure::axisymmetric().parameters.len()]);
+        let all = curves(&aero, 7.0, &set, 0.4);
         assert_eq!(all.iter().map(|c| c.quantity.as_str()).collect::<Vec<_>>(), ["C_m", "C_m damping"]);
         let (s, last) = (0.4_f64.sin(), POINTS - 1);
         let (value, std) = (-2.0 * s + 2.5 * s.powi(3), (0.04 * s * s - 0.2 * s.powi(4) + 0.5 * s.powi(6)).sqrt());

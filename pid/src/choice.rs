@@ -1,11 +1,11 @@
 //! pid: which method is right for the data at hand. In: a campaign. Out: its identification, and why that method was taken.
 
+use crate::StopReason;
 use crate::error::PidError;
 use crate::identification::Identification;
 use crate::identify::{Method, identify_by};
 use crate::output_error::{EstimateOptions, NOT_NOISE};
 use crate::plant::{PROCESS_NOISE, TURBULENCE};
-use crate::{StopReason, filter_error, output_error};
 use windfall_model::{CHANNELS, Campaign, POSE};
 
 /// Identifies by output error where its residual is noise; by filter error where process noise explains what output error leaves; by
@@ -13,9 +13,9 @@ use windfall_model::{CHANNELS, Campaign, POSE};
 /// and why; a residual that is not noise is a warning.
 ///
 /// # Errors
-/// As [`output_error::identify`]; where the declared model cannot even fly through the record, that reason.
+/// As [`crate::output_error::identify`]; where the declared model cannot even fly through the record, that reason.
 pub fn identify_chosen(campaign: &Campaign, options: &EstimateOptions) -> Result<Identification, PidError> {
-    let first = match output_error::identify(campaign, options) {
+    let first = match identify_by(campaign, Method::OutputError, options) {
         Ok(found) if left(&found).is_empty() => return Ok(because(found, "its residual is noise in every channel".to_owned())),
         Err(PidError::NotIntegrable { what }) => {
             return equation_error(
@@ -27,7 +27,7 @@ pub fn identify_chosen(campaign: &Campaign, options: &EstimateOptions) -> Result
         Err(e) if !searched(&e) => return Err(e),
         other => other,
     };
-    match (first, filter_error::identify(campaign, options)) {
+    match (first, identify_by(campaign, Method::FilterError, options)) {
         (first, Ok(mut second)) if driven(&second) => {
             second.compatibility = first.as_ref().ok().and_then(|f| f.compatibility.clone());
             Ok(by_filter(&first.map_or_else(|e| e.to_string(), |f| left(&f)), second))

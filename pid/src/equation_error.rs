@@ -26,6 +26,17 @@ pub struct RunRows {
     pub bandwidth_hz: f64,
 }
 
+impl RunRows {
+    /// Times from the first row, s, between which no row is faded ([`faded`]): before and after, the smoother hangs on one side, and the noise
+    /// of its derivatives is many times that inside. `None` where the ends meet.
+    #[must_use]
+    pub fn interior_s(&self) -> Option<[f64; 2]> {
+        let fade_s = FADE_PERIODS / self.bandwidth_hz;
+        let end_s = self.interval_s * (self.rows.len().max(1) - 1) as f64 - fade_s;
+        (end_s > fade_s).then_some([fade_s, end_s])
+    }
+}
+
 /// A record through smoothing, states and coefficients, for the plant as it acts in this run.
 ///
 /// # Errors
@@ -193,6 +204,8 @@ impl<'a> DataSetWork<'a> {
             covariance: Vec::new(),
             curves: Vec::new(),
             held: Vec::new(),
+            constants: Vec::new(),
+            effects: Vec::new(),
         };
         for group in groups {
             if let Some((columns, fit)) = self.regress(group, warnings)? {

@@ -139,6 +139,25 @@ pub enum PidError {
         /// Parameters of the structure.
         allowed: String,
     },
+    /// An effect of an identification that the catalogue does not have, or with other numbers.
+    #[error(
+        "the identification has effect `{family}` with {numbers} numbers, which the catalogue does not have for a tunnel model; identify \
+         again with this version"
+    )]
+    OtherEffect {
+        /// Its family.
+        family: String,
+        /// Numbers that the file gives for it.
+        numbers: usize,
+    },
+    /// A constant of an identification that the plant to be flown has no place for.
+    #[error(
+        "the identification has constant `{key}`, which the campaign's vehicle does not have; give the identification of this campaign"
+    )]
+    OtherConstant {
+        /// Its key.
+        key: String,
+    },
     /// A search ended without an answer.
     #[error("campaign {campaign}, data set {set}, method {}: {}", .search.name(), .stop.words(*.search))]
     NoAnswer {

@@ -28,6 +28,7 @@ const REPORTED: f64 = 0.9;
 /// # Errors
 /// As [`crate::output_error::identify`], but nothing is searched.
 pub fn identifiability(campaign: &Campaign, options: &EstimateOptions) -> Result<Identifiability, PidError> {
+    let campaign = &campaign.with_effects_in_plant();
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;
     let mut unknowns = unknowns(campaign, options)?;

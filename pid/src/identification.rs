@@ -4,7 +4,7 @@ use crate::compatibility::Compatibility;
 use crate::information::Identifiability;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
-use windfall_model::Structure;
+use windfall_model::{Aero, Coefficient, Structure};
 
 /// Name of the data set of all runs together.
 pub(crate) const ALL_RUNS: &str = "combined";
@@ -54,6 +54,34 @@ pub struct DataSet {
     /// Parameters that were not estimated but held, and where.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub held: Vec<Held>,
+    /// Uncertain constants as estimated beside the parameters; empty where the method takes constants as exact.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub constants: Vec<FoundNumber>,
+    /// Effects of the model: estimated with the parameters, gusts that were found among them, or held as the campaign declares them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<FoundEffect>,
+}
+
+/// A number of the model beside its parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FoundNumber {
+    /// Key with component of a constant, name of an effect's parameter.
+    pub name: String,
+    /// Value that the model has.
+    pub estimate: f64,
+    /// Standard error; none of a number that was held.
+    pub std_error: Option<f64>,
+    /// Unit.
+    pub unit: String,
+}
+
+/// An effect as the identified model has it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FoundEffect {
+    /// Family.
+    pub family: String,
+    /// Its numbers, in the order of the catalogue.
+    pub parameters: Vec<FoundNumber>,
 }
 
 /// One coefficient, or its damping, over an angle.
@@ -184,6 +212,14 @@ impl DataSet {
             .zip(otherwise)
             .map(|(name, &o)| self.value(name).or_else(|| held(name)).unwrap_or(o))
             .collect()
+    }
+    /// Values of a plant with all that was found ([`DataSet::plant_in`]), but those of a coefficient's own data where it has such.
+    #[must_use]
+    pub fn values_of(&self, coefficient: Coefficient, aero: &Aero) -> Vec<f64> {
+        // Side and normal force have their parameters together, under the latter.
+        let label = if coefficient == Coefficient::CY { Coefficient::CN } else { coefficient }.name();
+        let own = |(name, value): (&String, &f64)| self.get(label, name).map_or(*value, |p| p.estimate);
+        aero.structure.parameters.iter().zip(&aero.values).map(own).collect()
     }
     /// Value of one parameter, over all coefficients that give it.
     #[must_use]

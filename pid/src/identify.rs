@@ -1,6 +1,7 @@
 //! pid: the methods of identification, each once. In: a campaign and a method. Out: its declared parameters, per data set, with warnings.
 
 use crate::PidError;
+use crate::declared::with_effects;
 use crate::equation_error::{EquationError, JOINT, THESIS};
 use crate::identification::Identification;
 use crate::output_error::EstimateOptions;
@@ -122,12 +123,13 @@ pub fn identify(campaign: &Campaign, method: Method) -> Result<Identification, P
     identify_by(campaign, method, &EstimateOptions::default())
 }
 
-/// [`identify`], with options of the methods that integrate.
+/// [`identify`], with options of the methods that integrate. Declared effects act with their declared values and are held there; a random one
+/// that the method does not carry is a warning.
 ///
 /// # Errors
 /// As [`identify`]; [`PidError::NoPlace`] for ties and priors where a method regresses each coefficient by itself.
 pub fn identify_by(campaign: &Campaign, method: Method, options: &EstimateOptions) -> Result<Identification, PidError> {
-    (method.row().identify)(campaign, options)
+    with_effects(campaign, method == Method::FilterError, |own| (method.row().identify)(own, options))
 }
 
 /// Each coefficient by itself.
@@ -144,7 +146,7 @@ fn regressed(campaign: &Campaign, method: Method, options: &EstimateOptions) -> 
 /// # Errors
 /// As [`identify`].
 pub fn identify_with(campaign: &Campaign, method: Method, smoother: &Smoother) -> Result<Identification, PidError> {
-    equation_error(method).identify(campaign, smoother, false)
+    with_effects(campaign, false, |own| equation_error(method).identify(own, smoother, false))
 }
 
 fn equation_error(method: Method) -> EquationError {

@@ -119,9 +119,10 @@ pub fn plan(campaign: &Campaign, targets: &[Target], between_s: f64) -> Result<T
         lateral_scale_m: scale(found_gusts.lateral_scale_m),
         bandwidth: found_gusts.bandwidth,
     };
-    let plants = run_plants(campaign)?;
-    let runs = ready(campaign, &plants)?;
-    let scene = Scene::new(campaign, &runs, &unknowns, turbulence)?;
+    let own = campaign.with_effects_in_plant();
+    let plants = run_plants(&own)?;
+    let runs = ready(&own, &plants)?;
+    let scene = Scene::new(&own, &runs, &unknowns, turbulence)?;
     let now = scene.campaign(&runs)?;
     let kinds = scene.kinds();
     let one = |t: &Target| scene.target(t, &now, &kinds, between_s);

@@ -2,8 +2,8 @@
 //! found in it, gusts included.
 
 use crate::error::PidError;
-use crate::identification::{DataSet, Estimate};
-use windfall_model::{Plant, Turbulence};
+use crate::identification::{DataSet, Estimate, FoundEffect};
+use windfall_model::{Acts, Campaign, Effect, PLANT_NUMBERS, Plant, Turbulence, effects};
 
 /// Under what the random drive is reported.
 pub const TURBULENCE: &str = "turbulence";
@@ -13,17 +13,43 @@ pub const PROCESS_NOISE: &str = "process-noise";
 pub(crate) const START_SCALE_M: f64 = 0.6;
 
 impl DataSet {
-    /// The declared plant with what was found put in: parameters ([`DataSet::values`]), and size and scale of the gusts where filter
-    /// error estimated or held them. The only way back from an estimation to what can be flown. What drives a run beside gusts
-    /// (`process-noise`, [`DataSet::not_flown`]) has no place in a plant.
+    /// The campaign's model with all that was found put in ([`DataSet::plant`]). A declared effect of which the set says nothing, since it
+    /// was found on another campaign, acts with its declared values.
     ///
     /// # Errors
-    /// [`PidError::OtherStructure`] for an estimate that the plant has no place for.
+    /// As [`DataSet::plant`].
+    pub fn plant_in(&self, campaign: &Campaign) -> Result<Plant, PidError> {
+        let mut plant = self.plant(&campaign.plant)?;
+        for (effect, values) in self.declared_beside(campaign) {
+            (effect.apply)(&mut plant, values);
+        }
+        Ok(plant)
+    }
+    /// Declared effects of a campaign of which the set says nothing.
+    pub fn declared_beside<'c>(&self, campaign: &'c Campaign) -> impl Iterator<Item = (&'static Effect, &'c [f64])> {
+        let of_gusts = self.parameters.iter().any(|p| Gust::of_name(&p.name).is_some());
+        let is_said = move |family: &str| self.effects.iter().any(|e| e.family == family) || (of_gusts && family == TURBULENCE);
+        campaign.knowledge.effects.iter().filter(move |(e, _)| !is_said(e.family)).map(|(e, values)| (*e, values.as_slice()))
+    }
+    /// The declared plant, without declared effects, with what was found put in: parameters ([`DataSet::values`]), constants, size and
+    /// scale of the gusts where filter error estimated or held them, and the effects of the model. The only way back from an estimation to
+    /// what can be flown. What drives a run beside gusts (`process-noise`, [`DataSet::not_flown`]) has no place in a plant.
+    ///
+    /// # Errors
+    /// [`PidError::OtherStructure`], [`PidError::OtherConstant`] and [`PidError::OtherEffect`] for what the plant has no place for.
     pub fn plant(&self, declared: &Plant) -> Result<Plant, PidError> {
         let structure = &declared.aero.structure;
         let mut plant = declared.clone();
         plant.aero.values = self.values(structure, &plant.aero.values);
-        plant.turbulence = self.turbulence(declared.turbulence);
+        for constant in &self.constants {
+            let number = PLANT_NUMBERS.iter().find(|n| n.name() == constant.name);
+            let place = number.and_then(|n| (n.lens)(&mut plant));
+            *place.ok_or_else(|| PidError::OtherConstant { key: constant.name.clone() })? = constant.estimate;
+        }
+        plant.turbulence = self.turbulence(plant.turbulence);
+        for found in &self.effects {
+            found.apply(&mut plant)?;
+        }
         let known = |p: &Estimate| match p.coefficient.as_str() {
             TURBULENCE => Gust::of_name(&p.name).is_some(),
             PROCESS_NOISE => true,
@@ -69,6 +95,21 @@ impl DataSet {
     pub fn not_flown(&self) -> Vec<&str> {
         let driven = |p: &&Estimate| p.coefficient == PROCESS_NOISE && p.estimate > 0.0;
         self.parameters.iter().filter(driven).map(|p| p.name.as_str()).collect()
+    }
+}
+
+impl FoundEffect {
+    /// Puts it into a plant.
+    fn apply(&self, plant: &mut Plant) -> Result<(), PidError> {
+        let values: Vec<f64> = self.parameters.iter().map(|p| p.estimate).collect();
+        let wrong = || PidError::OtherEffect { family: self.family.clone(), numbers: values.len() };
+        let effect = effects::find(&self.family, Acts::Lander).ok_or_else(wrong)?;
+        // An effect that follows run inputs has numbers of theirs behind its own.
+        if values.len() < (effect.parameters)(&[]).len() {
+            return Err(wrong());
+        }
+        (effect.apply)(plant, &values);
+        Ok(())
     }
 }
 
@@ -130,6 +171,8 @@ mod tests {
             covariance: Vec::new(),
             curves: Vec::new(),
             held: held.iter().map(|(name, value)| Held { name: (*name).to_owned(), value: *value }).collect(),
+            constants: Vec::new(),
+            effects: Vec::new(),
         }
     }
 

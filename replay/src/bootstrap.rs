@@ -54,7 +54,8 @@ pub struct BootstrapLine {
     pub covered: f64,
 }
 
-/// Flies and identifies copies of a campaign, with the same ties as the campaign was. A prior is a measurement made elsewhere: every
+/// Flies and identifies copies of a campaign, with the same ties as the campaign was; constants and effects that were found with the parameters
+/// are held in them. A prior is a measurement made elsewhere: every
 /// copy has its own, about the identified value. Copy i is a function of i alone.
 ///
 /// # Errors
@@ -68,7 +69,8 @@ pub fn bootstrap(
     draws: usize,
 ) -> Result<Bootstrap, ReplayError> {
     let set = found.of_all_runs().ok_or(ReplayError::NoDataSet)?;
-    let plant = set.plant(&campaign.plant)?;
+    // Instruments are as declared in what is flown and in what is identified: not every method can undo their errors.
+    let plant = Plant { sensors: campaign.plant.sensors, ..set.plant_in(campaign)? };
     let flown: Vec<(usize, Replay, Release)> = campaign
         .runs
         .par_iter()
@@ -84,12 +86,12 @@ pub fn bootstrap(
         .collect::<Result<_, _>>()?;
     let one = |draw: usize| -> Result<DataSet, ReplayError> {
         let chance = COPIES ^ draw as u64;
-        let mut copy = campaign.clone();
-        copy.plant.aero.values.clone_from(&plant.aero.values);
-        copy.runs.retain(|r| r.used == Use::Identify);
-        for (run, (i, replay, release)) in copy.runs.iter_mut().zip(&flown) {
+        // The model that is flown, its constants and effects held: gusts are the method's own to find, and it takes none from the plant.
+        let mut copy = Campaign { plant: plant.clone(), ..campaign.clone() };
+        copy.knowledge.effects.clear();
+        for (i, replay, release) in &flown {
             let seed = Seed { campaign: chance, run: *i as u64 };
-            run.data = Data::Tunnel(replay.draw(*release, seed)?.record);
+            copy.runs[*i].data = Data::Tunnel(replay.draw(*release, seed)?.record);
         }
         let mut options = EstimateOptions { combined_only: true, compatibility: false, ..options.clone() };
         draw_priors(&mut options.priors, &plant, chance);

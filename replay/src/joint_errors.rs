@@ -3,7 +3,7 @@
 
 use crate::ReplayError;
 use nalgebra::{DMatrix, DVector};
-use windfall_model::{Plant, Structure};
+use windfall_model::{Campaign, Plant, Structure};
 use windfall_pid::DataSet;
 use windfall_sim::{Channel, Seed};
 
@@ -36,14 +36,14 @@ impl JointErrors {
     }
 }
 
-/// `n` plants drawn from what a data set says of the declared plant's parameters: estimates ([`DataSet::plant`]) and their joint normal
-/// errors. Draw i is a function of the seed and i alone. Sizes and lengths of gusts, and what was held, are the same in all.
+/// `n` plants drawn from what a data set says of a campaign's parameters: estimates ([`DataSet::plant_in`]) and their joint normal
+/// errors. Draw i is a function of the seed and i alone. Gusts, constants and effects, and what was held, are the same in all.
 ///
 /// # Errors
 /// [`ReplayError::NoCovariance`] for a set without covariance; an estimate that the plant has no place for.
-pub fn drawn(declared: &Plant, set: &DataSet, n: usize, seed: u64) -> Result<Vec<Plant>, ReplayError> {
-    let estimated = set.plant(declared)?;
-    let errors = JointErrors::of(set, &declared.aero.structure)?;
+pub fn drawn(campaign: &Campaign, set: &DataSet, n: usize, seed: u64) -> Result<Vec<Plant>, ReplayError> {
+    let estimated = set.plant_in(campaign)?;
+    let errors = JointErrors::of(set, &estimated.aero.structure)?;
     Ok((0..n).map(|i| errors.plant(&estimated, Seed { campaign: seed, run: i as u64 })).collect())
 }
 

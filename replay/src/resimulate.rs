@@ -15,7 +15,7 @@ use statistics::{Squares, table_5_6};
 use windfall_model::frames::Vec3;
 use windfall_model::{Campaign, Data, Plant, Run, wrench_at_cm};
 use windfall_pid::coefficients::coefficients;
-use windfall_pid::{Identification, StopReason, rates_and_angles};
+use windfall_pid::{DataSet, FoundNumber, Identification, StopReason, rates_and_angles};
 use windfall_sim::Seed;
 
 pub use bands::Band;
@@ -27,7 +27,7 @@ pub use statistics::{Statistic, Swing, TrajectoryError, instant_errors, mean_med
 /// A parameter's value as flown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FlownParameter {
-    /// Name in the structure, or of a size or scale of the gusts.
+    /// Name in the structure, of a size or scale of the gusts, key of a constant, or family and name of an effect's number.
     pub name: String,
     /// Value. The static moment, which C_m and C_n give apart, is their mean weighted by inverse variance: the plant has one.
     pub value: f64,
@@ -146,7 +146,7 @@ pub fn resimulate_with_draws(
     draws: usize,
 ) -> Result<Resimulation, ReplayError> {
     let set = identification.combined().ok_or(ReplayError::NoDataSet)?;
-    let plant = set.plant(&campaign.plant)?;
+    let plant = set.plant_in(campaign)?;
     let all: Vec<usize> = (0..campaign.runs.len()).collect();
     let plants = if draws > 0 { bands::drawn(&plant, set, draws)? } else { Vec::new() };
     let joined = join(compared(campaign, &plant, &all, seeds, &plants)?);
@@ -169,9 +169,26 @@ pub fn resimulate_with_draws(
     let estimated = |name: &str| set.parameters.iter().any(|p| p.name == name);
     let gust = |(name, value): (&str, f64)| FlownParameter { name: name.to_owned(), value, identified: estimated(name) };
     parameters.extend(set.gusts().into_iter().map(gust));
+    parameters.extend(beside(campaign, set));
     let HoldOut { trajectory, statistics, runs, .. } = joined;
     let (method, data_set) = (identification.method.clone(), set.name.clone());
     Ok(Resimulation { method, data_set, parameters, seeds: seeds.max(1), trajectory, statistics, runs, warnings })
+}
+
+/// Constants and effects that are flown with the parameters.
+fn beside(campaign: &Campaign, set: &DataSet) -> Vec<FlownParameter> {
+    let flown = |name: String, value: f64, identified: bool| FlownParameter { name, value, identified };
+    let mut all: Vec<FlownParameter> =
+        set.constants.iter().map(|c| flown(c.name.clone(), c.estimate, c.std_error.is_some())).collect();
+    for e in &set.effects {
+        let one = |p: &FoundNumber| flown(format!("{}.{}", e.family, p.name), p.estimate, p.std_error.is_some());
+        all.extend(e.parameters.iter().map(one));
+    }
+    for (effect, values) in set.declared_beside(campaign) {
+        let names = (effect.parameters)(&campaign.inputs);
+        all.extend(names.iter().zip(values).map(|(p, v)| flown(format!("{}.{}", effect.family, p.name), *v, false)));
+    }
+    all
 }
 
 fn warnings(campaign: &Campaign, parameters: &[FlownParameter], runs: &[RunComparison]) -> Vec<String> {

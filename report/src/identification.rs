@@ -12,7 +12,7 @@ use crate::wind_tunnel::{differences, points};
 use crate::words::{number, p_value, with_interval};
 use serde_json::Value;
 use windfall_discover::close::{Figure, Role, Series, Topic};
-use windfall_discover::{DataSet, Identification, Identified, NORMAL_95, WindTunnelLine};
+use windfall_discover::{DataSet, FoundNumber, Identification, Identified, NORMAL_95, WindTunnelLine};
 use windfall_replay::{Bootstrap, Resimulation, RunComparison};
 
 /// The body of an identification; none for what is none.
@@ -37,7 +37,7 @@ pub(crate) fn identification(value: &Value, plots: &mut Plots) -> Option<String>
     let mut out = format!("<p class=\"lead\">{}</p>\n", escape(&lead));
     let look = "Look for short bars and for kinds of run that agree: blue are all runs together, grey each kind alone; the dashed line is \
                 the estimate of all.";
-    out += &section("Parameters", look, &(figures + &parameters(combined)));
+    out += &section("Parameters", look, &(figures + &parameters(combined) + &beside(combined)));
     for set in all.data_sets.iter().filter(|d| d.name != combined.name) {
         out += &section(&format!("Parameters from {} runs alone", set.name), "The same from one kind of run.", &parameters(set));
     }
@@ -71,6 +71,19 @@ pub(crate) fn identification(value: &Value, plots: &mut Plots) -> Option<String>
     let note = "Look for ratios near one: scatter of the estimates over copies of the campaign, over the stated error.";
     out += &section("Stated errors against copies", note, &found.bootstrap.as_ref().map_or_else(String::new, copies));
     Some(out + &warnings(&all.warnings))
+}
+
+/// Constants and effects of the model beside its parameters; nothing where there are none.
+fn beside(set: &DataSet) -> String {
+    let row = |name: String, p: &FoundNumber| {
+        let error = p.std_error.map_or_else(|| Cell::text("held"), Cell::number);
+        vec![Cell::text(name), Cell::number(p.estimate), error, Cell::text(if p.unit == "-" { "" } else { &p.unit })]
+    };
+    let mut rows: Vec<Vec<Cell>> = set.constants.iter().map(|c| row(c.name.clone(), c)).collect();
+    for e in &set.effects {
+        rows.extend(e.parameters.iter().map(|p| row(format!("{}: {}", e.family, p.name), p)));
+    }
+    if rows.is_empty() { String::new() } else { table(&["constant or effect of the model", "value", "std error", "unit"], &rows) }
 }
 
 /// How well each coefficient is explained; nothing of methods that do not say.

@@ -227,6 +227,11 @@ fn bare(base: &Base, all_effects: &[EffectValues], flights: Vec<Flight>) -> Opti
         (_, Some(c)) => (c.plant.clone(), c.declared.clone(), c.knowledge.clone()),
         _ => return None,
     };
+    // Draws are flown with the effects that the campaign declares, and their campaigns declare them again.
+    let flown = match (&base.scenario, &base.campaign) {
+        (None, Some(c)) => c.declared_plant(),
+        _ => plant.clone(),
+    };
     let find =
         |(index, e): (usize, &EffectValues)| effects::find(&e.family, Acts::Lander).map(|effect| StudyEffect { effect, index });
     Some(StudyOrder {
@@ -234,8 +239,8 @@ fn bare(base: &Base, all_effects: &[EffectValues], flights: Vec<Flight>) -> Opti
         seed: 0,
         draws: 1,
         part_draws: PART_DRAWS,
-        declared_plant: plant.clone(),
-        plant,
+        declared_plant: plant,
+        plant: flown,
         declared,
         knowledge,
         effects: all_effects.iter().enumerate().filter_map(find).collect(),

@@ -251,7 +251,7 @@ fn unknown(name: &str) -> StudyError {
 fn resimulated(method: Method, campaign: &Campaign, set: &DataSet, out: &mut Cells<'_>) -> Result<(), StudyError> {
     let held: Vec<usize> = (0..campaign.runs.len()).filter(|&i| campaign.runs[i].used == Use::HoldOut).collect();
     let runs = if held.is_empty() { (0..campaign.runs.len()).collect() } else { held };
-    let t = hold_out(campaign, &set.plant(&campaign.plant)?, &runs, 1)?.trajectory;
+    let t = hold_out(campaign, &set.plant_in(campaign)?, &runs, 1)?.trajectory;
     for (name, x) in TRAJECTORY.iter().zip([t.attitude_rms_deg, t.position_rms_m, t.rate_rms_deg_s]) {
         out.number(&format!("{}.resimulate.{name}", method.name()), x);
     }

@@ -23,7 +23,7 @@ pub(super) fn checks(setups: &Setups<'_>) -> Result<Vec<Check>, VerifyError> {
     let campaign = fly_all(setups)?;
     let found = identify(&campaign, Method::EquationError)?;
     let set = found.of_all_runs().ok_or(ReplayError::NoDataSet)?;
-    let plant = set.plant(&campaign.plant)?;
+    let plant = set.plant_in(&campaign)?;
     let held_out: Vec<usize> = (0..campaign.runs.len()).filter(|&i| campaign.runs[i].used == Use::HoldOut).collect();
     let mut all = static_curves(truth, &plant, set);
     all.extend(prediction(&campaign, truth, &plant, &held_out)?);

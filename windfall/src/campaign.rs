@@ -146,7 +146,7 @@ impl Campaign {
     /// An identification of another structure, or without covariance.
     pub fn draw(&self, found: &impl AsRef<Identification>, n: usize, seed: u64) -> Result<Vec<Plant>> {
         let set = found.as_ref().combined().ok_or(ReplayError::NoDataSet)?;
-        Ok(drawn(&self.data.plant, set, n, seed)?)
+        Ok(drawn(&self.data, set, n, seed)?)
     }
     /// What the declared model lacks, and the errors before and after: the content of `close.json`.
     ///

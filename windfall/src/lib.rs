@@ -66,7 +66,9 @@ pub mod results {
     pub use windfall_pid::compatibility::{Compatibility, FALSE_ALARM_RATE, InstrumentError, Instruments, Pressure};
     pub use windfall_pid::plan::{TargetPlan, TestPlan};
     pub use windfall_pid::structure::{Choice, CoefficientChoice, Symmetry};
-    pub use windfall_pid::{DataSet, Estimate, Identifiability, Identification, NORMAL_95, relative_percent};
+    pub use windfall_pid::{
+        DataSet, Estimate, FoundEffect, FoundNumber, Identifiability, Identification, NORMAL_95, relative_percent,
+    };
     pub use windfall_replay::descent::{Descended, DescentSummary, HeightLine, ParameterShare, SteadyFall, TouchDownLine};
     pub use windfall_replay::{Bootstrap, Resimulation, RunComparison, Statistic};
     pub use windfall_sim::{Flown, Truth};

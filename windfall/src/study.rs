@@ -59,7 +59,7 @@ impl Drawing {
         if let (Some(model), Some(campaign)) = (&file.model, &file.campaign) {
             let found: Identification = read_json(model)?;
             let set = found.combined().ok_or(ReplayError::NoDataSet)?;
-            study.plant = set.plant(&campaign.plant).map_err(ReplayError::from)?;
+            study.plant = set.plant_in(campaign).map_err(ReplayError::from)?;
         }
         let prepared = PreparedStudy::new(study, file.campaign.as_ref())?;
         let identity = Identity {

@@ -2,10 +2,9 @@
 //! figures.
 
 use super::{Figure, Role, Series, Topic};
-use crate::wind_tunnel::mean_speed_m_s;
 use windfall_model::{Campaign, Plant, StaticPoints};
 use windfall_pid::NORMAL_95;
-use windfall_pid::bands::{static_name, still_flow};
+use windfall_pid::bands::{mean_speed_m_s, static_name, still_flow};
 
 /// Points of a curve.
 const CURVE: usize = 61;

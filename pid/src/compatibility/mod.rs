@@ -128,6 +128,7 @@ pub fn pressure(campaign: &Campaign) -> Option<Pressure> {
 /// # Errors
 /// As [`crate::output_error::identify`].
 pub fn compatibility(campaign: &Campaign) -> Result<Compatibility, PidError> {
+    let campaign = &campaign.with_effects_in_plant();
     let plants = run_plants(campaign)?;
     let runs = ready(campaign, &plants)?;
     let unknowns = unknowns(campaign, &crate::output_error::EstimateOptions::default())?;

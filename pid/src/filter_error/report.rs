@@ -81,6 +81,8 @@ pub(super) fn data_set(
         condition_number: condition_number(covariance),
         n_samples: filters.iter().map(|f| f.run.record.len()).sum(),
         held: held_scales(point),
+        constants: Vec::new(),
+        effects: Vec::new(),
     }
 }
 

@@ -25,6 +25,8 @@ fn set(parameters: Vec<Estimate>, covariance: Vec<Vec<f64>>) -> DataSet {
         covariance,
         curves: Vec::new(),
         held: vec![Held { name: "held".to_owned(), value: 0.7 }],
+        constants: Vec::new(),
+        effects: Vec::new(),
     }
 }
 

@@ -170,6 +170,8 @@ impl SetWork<'_, '_> {
             condition_number: solved.solution.condition,
             n_samples: runs.iter().map(|r| r.record.len()).sum(),
             held: Vec::new(),
+            constants: Vec::new(),
+            effects: Vec::new(),
         }
     }
 }

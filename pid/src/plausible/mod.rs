@@ -43,7 +43,8 @@ impl fmt::Display for GrossFault {
     }
 }
 
-/// Looks for gross faults of a campaign's declared constants and of all its runs, whatever they are used for.
+/// Looks for gross faults of a campaign's declared constants and of all its runs, whatever they are used for. Declared effects act with their
+/// declared values.
 ///
 /// # Errors
 /// [`PidError::Implausible`] with the first fault found: on samples, then between runs, then in the geometry, then in the balance of
@@ -58,6 +59,7 @@ pub fn plausible(campaign: &Campaign) -> Result<(), PidError> {
 /// The first fault of a campaign, if it has one.
 #[must_use]
 pub fn fault(campaign: &Campaign) -> Option<GrossFault> {
+    let campaign = &campaign.with_effects_in_plant();
     let runs = tunnel_runs(campaign);
     if runs.is_empty() {
         return None;

@@ -21,6 +21,7 @@ pub use select::FAMILY_ERROR;
 pub use shape::{ShapeFit, ShapeSearch, Shaped};
 
 use crate::PidError;
+use crate::declared::left_out;
 use crate::equation_error::{RunRows, processed};
 use crate::interval::ci95;
 use crate::smooth::Smoother;
@@ -153,6 +154,7 @@ pub struct CriterionChoice {
 /// No usable run or a faulty record; nothing that can be determined. Where no trajectory follows the runs, [`Criterion::Likelihood`] becomes
 /// [`Criterion::Subset`] with a warning.
 pub fn choose(campaign: &Campaign, criterion: Criterion) -> Result<Choice, PidError> {
+    let (declaring, campaign) = (campaign, &campaign.with_effects_in_plant());
     let runs = processed(campaign, &Smoother::Auto)?;
     let mut warnings = Vec::new();
     let (mut pools, mut works) = (pools(), Vec::new());
@@ -188,6 +190,7 @@ pub fn choose(campaign: &Campaign, criterion: Criterion) -> Result<Choice, PidEr
             }
         }
     }
+    warnings.extend(left_out(declaring, taken == Criterion::Likelihood, &format!("criterion {}", taken.name())));
     let coefficients = works.iter().enumerate().map(|(i, w)| w.report(taken, likelihood.as_ref().map(|l| (i, l)))).collect();
     Ok(Choice { criterion: taken, runs: runs.iter().map(|r| r.name.clone()).collect(), coefficients, warnings })
 }

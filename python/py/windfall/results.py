@@ -15,13 +15,13 @@ __all__ = [
     "ConfusionLine", "ConstantLine", "Correlation", "Count", "CriterionChoice", "Curve", "DataSet", "Deciding", "DependenceLine",
     "Descent", "DescentEnds", "DescentModel", "DescentReason", "DrawnParameter", "EffectBound", "EffectLine", "Estimate",
     "Estimated", "Explanation", "FailureKind", "FigureOver", "FigureSeparation", "FlownParameter", "Form", "FormCheck",
-    "HeightLine", "Held", "HeldOut", "HeldOutTrajectory", "Identifiability", "Identification", "InnovationLine",
-    "InnovationShape", "InstrumentError", "Instruments", "LandingScatter", "Many", "NextRun", "NoiseLine", "NumberLine",
-    "OutcomeParameter", "ParameterLine", "ParameterShare", "ParameterSummary", "Plan", "PlanOption", "PooledParameter",
-    "Pressure", "Quantile", "Rate", "Record", "RecoveredDraw", "RecoveryLine", "ReliabilityPoint", "Residuals", "Resimulation",
-    "Result", "RunComparison", "Screened", "Separated", "Separation", "SetLine", "ShapeReport", "Sharpened", "Shift",
-    "SimulatedHistory", "Statistic", "StatisticsClosing", "StatisticsOptions", "SteadyFall", "Structure", "Study", "Tally",
-    "TargetPlan", "TermEstimate", "TouchDownLine", "TrajectoryError", "Unexplained", "VariedLine", "Verification",
+    "FoundEffect", "FoundNumber", "HeightLine", "Held", "HeldOut", "HeldOutTrajectory", "Identifiability", "Identification",
+    "InnovationLine", "InnovationShape", "InstrumentError", "Instruments", "LandingScatter", "Many", "NextRun", "NoiseLine",
+    "NumberLine", "OutcomeParameter", "ParameterLine", "ParameterShare", "ParameterSummary", "Plan", "PlanOption",
+    "PooledParameter", "Pressure", "Quantile", "Rate", "Record", "RecoveredDraw", "RecoveryLine", "ReliabilityPoint", "Residuals",
+    "Resimulation", "Result", "RunComparison", "Screened", "Separated", "Separation", "SetLine", "ShapeReport", "Sharpened",
+    "Shift", "SimulatedHistory", "Statistic", "StatisticsClosing", "StatisticsOptions", "SteadyFall", "Structure", "Study",
+    "Tally", "TargetPlan", "TermEstimate", "TouchDownLine", "TrajectoryError", "Unexplained", "VariedLine", "Verification",
     "WindTunnelLine", "WindTunnelModel", "WordLine",
 ]
 
@@ -130,6 +130,22 @@ class Held(Record):
     value: float
 
 
+class FoundNumber(Record):
+    """A number of the model beside its parameters."""
+
+    name: str
+    estimate: float
+    std_error: float | None
+    unit: str
+
+
+class FoundEffect(Record):
+    """An effect as the identified model has it."""
+
+    family: str
+    parameters: list[FoundNumber]
+
+
 class DataSet(Record):
     """Parameters from one set of runs."""
 
@@ -142,6 +158,8 @@ class DataSet(Record):
     covariance: list[list[float]]
     curves: list[Curve]
     held: list[Held]
+    constants: list[FoundNumber]
+    effects: list[FoundEffect]
 
 
 class BootstrapLine(Record):

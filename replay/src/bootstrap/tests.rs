@@ -22,6 +22,8 @@ fn set(estimate: f64, ci95: [f64; 2]) -> DataSet {
         covariance: Vec::new(),
         curves: Vec::new(),
         held: Vec::new(),
+        constants: Vec::new(),
+        effects: Vec::new(),
     }
 }
 

@@ -96,6 +96,14 @@ fn not_identified(set: &DataSet, parameters: &[String]) -> Vec<String> {
     if !held.is_empty() {
         warnings.push(format!("{}: held in the identification, flown as if exact", held.join(", ")));
     }
+    if !set.effects.is_empty() {
+        let families: Vec<&str> = set.effects.iter().map(|e| e.family.as_str()).collect();
+        warnings.push(format!(
+            "{}: effects of the model that was identified, with the sizes of its tunnel and instruments: not flown down, the structure's \
+             parameters alone are",
+            families.join(", ")
+        ));
+    }
     if set.parameters.iter().any(|p| OF_THE_TUNNEL.contains(&p.coefficient.as_str())) {
         warnings.push(
             "gusts and random moments found in the tunnel are the tunnel's; the scenario says which the planet has".to_owned(),

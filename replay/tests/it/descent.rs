@@ -39,6 +39,8 @@ fn found(parameters: &[(&str, &str, f64, f64)]) -> Identification {
         covariance,
         curves: Vec::new(),
         held: Vec::new(),
+        constants: Vec::new(),
+        effects: Vec::new(),
     };
     Identification {
         method: "made".to_owned(),

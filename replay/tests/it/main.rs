@@ -2,6 +2,7 @@
 
 mod common;
 mod compatibility;
+mod declared_effects;
 mod descent;
 mod gross;
 mod identification;

@@ -206,6 +206,8 @@ fn set(parameters: Vec<Estimate>) -> DataSet {
         covariance: vec![],
         curves: vec![],
         held: vec![],
+        constants: Vec::new(),
+        effects: Vec::new(),
     }
 }
 

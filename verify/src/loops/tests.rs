@@ -25,6 +25,8 @@ fn set(intervals: &[(&str, [f64; 2])]) -> DataSet {
         covariance: Vec::new(),
         curves: Vec::new(),
         held: Vec::new(),
+        constants: Vec::new(),
+        effects: Vec::new(),
     }
 }
 
