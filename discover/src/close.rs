@@ -43,6 +43,7 @@ pub use result::{
     After, CandidateLine, Closing, ConstantLine, EffectBound, EffectLine, Form, FormCheck, HeldOut, HeldOutTrajectory, NoiseLine,
     ParameterLine, SetLine, Shift, Unexplained, Verdict,
 };
+pub use sides::Sides;
 pub use signals::{BodyShape, RunTracks, SignalTracks, TrackSignal};
 pub use smoothing::{SmoothingTracks, smoothing};
 pub use tracks::{coefficient_tracks, flight_tracks, tracks};
@@ -78,16 +79,15 @@ pub fn close(campaign: &Campaign, options: &Options) -> Result<Closing, Discover
         return points::close(campaign, options);
     }
     let closing = likely::close(campaign, options)?;
-    let wind_tunnel = static_points(campaign, &closing)?;
+    let wind_tunnel = static_points(campaign, closing.plants()?)?;
     Ok(Closing { wind_tunnel, ..closing })
 }
 
 /// Both sides of a closing at the points of wind-tunnel tests.
-fn static_points(campaign: &Campaign, closing: &Closing) -> Result<Vec<WindTunnelLine>, DiscoverError> {
+fn static_points(campaign: &Campaign, sides: &Sides) -> Result<Vec<WindTunnelLine>, DiscoverError> {
     if campaign.knowledge.wind_tunnel.is_empty() {
         return Ok(Vec::new());
     }
-    let sides = sides::sides_of(campaign, closing);
     let plants: Vec<(&str, &Plant)> =
         sides.each().map(|(role, p)| (if role == Role::Before { "before" } else { "after" }, p)).collect();
     Ok(wind_tunnel::of_plants(campaign, &plants, reached_rad(campaign)?))

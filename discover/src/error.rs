@@ -56,6 +56,15 @@ pub enum DiscoverError {
         /// Why.
         stop: StopReason,
     },
+    /// A closing without the plants that it found.
+    #[error(
+        "{campaign}: this closing was read from a file, which does not hold the plants that it found; close the campaign again to have its \
+         figures and tracks"
+    )]
+    NoSides {
+        /// Campaign.
+        campaign: String,
+    },
     /// Knowledge of a parameter that the structure does not have.
     #[error("{what} {name}: no parameter of this structure; parameters: {allowed}")]
     UnknownParameter {

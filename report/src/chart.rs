@@ -22,8 +22,7 @@ pub(crate) fn look(role: Role) -> Look {
 pub(crate) fn chart(f: &Figure, [w, h]: [f64; 2]) -> Option<LineDrawing> {
     let [below, above, right] = ROOM;
     let xs = f.series.iter().flat_map(|s| s.x.iter().copied());
-    let ys = f.series.iter().flat_map(|s| s.y.iter().chain(s.band.iter().flatten().flatten()).copied());
-    let y = Scale::new(ys, f.log_y, h - below, above)?;
+    let y = Scale::new(ordinates(f).into_iter(), f.log_y, h - below, above)?;
     let widest = y.ticks().iter().map(|(_, t)| width(t)).fold(0.0, f64::max);
     let left = (widest + LETTERS + 16.0).ceil();
     let x = Scale::new(xs.chain(f.marks.iter().copied()), f.log_x, left, w - right)?.tight();
@@ -43,6 +42,20 @@ pub(crate) fn chart(f: &Figure, [w, h]: [f64; 2]) -> Option<LineDrawing> {
     }
     f.series.iter().filter(|s| s.points).for_each(|s| dots(&mut d, &x, &y, s));
     Some(d)
+}
+
+/// Ordinates and bands that set the scale: of the figure's interior where it has one with any of them in it, else all.
+fn ordinates(f: &Figure) -> Vec<f64> {
+    let of = |[from, to]: [f64; 2]| -> Vec<f64> {
+        let all = |s: &Series| -> Vec<f64> {
+            let here: Vec<usize> = (0..s.x.len().min(s.y.len())).filter(|&i| (from..=to).contains(&s.x[i])).collect();
+            let band = s.band.iter().flatten();
+            here.iter().map(|&i| s.y[i]).chain(band.flat_map(|b| here.iter().map(|&i| b[i]))).collect()
+        };
+        f.series.iter().flat_map(all).collect()
+    };
+    let whole = [f64::NEG_INFINITY, f64::INFINITY];
+    f.interior.map(of).filter(|inside| inside.iter().any(|v| v.is_finite())).unwrap_or_else(|| of(whole))
 }
 
 /// Discs, with their bands as error bars.
@@ -70,6 +83,36 @@ fn pieces(x: &Scale, y: &Scale, s: &Series) -> Vec<Vec<[f64; 2]>> {
         }
     }
     all.retain(|p| !p.is_empty());
+    all.into_iter().flat_map(|piece| within(&piece, y.ends())).collect()
+}
+
+/// Pieces of a curve between two heights of the paper, cut where it passes them.
+fn within(curve: &[[f64; 2]], [low, high]: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
+    let is_inside = |p: &[f64; 2]| (low..=high).contains(&p[1]);
+    // A straight line from a point inside to the end that it passes.
+    let cut = |from: [f64; 2], to: [f64; 2]| {
+        let end = to[1].clamp(low, high);
+        let share = (end - from[1]) / (to[1] - from[1]);
+        [from[0] + share * (to[0] - from[0]), end]
+    };
+    let mut all: Vec<Vec<[f64; 2]>> = vec![Vec::new()];
+    let mut last: Option<[f64; 2]> = None;
+    for p in curve {
+        let (was, is) = (last.filter(is_inside), is_inside(p));
+        let Some(piece) = all.last_mut() else { break };
+        match (was, last) {
+            (Some(a), _) if !is => piece.push(cut(a, *p)),
+            (None, Some(a)) if is => piece.push(cut(*p, a)),
+            _ => {}
+        }
+        if is {
+            piece.push(*p);
+        } else if !piece.is_empty() {
+            all.push(Vec::new());
+        }
+        last = Some(*p);
+    }
+    all.retain(|piece| !piece.is_empty());
     all
 }
 
@@ -191,4 +234,37 @@ fn range(d: &mut LineDrawing, x: &Scale, r: &Range, y: f64, [name_at, note_at]: 
     }
     d.text(Look::Ink, [name_at, y + 3.5], Anchor::End, r.name.clone());
     d.text(Look::Soft, [note_at, y + 3.5], Anchor::Start, r.note.clone());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use windfall_discover::close::Series;
+
+    /// Of a curve that is 6.2 to 7.5 inside and 26 at its end, the inside sets the scale, and the curve is cut where it leaves the figure: halfway
+    /// between 7 and 27 the paper would end at 7.565, so that the cut is at 0.02825 of that step.
+    #[test]
+    fn exact_the_ends_do_not_set_the_scale() {
+        let series = vec![Series { x: vec![0.0, 1.0, 2.0, 3.0], y: vec![6.2, 7.5, 7.0, 27.0], ..Series::default() }];
+        let figure = Figure { series, interior: Some([0.0, 2.5]), ..Figure::default() };
+        let drawn = |f: &Figure| chart(f, SIZE).expect("something to draw");
+        let curve = |d: &LineDrawing| -> Vec<[f64; 2]> {
+            d.items
+                .iter()
+                .find_map(|i| if let Item::Line { look: Look::Measured, pieces } = i { Some(pieces.concat()) } else { None })
+                .expect("a curve")
+        };
+        let inside = curve(&drawn(&figure));
+        let [below, above, _] = ROOM;
+        let (bottom, low, high) = (SIZE[1] - below, 6.2 - 0.065, 7.5 + 0.065);
+        let at = |v: f64| bottom + (v - low) / (high - low) * (above - bottom);
+        for (p, v) in inside.iter().zip([6.2, 7.5, 7.0]) {
+            assert!((p[1] - at(v)).abs() < 1e-9, "{p:?} for {v}");
+        }
+        let share = (high - 7.0) / 20.0;
+        let [step, cut] = [inside[2][0] - inside[1][0], inside[3][0] - inside[2][0]];
+        assert!((inside[3][1] - above).abs() < 1e-9 && (cut / step - share).abs() < 1e-9, "{inside:?}");
+        // Without an interior all of it is inside.
+        assert_eq!(curve(&drawn(&Figure { interior: None, ..figure })).len(), 4);
+    }
 }

@@ -47,7 +47,7 @@ fn of_tracks(id: &str, t: &SignalTracks, pool: &mut SeriesPool) -> Value {
 
 fn of_run(r: &RunTracks, pool: &mut SeriesPool) -> Value {
     let channels: Vec<Value> = r.channels.iter().map(|c| of_channel(c, pool)).collect();
-    json!({ "name": r.name, "kind": r.kind, "use": r.used, "t": pool.put(&r.t_s), "channels": channels })
+    json!({ "name": r.name, "kind": r.kind, "use": r.used, "t": pool.put(&r.t_s), "interior": r.interior_s, "channels": channels })
 }
 
 fn of_channel(c: &TrackSignal, pool: &mut SeriesPool) -> Value {

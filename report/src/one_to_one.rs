@@ -5,7 +5,7 @@ use crate::legend::key;
 use crate::plot::Plots;
 use windfall_discover::close::{Figure, Role, RunTracks, Series, SignalTracks, Topic};
 
-/// Ends of a run that are left out, s: derivatives hang on one side there.
+/// Ends of a run that are left out where the run does not say which, s: derivatives hang on one side there.
 const EDGE_S: f64 = 0.5;
 /// Most points of a figure's series.
 const POINTS: usize = 400;
@@ -26,8 +26,8 @@ pub(crate) fn one_to_one(t: &SignalTracks, plots: &mut Plots) -> String {
     }
     marks.push(("noise", "model as measured"));
     let lead = "Look for a cloud along the dashed line, as narrow at its ends as in its middle: a cloud that bends or turns away from it is a term that the \
-                structure lacks, one that is only wide is noise of the record. Each point an instant; the first and \
-                last half second of a run, where derivatives hang on one side, are left out.";
+                structure lacks, one that is only wide is noise of the record. Each point an instant; the \
+                ends of a run, where the smoother hangs on one side, are left out.";
     section("Model over measurement", lead, &format!("{}<div class=\"grid\">{drawn}</div>\n", key(&marks)))
 }
 
@@ -36,8 +36,8 @@ fn figure(t: &SignalTracks, name: &str, unit: &str) -> Figure {
         let own = |r: &&RunTracks| (r.used == "hold-out") == held;
         let pairs = |r: &RunTracks| -> Vec<[f64; 2]> {
             let Some(c) = r.channels.iter().find(|c| c.name == name) else { return Vec::new() };
-            let end_s = r.t_s.last().copied().unwrap_or(0.0) - EDGE_S;
-            let inside = |t: &f64| (EDGE_S..=end_s).contains(t);
+            let [from_s, end_s] = r.interior_s.unwrap_or([EDGE_S, r.t_s.last().copied().unwrap_or(0.0) - EDGE_S]);
+            let inside = |t: &f64| (from_s..=end_s).contains(t);
             let all = r.t_s.iter().zip(c.measured.iter().zip(&c.after)).filter(|(t, _)| inside(t)).map(|(_, (m, a))| [*m, *a]);
             all.filter(|p| p.iter().all(|x| x.is_finite())).collect()
         };
@@ -91,6 +91,7 @@ mod tests {
                 after,
             }],
             notes: Vec::new(),
+            interior_s: None,
         };
         let runs = vec![
             run("identify", vec![9.0, 0.3, 0.1, 9.0], vec![0.0, 0.25, 0.1, 0.0]),

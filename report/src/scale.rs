@@ -28,6 +28,10 @@ impl Scale {
         let x = if self.log { v.log10() } else { v };
         x.is_finite().then(|| self.from + (x - self.low) / (self.high - self.low) * (self.to - self.from))
     }
+    /// Least and largest place on the paper.
+    pub(crate) fn ends(&self) -> [f64; 2] {
+        [self.from.min(self.to), self.from.max(self.to)]
+    }
     /// Round values inside, with their labels.
     pub(crate) fn ticks(&self) -> Vec<(f64, String)> {
         if self.log {

@@ -27,7 +27,8 @@ pub(crate) fn signals(id: &str, t: &SignalTracks) -> String {
     let coefficients = t.runs.iter().all(|r| !r.channels.iter().any(|c| c.name.starts_with('X')));
     if coefficients {
         let lead = "Look for a blue curve inside the grey one, and for a residual without shape: the coefficient that the record's motion \
-                    needs (grey), and the identified model at the same states (blue). Drag to zoom, with shift to move, all channels follow; double click \
+                    needs (grey), smoothed as the method does, and the identified model at the same states (blue). The scale is that of the run \
+                    without its ends, where the smoother hangs on one side and the noise of its derivatives is many times that inside. Drag to zoom, with shift to move, all channels follow; double click \
                     shows all.";
         return section("Coefficients over time", lead, &body);
     }
@@ -52,6 +53,7 @@ fn still(run: &RunTracks) -> String {
             title: format!("{}: {}", run.name, c.name),
             x_label: "time in the run (s)".to_owned(),
             y_label: unit,
+            interior: run.interior_s,
             series: sides
                 .into_iter()
                 .filter(|(_, y)| !y.is_empty())

@@ -56,6 +56,7 @@ mod tests {
             t_s: series,
             channels: vec![channel],
             notes: Vec::new(),
+            interior_s: None,
         };
         let signals = SignalTracks { runs: vec![run], body: BodyShape::default(), ..SignalTracks::default() };
         let mut plots = Plots::default();

@@ -89,7 +89,7 @@ fn after(c: &Closing) -> String {
     let angle = |h: &HeldOut| h.trajectory.and_then(|t| t.attitude_rms_deg);
     let added = c.verdict == Verdict::Effect;
     let pair = |what: &str, b: f64, a: f64, unit: &str| {
-        if added { format!("{what} {}{unit} → {}{unit}", number(b), number(a)) } else { format!("{what} {}{unit}", number(a)) }
+        if added { format!("{what} {}{unit} → {}{unit}", number(b), number(a)) } else { format!("{what} {}{unit}", number(b)) }
     };
     let attitude = angle(b).zip(angle(a)).map(|(b, a)| pair("attitude", b, a, "°"));
     let position = b.position_rms_m.zip(a.position_rms_m).map(|(b, a)| pair("position", 1e3 * b, 1e3 * a, " mm"));

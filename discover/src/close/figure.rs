@@ -81,6 +81,9 @@ pub struct Figure {
     /// Abscissae that are marked by a line.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub marks: Vec<f64>,
+    /// Abscissae between which the ordinates set the scale, where not all do: curves may leave the figure beyond.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interior: Option<[f64; 2]>,
     /// Curves.
     pub series: Vec<Series>,
 }

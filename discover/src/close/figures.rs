@@ -5,7 +5,7 @@ use super::balance::{BalanceResidual, BandPowers};
 use super::figure::{Figure, Role, Series, Topic, thinned};
 use super::flown::held_out;
 use super::settings::{lift, pushes};
-use super::sides::{Sides, sides_of};
+use super::sides::Sides;
 use super::track_shape::{ShapeChannel, shapes};
 use super::whitened::whitened;
 use super::{Closing, Options, Verdict, runs_of};
@@ -24,28 +24,27 @@ const CHANNELS: usize = 3;
 /// Figures of a closing. Nothing new is estimated but the initial states of held-out runs.
 ///
 /// # Errors
-/// As closing itself.
+/// A closing that was read from a file; as closing itself.
 pub fn figures(campaign: &Campaign, closing: &Closing, options: &Options) -> Result<Vec<Figure>, DiscoverError> {
     let used = runs_of(campaign, Use::Identify);
     let held = runs_of(campaign, Use::HoldOut);
-    let mut sides = sides_of(campaign, closing);
+    let sides = closing.plants()?;
     if campaign.has_tracks() {
-        sides.after.iter_mut().for_each(|p| set_constants(campaign, closing, p));
         let evidence = TrackEvidence::new(campaign, if held.is_empty() { &used } else { &held }, &sides.before)?;
-        let flown = runs_flown(&evidence, &sides);
+        let flown = runs_flown(&evidence, sides);
         let mut all = tracks(&flown);
         all.extend(track_shapes(campaign, &flown));
         let kind = campaign.measured();
-        all.extend(whitened(&evidence, &sides, |axis| label(kind, axis).0));
+        all.extend(whitened(&evidence, sides, |axis| label(kind, axis).0));
         let evidence = TrackEvidence::new(campaign, &used, &sides.before)?;
-        all.extend(pushes_by_run(campaign, &sides)?);
-        all.extend(over_variables(&|plant| evidence.lead_table(plant), &sides, closing));
+        all.extend(pushes_by_run(campaign, sides)?);
+        all.extend(over_variables(&|plant| evidence.lead_table(plant), sides, closing));
         return Ok(all);
     }
     let balance = BalanceResidual::new(campaign, &used, options)?;
-    let mut all = held_out(campaign, &held, &sides)?;
-    all.extend(over_variables(&|plant| balance.lead_table(plant), &sides, closing));
-    all.extend(spectra(&balance, &sides));
+    let mut all = held_out(campaign, &held, sides)?;
+    all.extend(over_variables(&|plant| balance.lead_table(plant), sides, closing));
+    all.extend(spectra(&balance, sides));
     if !campaign.knowledge.wind_tunnel.is_empty() {
         let plants: Vec<(Role, &Plant)> = sides.each().collect();
         all.extend(super::static_curves::figures(campaign, &plants, super::reached_rad(campaign)?));
@@ -63,7 +62,7 @@ fn pushes_by_run(campaign: &Campaign, sides: &Sides) -> Result<Vec<Figure>, Disc
     let flown = runs_flown(&evidence, sides);
     let kind = campaign.measured();
     let std_m = stated_std(&campaign.plant, kind, 0);
-    let lift = lift(campaign, sides.after.as_ref().unwrap_or(&sides.before), &evidence, std_m);
+    let lift = lift(campaign, sides.last(), &evidence, std_m);
     let pushes = pushes(campaign, &flown, [0, 1, 2].map(|k| label(kind, k).0), std_m);
     Ok(lift.into_iter().chain(pushes).collect())
 }
@@ -73,20 +72,10 @@ pub(super) fn runs_flown(evidence: &TrackEvidence, sides: &Sides) -> Vec<(Role, 
     sides.each().map(|(role, plant)| (role, evidence.series(plant))).collect()
 }
 
-/// Uncertain constants as closing estimates them.
-fn set_constants(campaign: &Campaign, closing: &Closing, plant: &mut Plant) {
-    for line in &closing.constants {
-        let constant = campaign.knowledge.constants.iter().find(|c| c.name() == line.key);
-        if let Some(x) = constant.and_then(|c| (c.lens)(plant)) {
-            *x = line.estimate;
-        }
-    }
-}
-
 /// Amplitude spectra of the six residuals, runs joined, in bands of frequency.
 fn spectra(balance: &BalanceResidual<'_>, sides: &Sides) -> Vec<Figure> {
     let all: Vec<(Role, [BandPowers; 6])> = sides.each().map(|(role, plant)| (role, balance.spectra(plant))).collect();
-    let noise = balance.noise(sides.after.as_ref().unwrap_or(&sides.before));
+    let noise = balance.noise(sides.last());
     let curve = |role: Role, bands: &BandPowers| {
         let (x, y): (Vec<f64>, Vec<f64>) = bands.iter().map(|(f, power)| (*f, power.sqrt())).unzip();
         thinned(role, &x, &y)

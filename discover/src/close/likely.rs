@@ -4,13 +4,13 @@ use super::chance::p_value;
 use super::result::{ConstantLine, Form, FormCheck, NoiseLine, Residuals};
 use super::sets::{contradicted, probability, rivals, sets, unsettled};
 use super::{
-    After, CandidateLine, ChannelResidual, Closing, EffectBound, EffectLine, HeldOut, Options, ParameterLine, Shift, Unexplained,
-    Verdict, runs_of,
+    After, CandidateLine, ChannelResidual, Closing, EffectBound, EffectLine, HeldOut, Options, ParameterLine, Shift, Sides,
+    Unexplained, Verdict, runs_of,
 };
 use crate::DiscoverError;
 use statrs::distribution::{ContinuousCDF, Normal};
 use windfall_likelihood::{CONTRADICTED, Discovery, Engine, Fit, Id, Lead, Member, discover};
-use windfall_model::{CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, POSE, Role, Use};
+use windfall_model::{CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, POSE, Plant, Role, Use};
 use windfall_pid::NORMAL_95;
 use windfall_replay::{ReplayError, hold_out};
 
@@ -35,7 +35,9 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
     let contradicted = contradicted(&found);
     let mut unexplained = unexplained(&found, &contradicted, &engine, options);
     let before = found.before.as_ref().unwrap_or(after);
-    let [side_before, side_after] = [before, after].map(|fit| side(campaign, &engine, fit, &held, options));
+    let plants = [before, after].map(|fit| fit.model.plant(engine.campaign()));
+    let of = |fit, plant| side(campaign, &engine, fit, plant, &held, options);
+    let (side_before, side_after) = (of(before, &plants[0]), of(after, &plants[1]));
     let held_out_gain = held_out_gain(&side_before, &side_after).filter(|_| after.model.members.iter().any(|m| !m.declared));
     unexplained.extend(held_out_gain.and_then(|gain| against_held_out(gain, &found)));
     let effects: Vec<EffectLine> = after
@@ -51,6 +53,8 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         (true, false) => Verdict::Unexplained,
         (true, true) => Verdict::Consistent,
     };
+    let [plant_before, plant_after] = plants;
+    let sides = Some(Sides { before: plant_before, after: (!effects.is_empty()).then_some(plant_after) });
     Ok(Closing {
         campaign: campaign.name.clone(),
         verdict,
@@ -72,6 +76,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         effects,
         wind_tunnel: Vec::new(),
         false_alarm_rate: options.false_alarm,
+        sides,
     })
 }
 
@@ -142,16 +147,11 @@ fn constants(campaign: &Campaign, fit: &Fit) -> Vec<ConstantLine> {
                 declared,
                 uncertainty: c.std,
                 estimate: declared + fit.model.constants[i],
-                std_error: error_of(fit, Id::Constant(i)),
+                std_error: fit.std_error(Id::Constant(i)),
                 unit: c.unit.to_owned(),
             }
         })
         .collect()
-}
-
-fn error_of(fit: &Fit, id: Id) -> Option<f64> {
-    let place = fit.numbers.iter().position(|n| n.id == id)?;
-    Some(fit.covariance[(place, place)].sqrt()).filter(|s| s.is_finite())
 }
 
 /// Channel of the pose whose innovations are left largest over noise.
@@ -176,7 +176,7 @@ fn effect_line(
         .enumerate()
         .map(|(i, p)| {
             let random = found.random_ranges.iter().find(|range| range.place == (k, i));
-            let std = random.map(|range| range.std).or_else(|| error_of(fit, Id::Member(k, i)));
+            let std = random.map(|range| range.std).or_else(|| fit.std_error(Id::Member(k, i)));
             let value = random.map_or(m.values[i], |range| range.value);
             let line = ParameterLine::new("", &p.name, value, std.unwrap_or(f64::NAN), p.unit);
             ParameterLine { ci95: random.map(|range| range.ci95).or(line.ci95), ..line }
@@ -364,20 +364,19 @@ fn parameters(campaign: &Campaign, fit: &Fit) -> Vec<ParameterLine> {
         .filter(|&i| campaign.declared[i])
         .map(|i| {
             let coefficient = structure.contributions.iter().find(|c| c.parameter == i).map_or("", |c| c.coefficient.name());
-            let std = error_of(fit, Id::Declared(i)).unwrap_or(f64::NAN);
+            let std = fit.std_error(Id::Declared(i)).unwrap_or(f64::NAN);
             ParameterLine::new(coefficient, &structure.parameters[i], fit.model.declared[i], std, "-")
         })
         .collect()
 }
 
 /// Parameters and errors on held-out runs. Runs on which the model cannot be flown again have no trajectory.
-fn side(campaign: &Campaign, engine: &Engine, fit: &Fit, held: &[usize], options: &Options) -> After {
-    let plant = fit.model.plant(engine.campaign());
+fn side(campaign: &Campaign, engine: &Engine, fit: &Fit, plant: &Plant, held: &[usize], options: &Options) -> After {
     let flights = if plant.disturbances(1.0).is_empty() { 1 } else { options.flights };
     let hold_out = if held.is_empty() || options.flights == 0 {
         None
     } else {
-        hold_out(campaign, &plant, held, flights).ok().map(|h| HeldOut::of_tunnel(h, engine.predictive(fit, held)))
+        hold_out(campaign, plant, held, flights).ok().map(|h| HeldOut::of_tunnel(h, engine.predictive(fit, held)))
     };
     After { parameters: parameters(campaign, fit), hold_out }
 }

@@ -8,12 +8,12 @@
 use super::chance::{p_least, p_value, p_value_of_best};
 use super::{
     After, CandidateLine, ChannelResidual, Closing, ConstantLine, EffectBound, EffectLine, Form, HeldOut, NoiseLine, Options,
-    ParameterLine, SetLine, Shift, Verdict, lead, result, runs_of,
+    ParameterLine, SetLine, Shift, Sides, Verdict, lead, result, runs_of,
 };
 use crate::DiscoverError;
 use crate::close::result::FormCheck;
 use crate::tracks::{Free, Problem, TrackEvidence, TrackFit, TrackModel};
-use windfall_model::{Acts, Campaign, Measured, Use};
+use windfall_model::{Acts, Campaign, Measured, Plant, Use};
 use windfall_pid::{NORMAL_95, StopReason};
 use windfall_replay::ReplayError;
 
@@ -61,6 +61,8 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         (true, false) => Verdict::Unexplained,
         (true, true) => Verdict::Consistent,
     };
+    let plant = |fit: &TrackFit| outward_plant(campaign, &settings, fit);
+    let sides = Some(Sides { before: plant(start), after: (!effects.is_empty()).then(|| plant(best)) });
     Ok(Closing {
         campaign: campaign.name.clone(),
         verdict,
@@ -82,6 +84,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         after: side(&own, best, held.as_ref()),
         wind_tunnel: Vec::new(),
         false_alarm_rate: options.false_alarm,
+        sides,
     })
 }
 
@@ -250,6 +253,15 @@ fn constants(campaign: &Campaign, fit: &TrackFit) -> Vec<ConstantLine> {
             }
         })
         .collect()
+}
+
+/// The plant of a fit, its effects following the run inputs in the campaign's own units.
+fn outward_plant(campaign: &Campaign, settings: &Settings, fit: &TrackFit) -> Plant {
+    let mut own = fit.hypothesis.clone();
+    for k in 0..own.effects.len() {
+        own.effects[k].values = settings.outward(fit, k).into_iter().map(|(value, _)| value).collect();
+    }
+    own.plant(&campaign.plant)
 }
 
 /// Parameters and errors on runs held out.

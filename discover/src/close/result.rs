@@ -1,5 +1,6 @@
 //! discover: the result of closing, in the words of the contract's close.json. In: numbers. Out: serialisable rows.
 
+use crate::DiscoverError;
 use crate::residual::ChannelResidual;
 use serde::{Deserialize, Serialize};
 use windfall_model::{Measured, Pivot};
@@ -379,9 +380,19 @@ pub struct Closing {
     pub wind_tunnel: Vec<crate::WindTunnelLine>,
     /// Stated chance of naming an effect in a campaign without one, per round.
     pub false_alarm_rate: f64,
+    /// The plants that the figures of `before` and `after` are of; none of a closing that was read from a file.
+    #[serde(skip)]
+    pub sides: Option<super::Sides>,
 }
 
 impl Closing {
+    /// The plants of both sides.
+    ///
+    /// # Errors
+    /// A closing that was read from a file, which does not hold them.
+    pub(super) fn plants(&self) -> Result<&super::Sides, DiscoverError> {
+        self.sides.as_ref().ok_or_else(|| DiscoverError::NoSides { campaign: self.campaign.clone() })
+    }
     /// What is to be said of how runs were taken and how the search ended, a text each.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {

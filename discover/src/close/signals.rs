@@ -60,6 +60,10 @@ pub struct RunTracks {
     /// What reading the file bridged, removed or split.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
+    /// Times from the first sample, s, between which a chart takes its scale: beyond, the smoother hangs on one side. None where the whole
+    /// run sets it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interior_s: Option<[f64; 2]>,
 }
 
 /// One signal. A series that ends early was flown no further; an empty one is not known.
@@ -106,5 +110,6 @@ pub(super) fn named(run: &Run) -> RunTracks {
         t_s: Vec::new(),
         channels: Vec::new(),
         notes: run.notes.clone(),
+        interior_s: None,
     }
 }

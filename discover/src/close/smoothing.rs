@@ -52,7 +52,7 @@ pub fn smoothing(campaign: &Campaign, smoother: &Smoother) -> Result<SmoothingTr
     let noise: PerChannel<f64> = std::array::from_fn(|c| per_unit(c) * declared[c]);
     let thin = thinning(campaign, SAMPLES);
     let runs = pairs.iter().map(|p| of_run(p, &noise, thin)).collect();
-    let signals = SignalTracks { after: "smoothed".to_owned(), runs, ..empty(campaign) };
+    let signals = SignalTracks { after: "smoothed".to_owned(), runs, ..empty(campaign, &campaign.plant) };
     let spectra = if pairs.is_empty() { Vec::new() } else { (0..CHANNELS).map(|c| spectrum(c, &pairs, noise[c])).collect() };
     Ok(SmoothingTracks { signals, spectra })
 }
@@ -99,6 +99,7 @@ fn spectrum(c: usize, pairs: &[SmoothedRun<'_>], noise: f64) -> Figure {
         log_x: true,
         marks,
         series,
+        ..Figure::default()
     }
 }
 

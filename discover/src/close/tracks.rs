@@ -3,16 +3,17 @@
 
 use super::figure::{short, times};
 use super::figures::runs_flown;
-use super::sides::{Sides, sides_of};
+use super::sides::Sides;
 use super::signals::{BodyShape, RunTracks, SignalTracks, TrackSignal, named};
 use super::slope::slope;
 use super::{Closing, Role};
 use crate::DiscoverError;
 use crate::tracks::{TrackEvidence, stated_std};
 use rayon::prelude::*;
-use windfall_model::{Campaign, Coefficient, Data, Measured, Plant, Record, Run};
-use windfall_pid::coefficients::coefficients;
-use windfall_pid::{Identification, rates_and_angles};
+use windfall_model::{Aero, Campaign, Coefficient, Data, Measured, Plant, Record, Run, Variable};
+use windfall_pid::coefficients::CoefficientRow;
+use windfall_pid::smooth::Smoother;
+use windfall_pid::{Identification, Method, process, rates_and_angles};
 use windfall_replay::{Replay, ReplayError, estimate_initial};
 use windfall_sim::Flown;
 
@@ -25,12 +26,12 @@ const COEFFICIENT_SAMPLES: usize = 6_000;
 /// effects added. Of point bodies the position.
 ///
 /// # Errors
-/// As closing itself. A run that cannot be flown again has its measurement alone.
+/// A closing that was read from a file; as closing itself. A run that cannot be flown again has its measurement alone.
 pub fn tracks(campaign: &Campaign, closing: &Closing) -> Result<SignalTracks, DiscoverError> {
-    let sides = sides_of(campaign, closing);
+    let sides = closing.plants()?;
     let after = if sides.after.is_some() { "with the effects added" } else { "" };
-    let runs = of_runs(campaign, &sides)?;
-    Ok(SignalTracks { before: "declared model".to_owned(), after: after.to_owned(), runs, ..empty(campaign) })
+    let runs = of_runs(campaign, sides)?;
+    Ok(SignalTracks { before: "declared model".to_owned(), after: after.to_owned(), runs, ..empty(campaign, sides.last()) })
 }
 
 /// The same with an identified model, whose series are those of role `after`.
@@ -45,41 +46,45 @@ pub fn flight_tracks(campaign: &Campaign, found: &Identification) -> Result<Sign
         Some(tunnel_run(run, record, &[(Role::After, campaign.plant_for(&plant, i))], thin))
     };
     let runs = campaign.runs.par_iter().enumerate().filter_map(one).collect();
-    Ok(SignalTracks { after: "identified model".to_owned(), runs, ..empty(campaign) })
+    Ok(SignalTracks { after: "identified model".to_owned(), runs, ..empty(campaign, &plant) })
 }
 
-/// Coefficients that the record's motion needs, about the geometric origin, beside those of an identified model at the same states.
+/// Coefficients that the record's motion needs, about the geometric origin, beside those of an identified model at the same states. The record
+/// is smoothed as the method does, and each coefficient has the estimates of its own data: regression gives C_m and C_n the static moment
+/// apart.
 ///
 /// # Errors
 /// No data set, or an identification of another structure.
 pub fn coefficient_tracks(campaign: &Campaign, found: &Identification) -> Result<SignalTracks, DiscoverError> {
-    let plant = identified(campaign, found)?;
+    let set = found.combined().ok_or(ReplayError::NoDataSet)?;
+    let plant = set.plant_in(campaign)?;
+    let own = Coefficient::ALL.map(|c| set.values_of(c, &plant.aero));
+    let smoother = Method::of_name(&found.method).map_or(Smoother::Auto, Method::smoother);
     let thin = thinning(campaign, COEFFICIENT_SAMPLES);
     let one = |(i, run): (usize, &Run)| -> Option<RunTracks> {
         let Data::Tunnel(record) = &run.data else { return None };
-        let own = campaign.plant_for(&plant, i);
-        let replay = Replay::new(record, &own).ok()?;
-        let rows = coefficients(replay.states(), &own);
-        let mut all: Vec<TrackSignal> = Coefficient::ALL.iter().map(|c| TrackSignal::new(c.name(), "", None)).collect();
-        let mut angle = TrackSignal::new("α_T", "deg", None);
-        for (row, state) in rows.iter().zip(replay.states()).step_by(thin) {
-            let model = own.aero.coefficients(&row.flow);
-            for (c, channel) in all.iter_mut().enumerate() {
-                channel.measured.push(short(row.exp_origin[c]));
-                channel.after.push(short(model[c]));
-            }
-            angle.measured.push(short(state.alpha_t.to_degrees()));
-        }
-        all.push(angle);
-        Some(RunTracks { t_s: times(&record.t_s, thin), channels: all, ..named(run) })
+        let processed = process(&run.name, &run.kind, record, &campaign.plant_for(&plant, i), &smoother).ok()?;
+        let channel = |c: Coefficient| {
+            let place = c as usize;
+            let aero = Aero { values: own[place].clone(), ..plant.aero.clone() };
+            let of = |value: &dyn Fn(&CoefficientRow) -> f64| -> Vec<f64> {
+                processed.rows.iter().step_by(thin).map(|row| short(value(row))).collect()
+            };
+            let (measured, after) = (of(&|row| row.exp_origin[place]), of(&|row| aero.coefficients(&row.flow)[place]));
+            TrackSignal { measured, after, ..TrackSignal::new(c.name(), "", None) }
+        };
+        let angle = processed.rows.iter().step_by(thin).map(|row| short(row.flow.get(Variable::AlphaT).to_degrees()));
+        let angle = TrackSignal { measured: angle.collect(), ..TrackSignal::new("α_T", "deg", None) };
+        let channels = Coefficient::ALL.into_iter().map(channel).chain([angle]).collect();
+        Some(RunTracks { t_s: times(&record.t_s, thin), channels, interior_s: processed.interior_s(), ..named(run) })
     };
     let runs = campaign.runs.par_iter().enumerate().filter_map(one).collect();
-    Ok(SignalTracks { after: "identified model".to_owned(), runs, ..empty(campaign) })
+    Ok(SignalTracks { after: "identified model".to_owned(), runs, ..empty(campaign, &plant) })
 }
 
 fn identified(campaign: &Campaign, found: &Identification) -> Result<Plant, DiscoverError> {
     let set = found.combined().ok_or(ReplayError::NoDataSet)?;
-    Ok(set.plant(&campaign.plant)?)
+    Ok(set.plant_in(campaign)?)
 }
 
 /// Diameter of the circle of an area.
@@ -87,8 +92,8 @@ fn circle_m(area_m2: f64) -> f64 {
     2.0 * (area_m2 / std::f64::consts::PI).sqrt()
 }
 
-pub(super) fn empty(campaign: &Campaign) -> SignalTracks {
-    let plant = &campaign.plant;
+/// Tracks without runs; the body and its tether are drawn as this plant has them.
+pub(super) fn empty(campaign: &Campaign, plant: &Plant) -> SignalTracks {
     let tether = plant.tether.as_ref().filter(|_| !campaign.has_tracks());
     // Of a rigid body in free flight nothing is known of its shape but an area.
     let of_area = |f: &windfall_model::FreeFlight| circle_m(f.area_m2);

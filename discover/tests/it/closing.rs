@@ -13,7 +13,7 @@ pub(crate) fn flown(seed: u64, plant_of: impl Fn(&Plant, usize) -> Plant) -> Cam
 }
 
 /// The same of at most `most_s`.
-fn flown_for(most_s: f64, seed: u64, plant_of: impl Fn(&Plant, usize) -> Plant) -> Campaign {
+pub(crate) fn flown_for(most_s: f64, seed: u64, plant_of: impl Fn(&Plant, usize) -> Plant) -> Campaign {
     let scenario = bundled("sage-combined");
     let mut flights = scenario.flights[..3].to_vec();
     flights.iter_mut().for_each(|f| f.duration_s = f.duration_s.min(most_s));

@@ -6,6 +6,7 @@ mod common;
 mod free_flight;
 mod height_and_force;
 mod measured_sets;
+mod page;
 mod plan;
 mod point_mass;
 mod statistics;

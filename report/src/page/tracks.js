@@ -68,6 +68,17 @@
     return at.subarray(0, count);
   }
 
+  /** Range of ordinates: that of what is shown of the run's interior, where it has one; else of all that is shown. */
+  const inside = (interior) => (u, least, most) => {
+    let [low, high] = [Infinity, -Infinity];
+    const [x, ...all] = u.data;
+    for (let i = 0; interior && i < x.length; i += 1) {
+      if (x[i] < interior[0] || x[i] > interior[1] || x[i] < u.scales.x.min || x[i] > u.scales.x.max) continue;
+      for (const y of all) if (y[i] != null) { low = Math.min(low, y[i]); high = Math.max(high, y[i]); }
+    }
+    return low > high ? uPlot.rangeNum(least ?? 0, most ?? 1, 0.1, true) : uPlot.rangeNum(low, high, 0.1, true);
+  };
+
   Windfall.Tracks = class {
     constructor(place, tracks) {
       Object.assign(this, { place, tracks, plots: [], range: null, t: 0, listeners: [], busy: false, last: -1 });
@@ -363,7 +374,7 @@
       const [a, b] = this.shownRange();
       const options = {
         width: Math.max(240, place.clientWidth), height, series: [{}, ...lines.map((l) => ({ ...l, spanGaps: false }))],
-        scales: { x: { time: false, min: a, max: b, range: (u, min, max) => [min, max] } }, axes: Windfall.axes(x, y), legend: { show: false },
+        scales: { x: { time: false, min: a, max: b, range: (u, min, max) => [min, max] }, ...(this.runNow().interior ? { y: { range: inside(this.runNow().interior) } } : {}) }, axes: Windfall.axes(x, y), legend: { show: false },
         cursor: { drag: { x: true, y: false, setScale: false }, y: false, points: { size: 5 }, bind: { dblclick: () => () => { this.zoom(null); return null; } } },
         hooks: {
           setSelect: [(u) => {
