@@ -33,6 +33,7 @@ pub(crate) fn run(args: &CheckArgs, session: &mut Session<'_>) -> Result<bool, F
         Checked::FreeFlight(file) => (file.name.clone(), crate::free::summary(file)),
         Checked::Planet(file) => (file.scenario.name.clone(), crate::planet::summary(&file.scenario)),
     };
+    let summary = [summary, windfall::looked_at(file, &checked)?].concat();
     let understood = Understood { kind: checked.kind(), name, summary, warnings: checked.warnings() };
     session.warn_all(&understood.warnings);
     session.show(&understood, || {

@@ -18,15 +18,15 @@ use std::path::{Path, PathBuf};
 use windfall_model::{Acts, Campaign, Data, Effect, Knowledge, Measured, Role, Run, Use, effects};
 
 /// What `[[run]]` says, before its file is read.
-struct RunEntry {
+pub(crate) struct RunEntry {
     file: String,
-    path: PathBuf,
+    pub(crate) path: PathBuf,
     kind: String,
     used: Use,
     window_s: Option<[f64; 2]>,
-    inputs: BTreeMap<String, InputSource>,
+    pub(crate) inputs: BTreeMap<String, InputSource>,
     own: RunOwn,
-    columns: Own,
+    pub(crate) columns: Own,
     span: std::ops::Range<usize>,
 }
 
@@ -72,7 +72,6 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
     for e in &entries {
         match read_run(e, &declared, down, &inputs) {
             Ok(read) => {
-                warnings.extend(read.iter().flat_map(|r| r.notes.iter().map(move |n| format!("{}: {n}", r.name))));
                 runs.extend(read);
             }
             Err(ReadError::Faults(faults)) => source.add(&faults),
@@ -81,6 +80,7 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
             }
         }
     }
+    warnings.extend(notes_of(&runs));
     enough_samples(&source, &declared, &runs);
     let wind_tunnel = wind_tunnel::tests(&file, &declared);
     effects_in_runs(&source, &effects, &inputs, runs.len());
@@ -101,7 +101,7 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
 
 impl Declared {
     /// Whether its runs are tracks.
-    fn tracked(&self) -> bool {
+    pub(crate) fn tracked(&self) -> bool {
         self.point_mass || self.plant.free_flight.is_some()
     }
     /// Kind of the body, for the catalogue of effects.
@@ -119,7 +119,7 @@ impl Declared {
     }
 }
 
-fn down_of(file: &Table<'_>, declared: Option<&Declared>) -> Option<Down> {
+pub(crate) fn down_of(file: &Table<'_>, declared: Option<&Declared>) -> Option<Down> {
     let point_mass = declared.is_some_and(|d| d.point_mass);
     if !point_mass {
         if file.has("axes")
@@ -147,7 +147,7 @@ fn down_of(file: &Table<'_>, declared: Option<&Declared>) -> Option<Down> {
     file.table(&keys::AXES)?.choice("down").map(Down::from_choice)
 }
 
-fn entries(file: &Table<'_>, declared: Option<&Declared>) -> Vec<RunEntry> {
+pub(crate) fn entries(file: &Table<'_>, declared: Option<&Declared>) -> Vec<RunEntry> {
     let point = declared.is_some_and(|d| d.point_mass);
     let tracked = declared.is_some_and(Declared::tracked);
     let all_runs = own::read(file, point).unwrap_or_default();
@@ -217,7 +217,7 @@ fn input_values(t: &Table<'_>, point: bool) -> BTreeMap<String, InputSource> {
 }
 
 /// Names of inputs, sorted; a run that lacks one that others have is a fault.
-fn inputs_of(source: &Source<'_>, entries: &[RunEntry]) -> Vec<String> {
+pub(crate) fn inputs_of(source: &Source<'_>, entries: &[RunEntry]) -> Vec<String> {
     let mut names: Vec<String> = entries.iter().flat_map(|e| e.inputs.keys().cloned()).collect();
     names.sort();
     names.dedup();
@@ -279,8 +279,22 @@ fn read_run(e: &RunEntry, declared: &Declared, down: Option<Down>, inputs: &[Str
     Ok(pieces.into_iter().map(|(name, p)| run(&values, name, Data::Tunnel(p.record), p.notes)).collect())
 }
 
+/// Notes of all runs, each once with the names of the runs that have it.
+fn notes_of(runs: &[Run]) -> Vec<String> {
+    let mut all: Vec<(Vec<&str>, &String)> = Vec::new();
+    for run in runs {
+        for note in &run.notes {
+            match all.iter_mut().find(|(names, n)| *n == note && !names.contains(&run.name.as_str())) {
+                Some((names, _)) => names.push(&run.name),
+                None => all.push((vec![&run.name], note)),
+            }
+        }
+    }
+    all.into_iter().map(|(names, note)| format!("{}: {note}", names.join(", "))).collect()
+}
+
 /// What a run's file is read for.
-fn asked<'a>(e: &'a RunEntry, declared: &Declared, down: Option<Down>, inputs: &[String]) -> Asked<'a> {
+pub(crate) fn asked<'a>(e: &'a RunEntry, declared: &Declared, down: Option<Down>, inputs: &[String]) -> Asked<'a> {
     let sensors = &declared.plant.sensors;
     let column = |(i, n): (usize, &String)| match e.inputs.get(n)? {
         InputSource::Column { name, zero, one } => Some((i, name.as_str(), [*zero, *one])),

@@ -1,6 +1,6 @@
 //! scenarios: named columns of numbers. In: what a run file holds. Out: the columns, and CSV.
 
-use crate::error::{Fault, WriteError};
+use crate::error::{Fault, ReadError, WriteError};
 use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -17,6 +17,12 @@ pub(crate) struct Columns {
     pub(crate) units: Vec<String>,
     /// What a reader of the file should know of how it was read.
     pub(crate) notes: Vec<String>,
+    /// The motion-capture program whose export it is.
+    pub(crate) program: Option<&'static str>,
+    /// Columns of the file that hold no numbers.
+    left_out: Vec<String>,
+    /// What is wrong with a column, by its name: a fault of whoever reads it.
+    wrong: Vec<(String, Fault)>,
 }
 
 /// Names that a message lists before it only counts.
@@ -32,13 +38,30 @@ impl Columns {
     /// Columns of one length each; numbers that are not finite become NaN.
     pub(crate) fn new(names: Vec<String>, mut data: Vec<Vec<f64>>, lines: Vec<usize>) -> Self {
         data.iter_mut().flatten().filter(|x| !x.is_finite()).for_each(|x| *x = f64::NAN);
-        Self { names, data, lines, header: None, units: Vec::new(), notes: Vec::new() }
+        let (program, left_out, wrong) = (None, Vec::new(), Vec::new());
+        Self { names, data, lines, header: None, units: Vec::new(), notes: Vec::new(), program, left_out, wrong }
     }
     /// Says which columns of the file hold no numbers.
     pub(crate) fn leave_out(&mut self, names: &[String]) {
         if !names.is_empty() {
             self.notes.push(format!("columns that hold no plain numbers: {}", some_of(names)));
+            self.left_out.extend_from_slice(names);
         }
+    }
+    pub(crate) fn left_out(&self) -> &[String] {
+        &self.left_out
+    }
+    /// Keeps what is wrong with columns, for whoever reads them.
+    pub(crate) fn are_wrong(&mut self, wrong: Vec<(String, Fault)>) {
+        self.wrong = wrong;
+    }
+    /// The faults of the columns that are read.
+    ///
+    /// # Errors
+    /// Cells that are no numbers, names that stand twice.
+    pub(crate) fn complain(&self, is_read: impl Fn(&str) -> bool) -> Result<(), ReadError> {
+        let faults: Vec<Fault> = self.wrong.iter().filter(|(n, _)| is_read(n)).map(|(_, f)| f.clone()).collect();
+        if faults.is_empty() { Ok(()) } else { Err(ReadError::Faults(faults)) }
     }
     pub(crate) fn get(&self, name: &str) -> Option<&[f64]> {
         self.names.iter().position(|n| n == name).map(|i| self.data[i].as_slice())
@@ -62,6 +85,16 @@ impl Columns {
     }
     pub(crate) fn rows(&self) -> usize {
         self.lines.len()
+    }
+    /// Drops rows that are the row before in every column; how many.
+    pub(crate) fn drop_copies(&mut self) -> usize {
+        let alike = |i: usize| i > 0 && self.data.iter().all(|c| c[i].to_bits() == c[i - 1].to_bits());
+        let keep: Vec<bool> = (0..self.rows()).map(|i| !alike(i)).collect();
+        let copies = keep.iter().filter(|k| !**k).count();
+        if copies > 0 {
+            self.retain(&keep);
+        }
+        copies
     }
     /// Keeps the rows of which `keep` is true.
     pub(crate) fn retain(&mut self, keep: &[bool]) {

@@ -38,8 +38,31 @@ impl fmt::Display for Fault {
     }
 }
 
+/// One sentence for each fault, and one for a fault that several files have.
 fn list(faults: &[Fault]) -> String {
-    faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+    let mut all: Vec<(&Fault, Vec<String>)> = Vec::new();
+    for f in faults {
+        match all.iter_mut().find(|(first, _)| first.file != f.file && f.is_like(first)) {
+            Some((first, others)) => {
+                let other = f.file.file_name().map_or_else(|| f.file.display().to_string(), |n| n.to_string_lossy().into_owned());
+                let value = if f.value == first.value { String::new() } else { format!(" ({})", f.value) };
+                others.push(format!("{other}{value}"));
+            }
+            None => all.push((f, Vec::new())),
+        }
+    }
+    let one = |(f, others): &(&Fault, Vec<String>)| {
+        if others.is_empty() { f.to_string() } else { format!("{f}; the same in {}", others.join(", ")) }
+    };
+    all.iter().map(one).collect::<Vec<_>>().join("\n")
+}
+
+impl Fault {
+    /// Whether another file's fault is the same but for its numbers.
+    fn is_like(&self, other: &Self) -> bool {
+        let words = |s: &str| s.chars().filter(|c| !c.is_ascii_digit()).collect::<String>();
+        self.key == other.key && words(&self.allowed) == words(&other.allowed) && words(&self.remedy) == words(&other.remedy)
+    }
 }
 
 /// Why a file was not read.

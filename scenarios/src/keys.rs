@@ -381,9 +381,9 @@ pub(crate) static RUN: TableSpec = TableSpec {
             name: "window_s",
             kind: Kind::Numbers(2),
             unit: "s",
-            range: [-1e9, 1e9],
+            range: [-1e11, 1e11],
             needed: false,
-            meaning: "part of the file that is used, [from, to] in the file's time",
+            meaning: "part of the file that is used, [from, to] in the file's time, which may be that of Unix",
         }),
         optional(other(
             "inputs",

@@ -3,6 +3,7 @@
 
 mod attitude;
 mod read;
+mod told;
 
 pub(crate) use attitude::SEQUENCES;
 use attitude::{Attitude, OwnAxes, Turned};
@@ -79,6 +80,9 @@ impl Own {
     /// The faults of columns that `[columns]` names and the file lacks, of units that contradict a row of units in the file, and of
     /// attitudes that are none.
     pub(crate) fn apply(&self, path: &Path, file: Columns) -> Result<Columns, ReadError> {
+        let used = self.used();
+        let ours = |n: &str| RUN_COLUMNS.iter().any(|c| c.name == n) && self.origin(n).is_none();
+        file.complain(|n| used.contains(&n) || ours(n))?;
         let faults: Vec<Fault> = self.lacking(path, &file).into_iter().chain(self.contradicted(path, &file)).collect();
         if !faults.is_empty() {
             return Err(ReadError::Faults(faults));
@@ -97,7 +101,6 @@ impl Own {
                 data.push(column);
             }
         }
-        let used = self.used();
         for (name, column) in
             file.all().filter(|(n, _)| !used.contains(&n.as_str()) && !RUN_COLUMNS.iter().any(|c| c.name == n.as_str()))
         {

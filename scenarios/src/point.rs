@@ -6,13 +6,15 @@ use crate::columns::{Columns, fault, some_of};
 use crate::error::ReadError;
 use crate::formats::read_columns;
 use crate::own::{Own, quaternions};
-use crate::record::{spike_note, times};
+use crate::record::{note_unused, refuse_unusable, spike_note, times};
 use crate::units::median;
 use std::path::Path;
 use windfall_model::{Measured, PointRecord};
 
 /// Fewest samples of a track.
 const FEWEST: usize = 8;
+/// Largest median of a position, m: above it there is no air that acts (chosen; a parachute at Titan opens at 150 km).
+const HIGHEST_M: f64 = 1e6;
 /// Columns of the file's axes.
 const COLUMNS: [&str; 3] = ["X_m", "Y_m", "Z_m"];
 const FORCES: [&str; 3] = ["fX_m_s2", "fY_m_s2", "fZ_m_s2"];
@@ -67,7 +69,7 @@ impl Asked<'_> {
     fn limit(&self, column: &str) -> (f64, f64, &'static str) {
         match self.measured {
             Measured::PositionAndForce if FORCES.contains(&column) => (self.force_std, 1e4, "m/s2"),
-            Measured::Position | Measured::Pose | Measured::PositionAndForce => (self.std, 1e5, "metres"),
+            Measured::Position | Measured::Pose | Measured::PositionAndForce => (self.std, HIGHEST_M, "metres"),
             Measured::SpecificForce => (self.std, 1e4, "m/s2"),
             Measured::Angle => (self.std.to_degrees(), 1e5, "degrees"),
         }
@@ -79,6 +81,11 @@ impl Asked<'_> {
     /// Columns of all that is measured but attitude, whether the file has them or not.
     fn series(&self) -> Vec<&'static str> {
         self.columns().0.into_iter().chain(self.beside().into_iter().flatten()).collect()
+    }
+    /// Whether a column is read: the time, what is measured, inputs, angles that make an attitude.
+    pub(crate) fn is_read(&self, name: &str, attitude: bool) -> bool {
+        let turned = attitude && ["Rx_deg", "Ry_deg", "Rz_deg"].contains(&name);
+        name == "t_s" || turned || self.series().contains(&name) || self.inputs.iter().any(|(_, c, _)| *c == name)
     }
     /// What one of its rows has, in words.
     fn value(&self) -> &'static str {
@@ -170,10 +177,16 @@ pub fn read_track(
 
 /// The same for any measurement, and for a file whose columns are its owner's.
 pub(crate) fn read_own_track(path: &Path, own: &Own, asked: &Asked<'_>) -> Result<(PointRecord, Vec<String>), ReadError> {
-    let mut columns = own.apply(path, read_columns(path)?)?;
+    let file = read_columns(path)?;
+    file.complain(|n| asked.inputs.iter().any(|(_, c, _)| *c == n))?;
+    let mut columns = own.apply(path, file)?;
     let mut notes = std::mem::take(&mut columns.notes);
     let attitude = if asked.measured == Measured::Pose { Some(attitude_columns(path, &mut columns)?) } else { None };
     asked.complain_of_missing(path, &columns)?;
+    let is_read = |n: &str| asked.is_read(n, attitude.is_some());
+    let remedy = "specific_force_std_m_s2 in [sensors] of a point mass, or remove the column or give it another name";
+    refuse_unusable(path, &columns, is_read, "a campaign that measures other things alone", remedy)?;
+    note_unused(&columns, is_read, &mut notes);
     let read: Vec<&str> =
         asked.series().into_iter().chain(asked.inputs.iter().map(|(_, c, _)| *c)).chain(attitude.into_iter().flatten()).collect();
     let lost = retain_complete(&mut columns, &read);

@@ -45,7 +45,7 @@ pub(crate) fn rows<const N: usize>(
         return None;
     }
     let read = t.source.bundled_table(&word).map_or_else(|| read_columns(&path), |text| columns_of_text(&path, text));
-    let columns = match read {
+    let columns = match read.and_then(|c| c.complain(|_| true).map(|()| c)) {
         Ok(columns) => columns,
         Err(ReadError::Faults(faults)) => {
             t.source.add(&faults);

@@ -18,6 +18,8 @@ pub const SHORTEST_PIECE_S: f64 = 1.0;
 pub const FEWEST_SAMPLES: usize = 30;
 /// More spikes than this fraction of the samples are no spikes.
 const MOST_SPIKES: f64 = 0.05;
+/// Specific forces along the file's axes.
+const FORCES: [&str; 3] = ["fX_m_s2", "fY_m_s2", "fZ_m_s2"];
 /// Dynamic pressure, which may be absent.
 const QW: &str = "qW_Pa";
 /// Deviation of a slow channel (pressure, temperature) below which nothing is a spike, as a fraction of its value.
@@ -88,9 +90,10 @@ pub(crate) fn pieces_of(
     let mut columns = own.apply(path, columns)?;
     let mut notes = std::mem::take(&mut columns.notes);
     has_columns(path, &columns)?;
+    refuse_unusable(path, &columns, |n| is_of_tunnel(n), "a tunnel campaign", "remove the column, or give it another name")?;
     let t = times(path, &mut columns, window_s, &mut notes)?;
     let grid = Grid::of(path, t, &columns.lines, &mut notes)?;
-    note_unused(&columns, &mut notes);
+    note_unused(&columns, is_of_tunnel, &mut notes);
     let all = names_of(Who::TunnelRun).filter(|n| *n != "t_s").chain(names_of(Who::TunnelRunMay));
     let mut channels: Vec<(&str, Vec<f64>)> = all.filter_map(|n| columns.get(n).map(|c| (n, grid.spread(c)))).collect();
     let faults = units::faults(path, &channels, sensors);
@@ -118,12 +121,31 @@ fn has_columns(path: &Path, columns: &Columns) -> Result<(), ReadError> {
     if faults.is_empty() { Ok(()) } else { Err(ReadError::Faults(faults)) }
 }
 
-fn note_unused(columns: &Columns, notes: &mut Vec<String>) {
-    let known = |n: &str| is_of_tunnel(n) || QUATERNION.contains(&n);
+/// Notes the columns that nothing reads.
+pub(crate) fn note_unused(columns: &Columns, is_read: impl Fn(&str) -> bool, notes: &mut Vec<String>) {
+    let known = |n: &str| is_read(n) || QUATERNION.contains(&n);
     let unused: Vec<&str> = columns.names().iter().map(String::as_str).filter(|n| !known(n)).collect();
     if !unused.is_empty() {
         notes.push(format!("columns not used: {}", some_of(&unused)));
     }
+}
+
+/// Refuses a measurement that the campaign cannot use: an accelerometer that goes unheard would be taken for one that was heard.
+pub(crate) fn refuse_unusable(
+    path: &Path,
+    columns: &Columns,
+    is_read: impl Fn(&str) -> bool,
+    what: &str,
+    remedy: &str,
+) -> Result<(), ReadError> {
+    let measures = |n: &&&str| columns.get(n).is_some_and(|c| c.iter().any(|x| x.is_finite()));
+    let faults: Vec<Fault> = FORCES
+        .iter()
+        .filter(|n| !is_read(n))
+        .filter(measures)
+        .map(|n| fault(path, columns.header, n, "", &format!("is a specific force, which {what} cannot use"), remedy))
+        .collect();
+    if faults.is_empty() { Ok(()) } else { Err(ReadError::Faults(faults)) }
 }
 
 /// Times of the rows that are used; rows without a time are dropped, and rows outside the window.
@@ -141,21 +163,27 @@ pub(crate) fn times(
     let [from, to] = window_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
     let keep: Vec<bool> = all.iter().map(|t| t.is_finite() && *t >= from && *t <= to).collect();
     columns.retain(&keep);
+    let copies = columns.drop_copies();
+    if copies > 0 {
+        notes.push(format!("{copies} rows written twice dropped: each is the row before in every column"));
+    }
     let t = columns.get("t_s").unwrap_or(&[]).to_vec();
-    let mut faults: Vec<Fault> = Vec::new();
-    for i in 1..t.len() {
-        if t[i] <= t[i - 1] {
-            let what = if t[i] < t[i - 1] { "goes backward" } else { "appears twice" };
-            let what = format!("time {what}: the row before has {}", t[i - 1]);
+    let mut faults: Vec<Fault> = [("goes backward", true), ("appears twice", false)]
+        .into_iter()
+        .filter_map(|(words, back)| {
+            let wrong = |i: &usize| if back { t[*i] < t[*i - 1] } else { t[*i] <= t[*i - 1] && t[*i] >= t[*i - 1] };
+            let all: Vec<usize> = (1..t.len()).filter(wrong).collect();
+            let first = *all.first()?;
+            let rows = if all.len() > 1 {
+                format!("; so it is in {} rows, of which this is the first", all.len())
+            } else {
+                String::new()
+            };
+            let what = format!("time {words}: the row before has {}{rows}", t[first - 1]);
             let remedy = "sort the rows by time and remove duplicates; check that the file is one run";
-            faults.push(fault(path, Some(columns.lines[i]), "t_s", &t[i].to_string(), &what, remedy));
-        }
-    }
-    if faults.len() > 10 {
-        let what = format!("{} more times that do not increase", faults.len() - 10);
-        faults.truncate(10);
-        faults.push(fault(path, None, "t_s", "", &what, "sort the rows by time"));
-    }
+            Some(fault(path, Some(columns.lines[first]), "t_s", &t[first].to_string(), &what, remedy))
+        })
+        .collect();
     if t.len() < 2 {
         let what = format!("fewer than 2 of {} samples are left in the window", all.len());
         let range = format!("the file runs from {} to {} s", least(&all), greatest(&all));

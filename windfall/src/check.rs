@@ -8,7 +8,8 @@ use serde::Serialize;
 use std::path::Path;
 use windfall_pid::plausible::plausible;
 use windfall_scenarios::{
-    FileKind, Piece, kind_of, read_bundled, read_free, read_record_pieces, read_structure, sensors_of_table_a3,
+    FileKind, Piece, columns_of_campaign, columns_of_run, kind_of, read_bundled, read_free, read_record_pieces, read_structure,
+    sensors_of_table_a3,
 };
 use windfall_verify::{Check, Setups, all_pass, checks};
 
@@ -89,6 +90,18 @@ pub fn check(word: &Path) -> Result<Checked> {
         FileKind::FreeFlight => Checked::FreeFlight(Box::new(read_free(word)?)),
         FileKind::Planet => Checked::Planet(Box::new(read_planet(word)?)),
     })
+}
+
+/// What was done to every column of a run file or of a campaign's runs, and how well the equations of motion close on them.
+///
+/// # Errors
+/// A run file that cannot be read.
+pub fn looked_at(word: &Path, checked: &Checked) -> Result<Vec<String>> {
+    match checked {
+        Checked::Run(_) => Ok(columns_of_run(word)?),
+        Checked::Campaign(_) => Ok(columns_of_campaign(word)?),
+        _ => Ok(Vec::new()),
+    }
 }
 
 /// The content of `verify.json`.

@@ -4,7 +4,7 @@
 pub(super) fn number(cell: &str, separator: u8) -> Option<f64> {
     let value = cell.parse().ok().or_else(|| match cell {
         "" | "-" => Some(f64::NAN),
-        _ if ["na", "n/a", "null"].iter().any(|w| cell.eq_ignore_ascii_case(w)) => Some(f64::NAN),
+        _ if ["na", "n/a", "#n/a", "null"].iter().any(|w| cell.eq_ignore_ascii_case(w)) => Some(f64::NAN),
         _ if separator != b',' && cell.matches(',').count() == 1 && !cell.contains('.') => cell.replace(',', ".").parse().ok(),
         _ => None,
     })?;

@@ -73,25 +73,24 @@ fn parse(path: &Path, text: &str) -> Result<Columns, ReadError> {
             (row.iter().map(str::to_owned).collect(), line_of(&row).max(1))
         }
     };
-    let mut faults = Vec::new();
-    let mut seen = HashSet::new();
-    for name in names.iter().filter(|n| !seen.insert(n.as_str())).take(LISTED) {
-        faults.push(fault(path, Some(header_line), "column", name, "appears twice", "remove or rename one"));
-    }
     let mut rows = Rows {
         path,
         separator: layout.separator,
         data: vec![Vec::new(); names.len()],
+        cells: vec![Vec::new(); names.len()],
         names,
         lines: Vec::new(),
         header: header_line,
-        bad: 0,
-        faults,
+        faults: Vec::new(),
+        bad_rows: 0,
+        headers: 0,
     };
     let mut units = None;
     while reader.read_record(&mut row).map_err(|e| broken(&e))? {
         if rows.lines.is_empty() && units.is_none() && rows.are_units(&row) {
             units = Some(row.iter().map(str::to_owned).collect::<Vec<_>>());
+        } else if row.iter().eq(rows.names.iter().map(String::as_str)) {
+            rows.headers += 1;
         } else {
             rows.push(&row);
         }
@@ -109,11 +108,17 @@ struct Rows<'p> {
     separator: u8,
     names: Vec<String>,
     data: Vec<Vec<f64>>,
+    /// Cells of each column that are no numbers: line and text of the first ones, and a count of all.
+    cells: Vec<Vec<(usize, String)>>,
     lines: Vec<usize>,
     header: usize,
-    bad: usize,
     faults: Vec<Fault>,
+    bad_rows: usize,
+    /// Rows that repeat the header, as files that were joined have.
+    headers: usize,
 }
+
+const REMEDY: &str = "a number, or leave the cell empty where nothing was measured";
 
 impl Rows<'_> {
     /// A row of words, as many as the header has, and not one number among them.
@@ -122,33 +127,52 @@ impl Rows<'_> {
         let numbers = row.iter().filter(|c| number(c, self.separator).is_some_and(f64::is_finite)).count();
         row.len() == self.names.len() && numbers == 0 && words > 1 && 2 * words >= row.len()
     }
-    fn say(&mut self, line: usize, key: &str, value: &str, what: &str) {
-        self.bad += 1;
-        if self.faults.len() < LISTED {
-            let remedy = "a number, or leave the cell empty where nothing was measured";
-            self.faults.push(fault(self.path, Some(line), key, value, what, remedy));
-        }
-    }
     fn push(&mut self, row: &csv::StringRecord) {
         let line = line_of(row);
-        if row.len() != self.names.len() {
+        let blank_rest = row.iter().skip(self.names.len()).all(str::is_empty);
+        if row.len() < self.names.len() || !blank_rest {
             let what = format!("must have {} cells as the header has", self.names.len());
-            self.say(line, "row", &format!("{} cells", row.len()), &what);
+            self.bad_rows += 1;
+            if self.faults.len() < LISTED {
+                self.faults.push(fault(self.path, Some(line), "row", &format!("{} cells", row.len()), &what, REMEDY));
+            }
         }
         for i in 0..self.data.len() {
             let cell = row.get(i).unwrap_or("");
             let value = number(cell, self.separator).unwrap_or_else(|| {
-                let name = self.names[i].clone();
-                self.say(line, &name, cell, "is not a number");
+                self.cells[i].push((line, cell.to_owned()));
                 f64::NAN
             });
             self.data[i].push(value);
         }
         self.lines.push(line);
     }
+    /// Faults of each column, for whoever reads it: names that stand twice, cells that are no numbers.
+    fn wrong(&self) -> Vec<(String, Fault)> {
+        let mut seen = HashSet::new();
+        let twice = self.names.iter().filter(|n| !n.is_empty() && !seen.insert(n.as_str()));
+        let mut all: Vec<(String, Fault)> = twice
+            .map(|n| (n.clone(), fault(self.path, Some(self.header), "column", n, "appears twice", "remove or rename one")))
+            .collect();
+        for (name, cells) in self.names.iter().zip(&self.cells) {
+            let one = |(line, cell): &(usize, String)| fault(self.path, Some(*line), name, cell, "is not a number", REMEDY);
+            all.extend(cells.iter().take(LISTED).map(|c| (name.clone(), one(c))));
+            if cells.len() > LISTED {
+                let what = format!("{} more cells of this kind", cells.len() - LISTED);
+                all.push((name.clone(), fault(self.path, None, name, "", &what, "correct the export")));
+            }
+        }
+        all
+    }
+    /// Which columns have nothing that could be read: those without a name, those of words, the second one of a name.
+    fn is_read(&self) -> Vec<bool> {
+        let mut seen = HashSet::new();
+        let words = |i: usize| !self.cells[i].is_empty() && !self.data[i].iter().any(|x| x.is_finite());
+        (0..self.names.len()).map(|i| !self.names[i].is_empty() && seen.insert(self.names[i].as_str()) && !words(i)).collect()
+    }
     fn finish(mut self, units: Option<Vec<String>>) -> Result<Columns, ReadError> {
-        if self.bad > LISTED {
-            let what = format!("{} more cells or rows of this kind", self.bad - LISTED);
+        if self.bad_rows > LISTED {
+            let what = format!("{} more rows of this kind", self.bad_rows - LISTED);
             self.faults.push(fault(self.path, None, "", "", &what, "correct the export"));
         }
         if self.faults.is_empty() && self.lines.is_empty() {
@@ -163,16 +187,46 @@ impl Rows<'_> {
         if !self.faults.is_empty() {
             return Err(ReadError::Faults(self.faults));
         }
-        let mut columns = Columns::new(self.names, self.data, self.lines);
+        Ok(self.columns(units))
+    }
+    fn columns(self, units: Option<Vec<String>>) -> Columns {
+        let (wrong, keep, headers) = (self.wrong(), self.is_read(), self.headers);
+        let kept = |i: &usize| keep[*i];
+        let numbers = |i: usize| self.data[i].iter().any(|x| x.is_finite());
+        let unnamed =
+            (0..keep.len()).filter(|i| self.names[*i].is_empty() && (numbers(*i) || !self.cells[*i].is_empty())).count();
+        let words: Vec<String> = (0..keep.len())
+            .filter(|i| !keep[*i] && !self.names[*i].is_empty() && !self.cells[*i].is_empty() && !numbers(*i))
+            .map(|i| self.names[i].clone())
+            .collect();
+        let mixed: Vec<String> = (0..keep.len())
+            .filter(|i| keep[*i] && !self.cells[*i].is_empty())
+            .map(|i| format!("{} ({} cells)", self.names[i], self.cells[i].len()))
+            .collect();
+        let pick = |all: Vec<String>| all.into_iter().enumerate().filter(|(i, _)| kept(i)).map(|(_, n)| n).collect::<Vec<_>>();
+        let data = self.data.into_iter().enumerate().filter(|(i, _)| kept(i)).map(|(_, c)| c).collect();
+        let mut columns = Columns::new(pick(self.names), data, self.lines);
         columns.header = Some(self.header);
         if self.separator != b',' {
             let word = if self.separator == b'\t' { "tabs" } else { "semicolons" };
             columns.notes.push(format!("columns are separated by {word}; a comma in a number is its decimal point"));
         }
         if let Some(units) = units {
+            let units = pick(units);
             columns.notes.push(format!("row of units below the header: {}", crate::columns::some_of(&units)));
             columns.units = units;
         }
-        Ok(columns)
+        if headers > 0 {
+            columns.notes.push(format!("rows that repeat the header skipped: {headers}"));
+        }
+        if unnamed > 0 {
+            columns.notes.push(format!("columns without a name left out: {unnamed}"));
+        }
+        if !mixed.is_empty() {
+            columns.notes.push(format!("columns with cells that are no numbers: {}", crate::columns::some_of(&mixed)));
+        }
+        columns.leave_out(&words);
+        columns.are_wrong(wrong);
+        columns
     }
 }

@@ -188,7 +188,7 @@ fn motive(lines: &[&str], separator: u8, first: usize) -> Result<Sheet, Wrong> {
         header: at + 1,
         separator,
         notes: vec![notes],
-        zeros: false,
+        zeros: true,
     })
 }
 
@@ -316,8 +316,7 @@ fn columns(lines: &[&str], sheet: Sheet) -> Result<Columns, Wrong> {
     let mut all = vec![TIME.to_owned()];
     all.extend(names(&channels));
     notes.insert(0, format!("{program} export of {}: columns {}", bodies(&channels), some_of(&all)));
-    let mut units = vec!["s".to_owned()];
-    units.extend(channels.iter().map(|c| c.unit.to_owned()));
+    let units = std::iter::once("s").chain(channels.iter().map(|c| c.unit)).map(str::to_owned).collect();
     data.insert(0, t);
     if rows.is_empty() {
         return Err((header, "has a header and no frames".to_owned(), "one row per frame"));
@@ -325,6 +324,7 @@ fn columns(lines: &[&str], sheet: Sheet) -> Result<Columns, Wrong> {
     let mut columns = Columns::new(all, data, rows.iter().map(|(line, _)| *line).collect());
     columns.header = Some(header);
     columns.units = units;
+    columns.program = Some(program);
     columns.notes = notes.into_iter().filter(|n| !n.is_empty()).collect();
     Ok(columns)
 }
@@ -335,7 +335,10 @@ fn bodies(channels: &[Channel]) -> String {
     if all.is_empty() { "one body".to_owned() } else { some_of(&all) }
 }
 
-/// Frames in which a body has exact zeros for X, Y and Z: it was not seen, and all its numbers are none.
+/// Frames in a row that repeat the one before from which on a body was not seen: one that is tracked gives no two frames alike (chosen).
+const FROZEN: usize = 10;
+
+/// Frames in which a body has exact zeros for X, Y and Z, or repeats the frame before for long: it was not seen, and all its numbers are none.
 fn unseen(channels: &[Channel], data: &mut [Vec<f64>]) -> Vec<String> {
     let mut notes = Vec::new();
     let mut from = 0;
@@ -350,10 +353,33 @@ fn unseen(channels: &[Channel], data: &mut [Vec<f64>]) -> Vec<String> {
                 data[from..to].iter_mut().for_each(|column| column[i] = f64::NAN);
             }
             if !gone.is_empty() {
-                notes.push(format!("{body} was not seen in {} frames", gone.len()));
+                notes.push(format!("{body} was not seen in {} frames, whose position is zero", gone.len()));
+            }
+            let frozen = frozen(&data[from..to]);
+            for &i in &frozen {
+                data[from..to].iter_mut().for_each(|column| column[i] = f64::NAN);
+            }
+            if !frozen.is_empty() {
+                notes.push(format!("{body} was not seen in {} frames, which repeat the frame before", frozen.len()));
             }
         }
         from = to;
     }
     notes
+}
+
+/// Frames of stretches of [`FROZEN`] or more that repeat the frame before in every number that there is.
+fn frozen(body: &[Vec<f64>]) -> Vec<usize> {
+    let rows = body.first().map_or(0, Vec::len);
+    let same = |i: usize| body.iter().all(|c| c[i].to_bits() == c[i - 1].to_bits()) && body.iter().any(|c| c[i].is_finite());
+    let (mut all, mut start) = (Vec::new(), 0);
+    for i in 1..=rows {
+        if i == rows || !same(i) {
+            if i - start > FROZEN {
+                all.extend(start + 1..i);
+            }
+            start = i;
+        }
+    }
+    all
 }

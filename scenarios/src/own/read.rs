@@ -200,7 +200,19 @@ fn quaternion(t: &Table<'_>) -> Option<GivenAttitude> {
     let there = needs(t, "scalar", "quaternion", "scalar = \"first\" or \"last\": where the real part stands");
     let [a, b, c, d] = names::<4>(t, "quaternion")?;
     let last = t.choice("scalar").filter(|_| there)? == 1;
+    misplaced(t, [&a, &b, &c, &d], last);
     Some(GivenAttitude::Quaternion(if last { [d, a, b, c] } else { [a, b, c, d] }))
+}
+
+/// Names that say which is the real part (they end in w) must agree with `scalar`.
+fn misplaced(t: &Table<'_>, names: [&String; 4], last: bool) {
+    let ends = |letter: char| names.iter().position(|n| n.to_lowercase().ends_with(letter));
+    let (Some(w), Some(_), Some(_), Some(_)) = (ends('w'), ends('x'), ends('y'), ends('z')) else { return };
+    if w != if last { 3 } else { 0 } {
+        let what = format!("takes {} for the real part, which by its name is {}", names[if last { 3 } else { 0 }], names[w]);
+        let remedy = "scalar = \"first\" where w is the first of the names, \"last\" where it is the last";
+        t.source.fault(t.at("scalar"), t.full("scalar"), if last { "last" } else { "first" }, what, remedy);
+    }
 }
 
 fn euler(t: &Table<'_>) -> Option<GivenAttitude> {
