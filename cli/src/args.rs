@@ -55,7 +55,9 @@ pub(crate) enum Command {
     Verify(VerifyArgs),
     /// Read a file, validate it and print what was understood
     Check(CheckArgs),
-    /// Write a commented campaign for a run file; guesses are marked, what no record tells is left to fill in
+    /// Write a commented campaign for run files; guesses are marked, what no record tells is left to fill in
+    ///
+    /// The last of several files is held out. Every column that nothing reads is named in the file.
     Init(InitArgs),
     /// What a family of effects, a key or a warning means, and where that is from
     Explain(ExplainArgs),
@@ -304,8 +306,11 @@ pub(crate) struct CheckArgs {
 pub(crate) struct InitArgs {
     /// Folder for the campaign file, made if missing
     pub(crate) folder: PathBuf,
-    /// A run file (.csv, .parquet, .mat, .arrow, .h5)
-    pub(crate) run: PathBuf,
+    /// Run files (.csv, .parquet, .mat, .arrow, .h5)
+    #[arg(required = true, value_name = "RUN")]
+    pub(crate) runs: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) request: windfall::Init,
     #[command(flatten)]
     pub(crate) common: Common,
 }

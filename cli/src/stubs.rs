@@ -16,7 +16,7 @@ struct Kind {
     entry: &'static [&'static str],
 }
 
-fn kinds() -> [Kind; 14] {
+fn kinds() -> [Kind; 15] {
     fn kind<T: 'static>(annotation: &'static str, entry: &'static [&'static str]) -> Kind {
         Kind { id: TypeId::of::<T>(), annotation: Some(annotation), entry }
     }
@@ -30,6 +30,7 @@ fn kinds() -> [Kind; 14] {
         kind::<String>("str", &[]),
         kind::<windfall::Method>("str", &[]),
         kind::<windfall::Criterion>("str", &[]),
+        kind::<windfall::DraftKind>("str", &[]),
         kind::<windfall::Shard>("Sequence[int]", &[]),
         kind::<windfall::Held>("Mapping[str, float]", &["name", "value"]),
         kind::<windfall::Tie>("Mapping[str, str]", &["name", "to"]),
@@ -52,7 +53,7 @@ fn request<R: Serialize + Default>(name: &'static str, verb: &'static [&'static 
 }
 
 /// Every request that a verb of Python takes by keyword.
-fn requests() -> [Request; 9] {
+fn requests() -> [Request; 10] {
     [
         request::<windfall::Fly>("Fly", &["simulate"]),
         request::<windfall::Identify>("Identify", &["identify"]),
@@ -62,6 +63,7 @@ fn requests() -> [Request; 9] {
         request::<windfall::Descend>("Descend", &["descend"]),
         request::<windfall::Close>("Close", &["close"]),
         request::<windfall::Study>("Study", &["study"]),
+        request::<windfall::Init>("Init", &["init"]),
         request::<windfall::Many>("Many", &["many", "close"]),
     ]
 }
@@ -115,7 +117,7 @@ fn python() -> String {
     let mut text = String::from(
         "\"\"\"What each verb takes by keyword. Written by `just references` from windfall/src/requests.rs; do not edit.\"\"\"\n\n\
          from __future__ import annotations\n\nfrom collections.abc import Mapping, Sequence\nfrom typing import TypedDict\n\n\
-         __all__ = [\"ENTRIES\", \"Close\", \"Descend\", \"Fly\", \"Identify\", \"Many\", \"Plan\", \"Resimulate\", \"Structure\", \"Study\"]\n",
+         __all__ = [\"ENTRIES\", \"Close\", \"Descend\", \"Fly\", \"Identify\", \"Init\", \"Many\", \"Plan\", \"Resimulate\", \"Structure\", \"Study\"]\n",
     );
     let mut entries = String::new();
     for r in requests() {

@@ -94,10 +94,11 @@ pub(crate) fn write_columns(py: Python<'_>, path: PathBuf, columns: &Bound<'_, P
     Ok(py.detach(|| write_columns_csv(&path, &all)).map_err(windfall::Error::from).map_err(Raised::from)?)
 }
 
-/// A commented campaign for a run file, as TOML.
+/// A commented campaign for run files, as TOML.
 #[pyfunction]
-pub(crate) fn init(py: Python<'_>, run: PathBuf) -> PyResult<String> {
-    on_threads(py, 1, move || Ok(windfall::init(&run)?))
+pub(crate) fn init(py: Python<'_>, runs: Vec<PathBuf>, request: &str) -> PyResult<String> {
+    let request: windfall::Init = serde_json::from_str(request).map_err(Raised::from)?;
+    on_threads(py, 1, move || Ok(windfall::init(&runs, &request)?.campaign))
 }
 
 /// What a family of effects, a key or a warning means.

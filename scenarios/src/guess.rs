@@ -1,413 +1,387 @@
-//! scenarios: a first campaign file for a run file. In: the run's columns. Out: commented TOML in which every guess is marked as one and
-//! what no record tells is left as `nan`, which the reader refuses with what is allowed.
+//! scenarios: a first campaign file for run files. In: the runs' columns. Out: commented TOML in which every guess is marked as one,
+//! what no record tells is left as `nan` (which the reader refuses with what is allowed), and every column that is left out is named.
 
 mod axes;
+mod draft;
+mod fall;
+mod name;
+mod sheet;
+mod still;
+mod vectors;
 
-use crate::columns::Columns;
+use crate::columns::{Columns, fault, some_of};
 use crate::error::ReadError;
 use crate::formats::{read_columns, stem};
-use axes::{AxesGuess, mean_of_angles, mean_of_quaternions, upright};
-use std::fmt::Write as _;
-use std::path::Path;
+use axes::{AxesGuess, flying, mean, nearness, of_angles, of_quaternion, upright};
+use fall::falls;
+use sheet::{Clock, Found, Refused, Sheet};
+use std::path::{Path, PathBuf};
+use still::{Still, still};
+use vectors::{Euler, Position, Quaternion};
 
-/// A commented campaign for one run file.
+/// The kinds of campaign that runs can be of.
 ///
-/// # Errors
-/// A file that is no run file, or without a column that could be a time and one that could be a position.
-pub fn campaign_of_run(path: &Path) -> Result<String, ReadError> {
-    let columns = read_columns(path)?;
-    let name = stem(path).unwrap_or_else(|| "run".to_owned());
-    let guess = Guess::new(&columns).ok_or_else(|| {
-        let what = format!("has no columns that could be time and position; it has {}", crate::columns::some_of(columns.names()));
-        let remedy = "name them t and x, y, z (or t_s and X_m, Y_m, Z_m) in the file's header";
-        ReadError::Faults(vec![crate::columns::fault(path, columns.header, "columns", "", &what, remedy)])
-    })?;
-    let file = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    Ok(guess.text(&name, &file.display().to_string()))
+/// ```
+/// use windfall_scenarios::DraftKind;
+/// assert_eq!(DraftKind::of_name("free-flight"), Some(DraftKind::FreeFlight));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DraftKind {
+    /// A model with attitude in a vertical wind tunnel, on a tether or free.
+    Tunnel,
+    /// A rigid body in free flight through air at rest.
+    FreeFlight,
+    /// A body without attitude, by its positions or by an accelerometer.
+    Point,
+    /// A body on a pivot, by its angle.
+    Pivot,
 }
 
-/// A column with its unit in words of `[columns]`, and why.
-struct Found {
-    ours: &'static str,
-    name: String,
-    unit: String,
-    why: String,
+impl DraftKind {
+    /// All of them, in the order of their names.
+    pub const ALL: [Self; 4] = [Self::Tunnel, Self::FreeFlight, Self::Point, Self::Pivot];
+    /// Its word on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Tunnel => "tunnel",
+            Self::FreeFlight => "free-flight",
+            Self::Point => "point",
+            Self::Pivot => "pivot",
+        }
+    }
+    /// What it is, for help.
+    #[must_use]
+    pub const fn help(self) -> &'static str {
+        match self {
+            Self::Tunnel => "a model with attitude in a vertical wind tunnel, on a tether or free",
+            Self::FreeFlight => "a rigid body in free flight through air at rest",
+            Self::Point => "a body without attitude, by its positions or by an accelerometer",
+            Self::Pivot => "a body on a pivot, by its angle",
+        }
+    }
+    /// The kind of that word.
+    #[must_use]
+    pub fn of_name(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|k| k.name() == word)
+    }
+}
+
+/// A first campaign.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Draft {
+    /// The campaign file.
+    pub campaign: String,
+    /// Name and content of the structure file that it names, where it names one.
+    pub structure: Option<(&'static str, String)>,
+}
+
+/// A commented campaign for run files: the last of several is held out. `kind` in place of the guess.
+///
+/// # Errors
+/// A file that is no run file, or without what its kind of campaign needs; two files of one name.
+pub fn draft_campaign(files: &[PathBuf], kind: Option<DraftKind>) -> Result<Draft, ReadError> {
+    let read = files.iter().map(|f| Ok((f.as_path(), read_columns(f)?))).collect::<Result<Vec<_>, ReadError>>()?;
+    let mut names: Vec<Option<String>> = files.iter().map(|f| stem(f)).collect();
+    names.sort();
+    if let Some(twice) = names.windows(2).find(|w| w[0] == w[1]) {
+        let what = "is the name of two of the files, and runs are told by their names";
+        let name = twice[0].clone().unwrap_or_default();
+        return Err(one_fault(&files[files.len() - 1], None, "file", &name, what, "rename one of them"));
+    }
+    let sheets: Vec<(&Path, Sheet<'_>, &Columns)> = read.iter().map(|(f, c)| (*f, Sheet::new(c), c)).collect();
+    let mut guesses = Vec::new();
+    for (file, sheet, columns) in &sheets {
+        guesses.push(Guess::new(file, sheet, columns)?);
+    }
+    let Some(first) = guesses.first() else {
+        return Err(one_fault(Path::new(""), None, "file", "", "is missing: a campaign has runs", "windfall init mine run.csv"));
+    };
+    let (kind, why) = match kind {
+        Some(kind) => (kind, "as asked for".to_owned()),
+        None => first.kind(),
+    };
+    let readings = guesses
+        .iter()
+        .zip(&sheets)
+        .map(|(g, (file, sheet, columns))| g.reading(kind, file, sheet, columns))
+        .collect::<Result<Vec<_>, _>>()?;
+    Ok(draft::draft(kind, &why, &readings))
+}
+
+fn one_fault(path: &Path, line: Option<usize>, key: &str, value: &str, what: &str, remedy: &str) -> ReadError {
+    ReadError::Faults(vec![fault(path, line, key, value, what, remedy)])
 }
 
 /// How the body is turned.
 enum Attitude {
-    /// Four columns; the real part last or first.
-    Quaternion([String; 4], bool),
-    /// R_x, R_y, R_z, with their unit.
-    Euler([String; 3], &'static str),
+    Quaternion(Quaternion),
+    Euler(Euler),
 }
 
+impl Attitude {
+    fn names(&self) -> &[String] {
+        match self {
+            Self::Quaternion(q) => &q.names,
+            Self::Euler(e) => &e.names,
+        }
+    }
+}
+
+/// What the columns of one file seem to be.
 struct Guess {
-    time: Found,
-    position: Vec<Found>,
+    clock: Clock,
+    position: Option<Position>,
     attitude: Option<Attitude>,
-    others: Vec<Found>,
-    rate_hz: f64,
-    /// Axis with sign along which the record falls, and how clearly: mean acceleration, m/s².
-    down: Option<(String, f64)>,
-    /// Which way up a model with attitude is.
+    air: Vec<Found>,
+    force: Vec<Found>,
+    angle: Option<Found>,
+    refused: Vec<Refused>,
+    /// Matrices body to room, sample by sample.
+    turns: Vec<Option<[[f64; 3]; 3]>>,
+    /// How clearly the record falls along one of its axes.
+    falls: Option<(String, f64)>,
+}
+
+/// What is read of a file in a campaign of a kind.
+pub(super) struct Reading {
+    file: PathBuf,
+    columns: Vec<Found>,
+    attitude: Option<Attitude>,
     axes: Option<AxesGuess>,
+    /// `[axes] down` of a body without attitude, and why.
+    down: (String, String),
+    rate_hz: f64,
+    still: Option<Still>,
+    left_out: Vec<Refused>,
+    notes: Vec<String>,
 }
 
-/// Words of a name: letters and digits in lower case, units after `_` or in brackets apart.
-fn bare(name: &str) -> (String, Option<String>) {
-    let lower = name.trim().to_ascii_lowercase();
-    let cut = |c: char| "_([ ".contains(c);
-    let head = lower.split(cut).next().unwrap_or_default().to_owned();
-    let tail = lower[head.len()..].trim_matches(|c: char| "_()[] ".contains(c)).to_owned();
-    (head, Some(tail).filter(|t| !t.is_empty()))
-}
-
-fn column<'a>(c: &'a Columns, names: &[&str]) -> Option<(&'a String, &'a Vec<f64>, Option<String>)> {
-    let whole = |n: &str| names.contains(&n.trim().to_ascii_lowercase().as_str());
-    c.all().find(|(n, _)| whole(n) || names.contains(&bare(n).0.as_str())).map(|(n, v)| (n, v, written(c, n)))
-}
-
-/// Unit that the file itself says, in its row of units or in the name.
-fn written(c: &Columns, name: &str) -> Option<String> {
-    let place = c.names().iter().position(|n| n == name)?;
-    let row = c.units.get(place).filter(|u| !u.is_empty()).cloned();
-    const KNOWN: [(&str, &str); 29] = [
-        ("s", "s"),
-        ("ms", "ms"),
-        ("us", "us"),
-        ("ns", "ns"),
-        ("m", "m"),
-        ("mm", "mm"),
-        ("cm", "cm"),
-        ("in", "in"),
-        ("ft", "ft"),
-        ("deg", "deg"),
-        ("rad", "rad"),
-        ("pa", "Pa"),
-        ("kpa", "kPa"),
-        ("k", "K"),
-        ("degc", "degC"),
-        ("c", "degC"),
-        ("degf", "degF"),
-        ("hpa", "hPa"),
-        ("mbar", "mbar"),
-        ("bar", "bar"),
-        ("psi", "psi"),
-        ("psf", "psf"),
-        ("m_s", "m/s"),
-        ("m/s", "m/s"),
-        ("ft_s", "ft/s"),
-        ("ft/s", "ft/s"),
-        ("fps", "ft/s"),
-        ("km_h", "km/h"),
-        ("kmh", "km/h"),
-    ];
-    row.or_else(|| bare(name).1.and_then(|t| KNOWN.iter().find(|(k, _)| *k == t).map(|(_, u)| (*u).to_owned())))
-}
-
-/// The column of time: `T` is one only where no other is, and a unit of temperature says that it is none.
-fn time_of(c: &Columns) -> Option<(&String, &Vec<f64>, Option<String>)> {
-    let all = c.all().map(|(n, v)| (n, v, written(c, n)));
-    let named = all.filter(|(n, _, unit)| {
-        let word = ["t", "t_s", "time", "timestamp", "seconds"];
-        let known = word.contains(&n.trim().to_ascii_lowercase().as_str()) || word.contains(&bare(n).0.as_str());
-        known && !unit.as_deref().is_some_and(|u| ["K", "degC"].contains(&u))
-    });
-    let mut named: Vec<_> = named.collect();
-    named.sort_by_key(|(n, ..)| n.trim().starts_with('T') && bare(n).0 == "t");
-    named.into_iter().next()
-}
-
-fn span(v: &[f64]) -> f64 {
-    let (low, high) =
-        v.iter().filter(|x| x.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
-    high - low
-}
-
-fn median(mut v: Vec<f64>) -> f64 {
-    v.retain(|x| x.is_finite());
-    v.sort_by(f64::total_cmp);
-    v.get(v.len() / 2).copied().unwrap_or(f64::NAN)
+impl Reading {
+    /// Whether the same tables read both files.
+    fn reads_like(&self, other: &Self) -> bool {
+        let found = |r: &Self| r.columns.iter().map(|f| (f.ours, f.name.clone(), f.unit.clone())).collect::<Vec<_>>();
+        let turned = |r: &Self| match &r.attitude {
+            Some(Attitude::Quaternion(q)) => (q.names.to_vec(), if q.last { "last" } else { "first" }, ""),
+            Some(Attitude::Euler(e)) => (e.names.to_vec(), e.sequence, e.unit),
+            None => (Vec::new(), "", ""),
+        };
+        found(self) == found(other) && turned(self) == turned(other)
+    }
 }
 
 impl Guess {
-    fn new(c: &Columns) -> Option<Self> {
-        let (name, t, said) = time_of(c)?;
-        let step = median(t.windows(2).map(|w| w[1] - w[0]).collect());
-        // Records have between 5 and 5000 samples a second.
-        let by_size = [("s", 1.0), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)].into_iter().find(|(_, k)| step / k <= 0.2);
-        let size = by_size.map_or("s", |(u, _)| u).to_owned();
-        let per_s = |u: &str| [("ms", 1e3), ("us", 1e6), ("ns", 1e9)].iter().find(|(k, _)| *k == u).map_or(1.0, |(_, k)| *k);
-        let time = found("t_s", name, said, size, &format!("the median step is {step}"));
-        let rate_hz = per_s(&time.unit) / step;
-        let mut position = Vec::new();
-        for (ours, names) in
-            [("X_m", ["x", "x_m", "px", "tx"]), ("Y_m", ["y", "y_m", "py", "ty"]), ("Z_m", ["z", "z_m", "pz", "tz"])]
-        {
-            if let Some((name, v, said)) = column(c, &names) {
-                let wide = span(v);
-                let size = if wide > 20.0 { "mm" } else { "m" };
-                position.push(found(ours, name, said, size.to_owned(), &format!("it spans {wide:.4}")));
-            }
-        }
-        if position.is_empty() {
-            return None;
-        }
-        let down = falls(c, &time, &position, per_s(&time.unit));
-        let attitude = attitude(c);
-        let axes = attitude.as_ref().and_then(|a| axes_of(c, a));
-        Some(Self { attitude, axes, others: tunnel(c, &time.name), time, position, rate_hz, down })
+    fn new(path: &Path, sheet: &Sheet<'_>, columns: &Columns) -> Result<Self, ReadError> {
+        let (clock, mut refused) = sheet::time(sheet);
+        let (position, not) = vectors::position(sheet);
+        refused.extend(not);
+        let (quaternion, not) = vectors::quaternion(sheet);
+        refused.extend(not);
+        let (euler, not) = vectors::euler(sheet);
+        refused.extend(not);
+        let (force, not) = vectors::specific_force(sheet);
+        refused.extend(not);
+        let angle = vectors::pivot_angle(sheet);
+        let measured = position.is_some() || !force.is_empty() || angle.is_some();
+        let Some(clock) = clock.filter(|_| measured) else {
+            let has = some_of(columns.names());
+            let why: Vec<String> = refused.iter().map(|r| format!("{}: {}", r.name, r.why)).collect();
+            let why = if why.is_empty() { String::new() } else { format!(" ({})", why.join("; ")) };
+            let what =
+                format!("has no columns that could be a time and a position, an acceleration or an angle; it has {has}{why}");
+            let remedy = "name them t and x, y, z (or t_s and X_m, Y_m, Z_m) in the file's header";
+            return Err(one_fault(path, columns.header, "columns", "", &what, remedy));
+        };
+        let (air, not) = sheet::air(sheet, &clock.found.name);
+        refused.extend(not);
+        let mut attitude = quaternion.map(Attitude::Quaternion).or(euler.map(Attitude::Euler));
+        let turns = attitude.as_mut().map_or_else(Vec::new, |a| settled(sheet, a));
+        let falls = position.as_ref().and_then(|p| falls(sheet, &clock, &p.found));
+        Ok(Self { clock, position, attitude, air, force, angle, refused, turns, falls })
     }
 
-    fn text(&self, name: &str, file: &str) -> String {
-        let mut out = format!(
-            "# A first campaign, made from {file}.\n# GUESS: read from the record, to be confirmed. FILL IN: no record tells it; nan is refused.\n\n\
-             [campaign]\nname = \"{name}\"\nnote = \"made by windfall init\"\n\n"
-        );
-        match self.attitude {
-            Some(_) => self.rigid(&mut out),
-            None => self.point(&mut out),
+    /// The kind of campaign, and what speaks for it.
+    fn kind(&self) -> (DraftKind, String) {
+        let guess = |kind, why: &str| (kind, format!("GUESS: {why}; --kind says another"));
+        match (&self.position, &self.attitude, &self.angle) {
+            (None, None, Some(_)) if self.force.is_empty() => guess(DraftKind::Pivot, "the file has an angle and no position"),
+            (Some(_), Some(_), _) if !self.air.is_empty() => {
+                guess(DraftKind::Tunnel, "the file has an attitude and the tunnel's air")
+            }
+            (Some(_), Some(_), _) => guess(DraftKind::FreeFlight, "the file has an attitude and no tunnel speed"),
+            (Some(_), None, _) => guess(DraftKind::Point, "the file has no angles and no quaternion"),
+            (None, ..) => guess(DraftKind::Point, "the file has an acceleration and no position"),
         }
-        self.columns(&mut out);
-        let kind = if self.attitude.is_some() { "perturbed" } else { "launch" };
-        let _ = write!(
-            out,
-            "\n# Give every run its [[run]]; hold one out (use = \"hold-out\"): it alone says how well the model predicts.\n[[run]]\n\
-             file = {file:?}\nkind = \"{kind}\"\nuse = \"identify\"   # {:.4} samples a second (GUESS: median step)\n",
-            self.rate_hz
-        );
-        out
     }
 
-    fn point(&self, out: &mut String) {
-        let down = self.down.as_ref().map_or(("-Z".to_owned(), "GUESS: the record does not tell".to_owned()), |(axis, a)| {
-            (axis.clone(), format!("GUESS: along it the record accelerates by {a:.2} m/s2 on average"))
-        });
-        let _ = write!(
-            out,
-            "# A body without attitude (GUESS: the file has no angles and no quaternion).\n[vehicle]\nmass_kg = nan                 # FILL \
-             IN\nreference_diameter_m = nan    # FILL IN\n\n[axes]\ndown = \"{}\"   # {}\n\n[environment]\ngravity_m_s2 = 9.80665\n\
-             air_density_kg_m3 = 1.2       # GUESS: a room at 20 degC\n\n[sensors]\nposition_std_m = 0.001        # GUESS: noise is learnt from \
-             the record\n\n[aero.point_mass]\nCD = 0.47                     # GUESS: a sphere\n",
-            down.0, down.1
-        );
+    /// What a campaign of that kind reads.
+    fn reading(&self, kind: DraftKind, path: &Path, sheet: &Sheet<'_>, columns: &Columns) -> Result<Reading, ReadError> {
+        let position = self.position.as_ref().map_or(&[][..], |p| &p.found);
+        let lacks = |what: &str| {
+            let what =
+                format!("has no {what}, which a campaign of the kind {} needs; it has {}", kind.name(), some_of(columns.names()));
+            let remedy = "another --kind, or names in the file's header that say it";
+            Err(one_fault(path, columns.header, "columns", "", &what, remedy))
+        };
+        let with_attitude = matches!(kind, DraftKind::Tunnel | DraftKind::FreeFlight);
+        if with_attitude && (position.len() < 3 || self.attitude.is_none()) {
+            return lacks("position along three axes with an attitude");
+        }
+        let mut read = vec![self.clock.found.clone()];
+        match kind {
+            DraftKind::Tunnel => read.extend(position.iter().chain(&self.air).cloned()),
+            DraftKind::FreeFlight => read.extend(position.iter().cloned()),
+            DraftKind::Point if position.is_empty() && self.force.is_empty() => return lacks("position and no acceleration"),
+            DraftKind::Point if position.is_empty() => read.extend(self.force.iter().cloned()),
+            DraftKind::Point => read.extend(position.iter().cloned()),
+            DraftKind::Pivot => match &self.angle {
+                Some(angle) => read.push(angle.clone()),
+                None => return lacks("angle"),
+            },
+        }
+        let attitude = self.attitude.as_ref().filter(|_| with_attitude).map(copy);
+        let (down, why) = self.down(sheet);
+        let axes = match kind {
+            DraftKind::Tunnel => upright(mean(self.turns.iter().flatten().copied())),
+            DraftKind::FreeFlight => Some(self.flight(sheet, &down, &why)),
+            DraftKind::Point | DraftKind::Pivot => None,
+        };
+        let used: Vec<&str> =
+            read.iter().map(|f| f.name.as_str()).chain(attitude.iter().flat_map(Attitude::names).map(String::as_str)).collect();
+        let still = still(sheet, &self.clock, &used);
+        Ok(Reading {
+            file: path.canonicalize().unwrap_or_else(|_| path.to_owned()),
+            left_out: self.left_out(kind, &used, sheet, columns),
+            columns: read,
+            attitude,
+            axes,
+            down: (down, why),
+            rate_hz: self.clock.rate_hz,
+            still,
+            notes: columns.notes.clone(),
+        })
     }
 
-    fn rigid(&self, out: &mut String) {
-        *out += "# A body with attitude in a vertical wind tunnel (GUESS: the file has its angles). Body x out of the nose.\n[vehicle]\nmass_kg = \
-                 nan                                                              # FILL IN\ninertia_kg_m2 = { xx = nan, yy = nan, zz = nan, \
-                 xy = 0.0, xz = 0.0, yz = 0.0 }   # FILL IN; about the centre of mass\ncenter_of_mass_m = [0.0, 0.0, 0.0]   # GUESS: at the \
-                 tracked origin\nreference_diameter_m = nan          # FILL IN\n\n# Leave the table out in free flight.\n[tether]\n\
-                 attachment_m = [nan, nan, nan]      # FILL IN; body axes, from the tracked origin\nring_m = [nan, nan, nan]            # FILL \
-                 IN; tunnel axes, X down\ndrag_area_m2 = nan                  # FILL IN\neffective_weight_n = nan            # FILL IN\n\n\
-                 [environment]\ngravity_m_s2 = 9.80665\ngas_constant_j_kg_k = 287.05287     # GUESS: dry air\n\n[sensors]              \
-                 # GUESS: thesis Table A.3; noise is learnt from the record\nposition_std_m = 7.5e-4\nroll_std_deg = 0.0623\n\
-                 pitch_yaw_std_deg = 0.110\nwind_std_m_s = 2.57e-3\n\n[aero.axisymmetric]    # GUESS: the thesis' structure and starting \
-                 points\nCA_T0 = 6.6\nCN_sin = 3.4\nCN_sin3 = -1.5\nCl_0 = 0.01\nCl_p = -5.0\nCm_sin = -2.0\nCm_sin3 = 2.0\nCm_1 = \
-                 -3.0\nCm_2 = -150.0\nCn_1 = -3.0\nCn_2 = -150.0\n";
+    /// Every column that is not read, with the reason where its name looked right.
+    fn left_out(&self, kind: DraftKind, used: &[&str], sheet: &Sheet<'_>, columns: &Columns) -> Vec<Refused> {
+        let mut attitude: Vec<&str> = self.attitude.iter().flat_map(Attitude::names).map(String::as_str).collect();
+        attitude.retain(|n| !used.contains(n));
+        let why = |name: &str| {
+            let refused = self.refused.iter().find(|r| r.name == name).map(|r| r.why.clone());
+            if attitude.contains(&name) {
+                return format!("part of an attitude, which the kind {} does not read", kind.name());
+            }
+            if self.force.iter().any(|f| f.name == name) {
+                return "an acceleration: beside positions it needs specific_force_std_m_s2 in [sensors] and a known direction"
+                    .to_owned();
+            }
+            if self.air.iter().any(|f| f.name == name) {
+                return format!("the air, which the kind {} takes as known", kind.name());
+            }
+            refused.unwrap_or_default()
+        };
+        let all = sheet.columns.iter().map(|c| c.name).filter(|n| !used.contains(n));
+        let texts =
+            columns.left_out().iter().map(|name| Refused { name: name.clone(), why: "holds no plain numbers".to_owned() });
+        all.map(|name| Refused { name: name.to_owned(), why: why(name) }).chain(texts).collect()
     }
 
-    fn columns(&self, out: &mut String) {
-        let all = std::iter::once(&self.time).chain(&self.position).chain(&self.others);
-        let differ: Vec<&Found> = all.filter(|f| f.name != f.ours).collect();
-        let point = self.attitude.is_none();
-        if !differ.is_empty() || matches!(self.attitude, Some(Attitude::Quaternion(..))) {
-            *out += "\n[columns]\n";
+    /// The axis of the file that is down, with its sign, and why.
+    fn down(&self, sheet: &Sheet<'_>) -> (String, String) {
+        let Some(position) = &self.position else {
+            let axis = self.force.last().map_or('Z', |f| f.ours.chars().nth(1).unwrap_or('Z'));
+            let why = "GUESS: an accelerometer at rest reads upward; +".to_owned();
+            return (format!("-{axis}"), format!("{why}{axis} where its axis points down"));
+        };
+        if let Some(down) = &position.down {
+            return (down.clone(), "as the column's name says".to_owned());
         }
-        for f in differ {
-            let _ = writeln!(out, "{} = {{ name = {:?}, unit = {:?} }}   # {}", f.ours, f.name, f.unit, f.why);
+        if let Some((axis, a)) = &self.falls {
+            return (axis.clone(), format!("GUESS: along it the record accelerates by {a:.2} m/s2 on average"));
         }
-        if point {
-            return;
-        }
-        for (ours, value) in [("VW_m_s", "nan"), ("ps_Pa", "101325.0"), ("Ts_K", "293.15")] {
-            if !self.others.iter().any(|f| f.ours == ours) {
-                let _ = writeln!(out, "{ours} = {value}   # FILL IN: no such column was seen; a column's name or one number");
+        match sheet.program {
+            Some("OptiTrack Motive") => {
+                ("-Y".to_owned(), "GUESS: exports of OptiTrack Motive have y up unless it was changed".to_owned())
             }
+            Some(program) => ("-Z".to_owned(), format!("GUESS: exports of {program} have z up unless it was changed")),
+            None => ("-Z".to_owned(), "GUESS: z up; the record does not tell".to_owned()),
         }
-        let own = ["x", "y", "z"].map(str::to_owned);
-        let (tunnel, body, why) = self.axes.as_ref().map_or_else(
-            || (&own, &own, "GUESS: as the file has them; its attitudes do not tell which way is down".to_owned()),
-            |g| (&g.tunnel, &g.body, g.why.clone()),
-        );
-        let _ = writeln!(
-            out,
-            "\n[columns.axes]   # which of the file's axes are tunnel X (down), Y, Z, and body x (nose), y, z\n# {why}.\ntunnel = {tunnel:?}\n\
-             body = {body:?}"
-        );
-        match &self.attitude {
-            Some(Attitude::Quaternion(q, last)) => {
-                let scalar = if *last { "last" } else { "first" };
-                let _ = writeln!(
-                    out,
-                    "\n[columns.attitude]\nquaternion = {q:?}\nscalar = \"{scalar}\"   # GUESS: by the names\nrotates = \"body-to-world\"   \
-                     # GUESS; or world-to-body"
-                );
+    }
+
+    /// Axes of a body in free flight, by the way that it takes.
+    fn flight(&self, sheet: &Sheet<'_>, down: &str, why: &str) -> AxesGuess {
+        let sign = if down.starts_with('-') { -1.0 } else { 1.0 };
+        let axis = "XYZ".find(down.chars().last().unwrap_or('Z')).unwrap_or(2);
+        let found = self.position.as_ref().map_or(&[][..], |p| &p.found);
+        let places: Vec<&[f64]> = found.iter().filter_map(|f| sheet.get(&f.name)).collect();
+        let step: Vec<[f64; 3]> =
+            (1..self.turns.len()).map(|i| [0, 1, 2].map(|k| places.get(k).map_or(f64::NAN, |p| p[i] - p[i - 1]))).collect();
+        let (mut way, mut low, mut n) = ([0.0; 3], [0.0; 3], 0.0_f64);
+        for (turn, step) in self.turns.iter().skip(1).zip(step) {
+            let length = step.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let Some(m) = turn.filter(|_| length.is_finite() && length > 0.0) else { continue };
+            for k in 0..3 {
+                way[k] += (0..3).map(|j| m[j][k] * step[j]).sum::<f64>() / length;
+                low[k] += m[axis][k] * sign;
             }
-            Some(Attitude::Euler(e, unit)) if e[0] != "Rx_deg" => {
-                let _ = writeln!(
-                    out,
-                    "\n[columns.attitude]\neuler = {e:?}\nsequence = \"xyz\"   # GUESS\nunit = \"{unit}\"   # GUESS: by size or name\n\
-                     rotates = \"body-to-world\"   # GUESS; or world-to-body"
-                );
-            }
-            _ => {}
+            n += 1.0;
         }
+        let mean = |v: [f64; 3]| v.map(|x| x / n.max(1.0));
+        flying((axis, sign), &format!("down is {down}: {why}"), mean(way), mean(low))
     }
 }
 
-/// By the mean attitude, read as the first campaign reads it.
-fn axes_of(c: &Columns, attitude: &Attitude) -> Option<AxesGuess> {
-    let series = |names: &[String]| names.iter().map(|n| c.get(n)).collect::<Option<Vec<_>>>();
+fn copy(a: &Attitude) -> Attitude {
+    match a {
+        Attitude::Quaternion(q) => Attitude::Quaternion(Quaternion { names: q.names.clone(), ..*q }),
+        Attitude::Euler(e) => Attitude::Euler(Euler { names: e.names.clone(), why: e.why.clone(), ..*e }),
+    }
+}
+
+/// Matrices of an attitude, sample by sample; what its names leave open is read so that an axis of the body stays near one of the room, if
+/// only one reading does that.
+fn settled(sheet: &Sheet<'_>, attitude: &mut Attitude) -> Vec<Option<[[f64; 3]; 3]>> {
+    let series = |names: &[String]| names.iter().map(|n| sheet.get(n).unwrap_or(&[])).collect::<Vec<_>>();
     match attitude {
-        Attitude::Quaternion(names, last) => {
-            let q = series(names)?;
-            let real = if *last { 3 } else { 0 };
-            let row = |i: usize| {
-                let vector: Vec<f64> = (0..4).filter(|k| *k != real).map(|k| q[k][i]).collect();
-                [vector[0], vector[1], vector[2], q[real][i]]
+        Attitude::Quaternion(q) => {
+            let s = series(&q.names);
+            let read = |last: bool| -> Vec<Option<[[f64; 3]; 3]>> {
+                let order = if last { [0, 1, 2, 3] } else { [1, 2, 3, 0] };
+                (0..s[0].len()).map(|i| of_quaternion(order.map(|k| s[k][i]))).collect()
             };
-            upright(mean_of_quaternions((0..q[0].len()).map(row)))
+            let (one, other) = (read(q.last), read(!q.last));
+            if !q.told && stays_other(&one, &other) {
+                q.last = !q.last;
+                return other;
+            }
+            one
         }
-        Attitude::Euler(names, unit) => {
-            let a = series(names)?;
-            let rad = if *unit == "rad" { 1.0 } else { 1.0_f64.to_radians() };
-            upright(mean_of_angles((0..a[0].len()).map(|i| [0, 1, 2].map(|k| rad * a[k][i]))))
+        Attitude::Euler(e) => {
+            let s = series(&e.names);
+            let rad = if e.unit == "rad" { 1.0 } else { 1.0_f64.to_radians() };
+            let read = |order: [usize; 3], sequence: &str| -> Vec<Option<[[f64; 3]; 3]>> {
+                let row = |i: usize| order.map(|k| rad * s[k][i]);
+                let finite = |a: [f64; 3]| a.iter().all(|x| x.is_finite()).then(|| of_angles(a, sequence));
+                (0..s[0].len()).map(|i| finite(row(i))).collect()
+            };
+            let instead = if e.sequence == "zyx" { "xyz" } else { "zyx" };
+            let (one, other) = (read([0, 1, 2], e.sequence), read([2, 1, 0], instead));
+            if stays_other(&one, &other) {
+                e.sequence = instead;
+                e.names.reverse();
+                return other;
+            }
+            one
         }
     }
 }
 
-fn found(ours: &'static str, name: &str, said: Option<String>, size: String, why: &str) -> Found {
-    let why = if said.is_some() { "unit as the file says".to_owned() } else { format!("GUESS: {why}") };
-    Found { ours, name: name.to_owned(), unit: said.unwrap_or(size), why }
-}
-
-fn attitude(c: &Columns) -> Option<Attitude> {
-    let all = |names: [&str; 4]| -> Option<[String; 4]> {
-        let found: Option<Vec<String>> = names.iter().map(|n| Some(column(c, &[n])?.0.clone())).collect();
-        found?.try_into().ok()
-    };
-    if let Some(q) = all(["qx", "qy", "qz", "qw"]).or_else(|| all(["q1", "q2", "q3", "q0"])) {
-        return Some(Attitude::Quaternion(q, true));
-    }
-    [["rx", "ry", "rz"], ["roll", "pitch", "yaw"]].into_iter().find_map(|names| {
-        let found: Option<Vec<_>> = names.iter().map(|n| column(c, &[n])).collect();
-        let found = found?;
-        let most = found.iter().map(|f| span(f.1)).fold(0.0, f64::max);
-        let unit =
-            found[0].2.as_deref().map_or(if most > 7.0 { "deg" } else { "rad" }, |u| if u == "rad" { "rad" } else { "deg" });
-        let names: Vec<String> = found.iter().map(|f| f.0.clone()).collect();
-        Some(Attitude::Euler(names.try_into().ok()?, unit))
-    })
-}
-
-/// Tunnel speed, static pressure, static temperature.
-fn tunnel(c: &Columns, time: &str) -> Vec<Found> {
-    let one = |ours, names: &[&str], by_size: fn(f64) -> &'static str| {
-        let (name, v, said) = column(c, names)?;
-        let level = median(v.clone());
-        Some(found(ours, name, said, by_size(level).to_owned(), &format!("its median is {level:.4}")))
-    };
-    let speed = one("VW_m_s", &["vw", "vw_m_s", "fan", "speed", "airspeed", "wind"], |_| "m/s");
-    let pressure = one("ps_Pa", &["ps", "ps_pa", "p", "pressure", "pstatic"], |x| match x {
-        x if x < 2.0 => "bar",
-        x if x < 20.0 => "psi",
-        x if x < 200.0 => "kPa",
-        x if x < 2000.0 => "hPa",
-        _ => "Pa",
-    });
-    let by_level: fn(f64) -> &'static str = |x| if x < 100.0 { "degC" } else { "K" };
-    let letter = || {
-        let (name, v) = c.all().find(|(n, _)| n.trim().starts_with('T') && bare(n).0 == "t" && *n != time)?;
-        let level = median(v.clone());
-        Some(found("Ts_K", name, written(c, name), by_level(level).to_owned(), &format!("its median is {level:.4}")))
-    };
-    let temperature = one("Ts_K", &["ts", "ts_k", "temp", "temperature"], by_level).or_else(letter);
-    [speed, pressure, temperature].into_iter().flatten().collect()
-}
-
-/// The axis along which positions accelerate most, by a parabola through the record's thirds.
-fn falls(c: &Columns, time: &Found, position: &[Found], per_s: f64) -> Option<(String, f64)> {
-    let t = c.get(&time.name)?;
-    let one = |f: &Found| {
-        let (v, n) = (c.get(&f.name)?, t.len());
-        let at = |i: usize| (t[i] / per_s, v[i]);
-        let ((t0, x0), (t1, x1), (t2, x2)) = (at(0), at(n / 2), at(n.checked_sub(1)?));
-        let a = 2.0 * ((x2 - x1) / (t2 - t1) - (x1 - x0) / (t1 - t0)) / (t2 - t0);
-        let metres =
-            [("mm", 1e-3), ("cm", 1e-2), ("in", 0.0254), ("ft", 0.3048)].iter().find(|(u, _)| *u == f.unit).map_or(1.0, |u| u.1);
-        Some((f.ours.chars().next()?, a * metres)).filter(|(_, a)| a.is_finite())
-    };
-    let (axis, a) = position.iter().filter_map(one).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-    let sign = if a < 0.0 { "-" } else { "" };
-    // A body that flies free falls by a good part of g.
-    (a.abs() > 2.0).then(|| (format!("{sign}{axis}"), a))
+/// Whether an axis of the body stays near one of the room by the other reading and not by this one.
+fn stays_other(one: &[Option<[[f64; 3]; 3]>], other: &[Option<[[f64; 3]; 3]>]) -> bool {
+    let stays = |all: &[Option<[[f64; 3]; 3]>]| nearness(mean(all.iter().flatten().copied())) > axes::PARALLEL;
+    !stays(one) && stays(other)
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn of(names: &[&str], rows: impl Iterator<Item = Vec<f64>>) -> Columns {
-        let rows: Vec<Vec<f64>> = rows.collect();
-        let data = (0..names.len()).map(|k| rows.iter().map(|r| r[k]).collect()).collect();
-        Columns::new(names.iter().map(|n| (*n).to_owned()).collect(), data, Vec::new())
-    }
-
-    /// A ball thrown up, in ms and mm with y upward.
-    #[test]
-    fn exact_a_throw_is_read() {
-        let rows = (0..100).map(|i| {
-            let t = f64::from(i) * 0.01;
-            vec![10.0 * f64::from(i), 100.0 * t, 1e3 * (4.0 * t - 4.9 * t * t)]
-        });
-        let g = Guess::new(&of(&["time", "x", "y"], rows)).expect("time and position");
-        assert_eq!((g.time.unit.as_str(), g.position[1].unit.as_str()), ("ms", "mm"));
-        assert!((g.rate_hz - 100.0).abs() < 1e-9 && g.attitude.is_none());
-        let (axis, a) = g.down.clone().expect("it falls");
-        assert!(axis == "-Y" && (a + 9.8).abs() < 0.1, "{axis} {a}");
-        let text = g.text("throw", "throw.csv");
-        for words in ["down = \"-Y\"", "t_s = { name = \"time\", unit = \"ms\" }", "mass_kg = nan", "GUESS"] {
-            assert!(text.contains(words), "{words} in {text}");
-        }
-        text.parse::<toml::Table>().expect("TOML");
-    }
-
-    #[test]
-    fn exact_a_quaternion_is_seen() {
-        let names = ["t_ms", "x_mm", "y_mm", "z_mm", "qx", "qy", "qz", "qw", "fan"];
-        let g = Guess::new(&of(&names, (0..50).map(|i| vec![f64::from(i) * 5.0, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0, 7.4])))
-            .expect("a run");
-        assert!(matches!(g.attitude, Some(Attitude::Quaternion(_, true))));
-        assert!(g.time.unit == "ms" && g.position.iter().all(|p| p.unit == "mm"), "as the names say");
-        assert_eq!(bare("fan_ft_s"), ("fan".to_owned(), Some("ft_s".to_owned())));
-        g.text("run", "run.csv").parse::<toml::Table>().expect("TOML");
-    }
-
-    /// `T` beside `t` is the temperature, in either order; alone it is the time; `T_degC` is never the time.
-    #[test]
-    fn exact_a_capital_t_is_the_temperature_beside_a_time() {
-        let rows = |at: usize| {
-            (0..50).map(move |i| {
-                let mut row = vec![1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0];
-                row.insert(0, 0.005 * f64::from(i));
-                row.insert(at, 21.0);
-                row
-            })
-        };
-        for (names, at) in [
-            (["t", "T", "x", "y", "z", "qx", "qy", "qz", "qw"], 1),
-            (["T", "t", "x", "y", "z", "qx", "qy", "qz", "qw"], 0),
-            (["T_degC", "time", "x", "y", "z", "qx", "qy", "qz", "qw"], 0),
-        ] {
-            let g = Guess::new(&of(&names, rows(at))).expect("a run");
-            let other = names[at];
-            assert_eq!(g.time.name, names[1 - at], "{names:?}");
-            let found = g.others.iter().find(|f| f.ours == "Ts_K").expect("a temperature");
-            assert_eq!((found.name.as_str(), found.unit.as_str()), (other, "degC"), "{names:?}");
-        }
-        let alone = Guess::new(&of(&["T", "x", "y"], (0..50).map(|i| vec![0.01 * f64::from(i), 1.0, 2.0]))).expect("a run");
-        assert!(alone.time.name == "T" && alone.others.is_empty());
-    }
-}
+mod tests;

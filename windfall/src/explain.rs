@@ -3,9 +3,9 @@
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::PathBuf;
 use windfall_model::CATALOGUE;
-use windfall_scenarios::{campaign_of_run, meanings};
+use windfall_scenarios::{Draft, DraftKind, draft_campaign, meanings};
 
 /// What is explained.
 ///
@@ -24,12 +24,38 @@ pub struct Explain {
     pub words: Vec<String>,
 }
 
-/// A commented campaign for a run file; what was guessed is marked as a guess, and what no record tells is left to be filled in.
+/// What a first campaign is to be.
+///
+/// ```
+/// use windfall::{DraftKind, Init};
+/// let request: Init = serde_json::from_str(r#"{"kind": "free-flight"}"#).expect("a request");
+/// assert_eq!(request.kind, Some(DraftKind::FreeFlight));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+#[serde(default, deny_unknown_fields)]
+pub struct Init {
+    /// Kind of campaign [default: guessed from the columns]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "KIND", value_parser = kind()))]
+    pub kind: Option<DraftKind>,
+}
+
+/// Kinds by name, each with a line of help.
+#[cfg(feature = "cli")]
+fn kind() -> impl clap::builder::TypedValueParser<Value = DraftKind> {
+    use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
+    let named = PossibleValuesParser::new(DraftKind::ALL.map(|k| PossibleValue::new(k.name()).help(k.help())));
+    named.try_map(|name| DraftKind::of_name(&name).ok_or_else(|| Error::Request(format!("no kind {name}"))))
+}
+
+/// A commented campaign for run files, the last of several held out. Guesses are marked, what no record tells is left to be filled in, and
+/// columns that are left out are named.
 ///
 /// # Errors
-/// A file that is no run file, or without time and position.
-pub fn init(run: &Path) -> Result<String> {
-    Ok(campaign_of_run(run)?)
+/// A file that is no run file, or without what its kind of campaign needs.
+pub fn init(runs: &[PathBuf], request: &Init) -> Result<Draft> {
+    let Init { kind } = request;
+    Ok(draft_campaign(runs, *kind)?)
 }
 
 /// What a family, a key or a warning means: meaning, physics, source, from the catalogue and the table of keys.

@@ -321,9 +321,14 @@ def many(
     return None if own.get("shard") is not None else results.Many(json.loads(order.finish()))
 
 
-def init(run: Path) -> str:
-    """A commented campaign file for a run file, as TOML; guesses are marked, what no record tells is `nan` and to be filled in."""
-    return _windfall.init(os.fspath(run))
+def init(*runs: Path, **request: Unpack[_requests.Init]) -> str:
+    """A commented campaign file for run files, as TOML; the last of several is held out.
+
+    Guesses are marked, what no record tells is `nan` and to be filled in, and columns that nothing reads are named. `kind` stands in place of
+    the guess what kind of campaign it is. A campaign in free flight names a structure file, `body.toml`, which the program's `windfall init`
+    writes beside it.
+    """
+    return _windfall.init([os.fspath(run) for run in runs], _request(_requests.Init, request))
 
 
 def explain(*words: str) -> str:

@@ -2,7 +2,7 @@
 //! down, as far as they tell.
 
 /// Least mean cosine between two axes that are nearly parallel all the time: 37 deg, more than a model swings in a spin tunnel.
-const PARALLEL: f64 = 0.8;
+pub(super) const PARALLEL: f64 = 0.8;
 
 /// Rows of `[columns.axes]`, and what speaks for them.
 pub(super) struct AxesGuess {
@@ -42,33 +42,83 @@ pub(super) fn upright(mean_room_body: [[f64; 3]; 3]) -> Option<AxesGuess> {
     Some(AxesGuess { tunnel: rows(room, down), body: rows(body, nose), why })
 }
 
+/// Least mean cosine between a body's axis and its way through the room for that axis to be the nose: 45 deg.
+const ALONG: f64 = 0.7;
+
+/// A body in free flight: the room's axis that is down, and of the body the one that leads the way as nose, and of the others the one that
+/// stays lowest as z. `way`: mean of the body's velocity in its own axes, of length one at each instant; `down_body`: the same of down.
+pub(super) fn flying(down: (usize, f64), told: &str, way: [f64; 3], down_body: [f64; 3]) -> AxesGuess {
+    let largest = |v: [f64; 3], without: Option<usize>| {
+        (0..3).filter(|k| Some(*k) != without).max_by(|a, b| v[*a].abs().total_cmp(&v[*b].abs())).unwrap_or(0)
+    };
+    let nose = largest(way, None);
+    let tunnel = rows(down.0, down.1);
+    if way[nose].abs() < ALONG {
+        let why = format!("{told}; GUESS: body axes as the file has them, for none of them leads the way");
+        return AxesGuess { tunnel, body: NAMES.map(str::to_owned), why };
+    }
+    let low = largest(down_body, Some(nose));
+    let mut m = [[0.0; 3]; 3];
+    m[0][nose] = way[nose].signum();
+    m[2][low] = if down_body[low] < 0.0 { -1.0 } else { 1.0 };
+    // y = z x x.
+    m[1] = [m[2][1] * m[0][2] - m[2][2] * m[0][1], m[2][2] * m[0][0] - m[2][0] * m[0][2], m[2][0] * m[0][1] - m[2][1] * m[0][0]];
+    let word = |row: [f64; 3]| signed(largest(row, None), row[largest(row, None)]);
+    let why = format!(
+        "{told}; GUESS: the body's {} leads the way (mean cosine {:.2}) and its {} is lowest (mean cosine with down {:.2})",
+        word(m[0]),
+        way[nose].abs(),
+        word(m[2]),
+        down_body[low].abs()
+    );
+    AxesGuess { tunnel, body: m.map(word), why }
+}
+
+/// Mean cosine of the two axes that stay nearest to each other.
+pub(super) fn nearness(mean_room_body: [[f64; 3]; 3]) -> f64 {
+    mean_room_body.iter().flatten().fold(0.0, |m, x| x.abs().max(m))
+}
+
 /// Mean of matrices of unit quaternions `[x, y, z, w]`; rows that are none are left out.
-pub(super) fn mean_of_quaternions(all: impl Iterator<Item = [f64; 4]>) -> [[f64; 3]; 3] {
-    mean(all.filter_map(|q| {
-        let size = q.iter().map(|v| v * v).sum::<f64>().sqrt();
-        let [x, y, z, w] = q.map(|v| v / size);
-        let m = [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
-            [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
-            [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
-        ];
-        (size - 1.0).abs().le(&0.1).then_some(m)
-    }))
+#[cfg(test)]
+fn mean_of_quaternions(all: impl Iterator<Item = [f64; 4]>) -> [[f64; 3]; 3] {
+    mean(all.filter_map(of_quaternion))
 }
 
-/// Mean of `Rx Ry Rz` of angles in rad.
-pub(super) fn mean_of_angles(all: impl Iterator<Item = [f64; 3]>) -> [[f64; 3]; 3] {
-    mean(all.filter(|a| a.iter().all(|v| v.is_finite())).map(|angles| {
-        let [(sa, ca), (sb, cb), (sc, cc)] = angles.map(f64::sin_cos);
-        [
-            [cb * cc, -cb * sc, sb],
-            [ca * sc + sa * sb * cc, ca * cc - sa * sb * sc, -sa * cb],
-            [sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb],
-        ]
-    }))
+/// Matrix body to room of a unit quaternion `[x, y, z, w]`.
+pub(super) fn of_quaternion(q: [f64; 4]) -> Option<[[f64; 3]; 3]> {
+    let size = q.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let [x, y, z, w] = q.map(|v| v / size);
+    let m = [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+    ];
+    (size - 1.0).abs().le(&0.1).then_some(m)
 }
 
-fn mean(all: impl Iterator<Item = [[f64; 3]; 3]>) -> [[f64; 3]; 3] {
+#[cfg(test)]
+fn mean_of_angles(all: impl Iterator<Item = [f64; 3]>) -> [[f64; 3]; 3] {
+    mean(all.map(|a| of_angles(a, "xyz")))
+}
+
+/// Matrix body to room of three angles in rad, in the order of their sequence.
+pub(super) fn of_angles(angles: [f64; 3], sequence: &str) -> [[f64; 3]; 3] {
+    let mut m = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    for (angle, axis) in angles.into_iter().zip(sequence.bytes()) {
+        let (s, c) = angle.sin_cos();
+        let k = usize::from(axis.saturating_sub(b'x')).min(2);
+        let (a, b) = ((k + 1) % 3, (k + 2) % 3);
+        m = m.map(|row| {
+            let mut out = row;
+            (out[a], out[b]) = (row[a] * c + row[b] * s, row[b] * c - row[a] * s);
+            out
+        });
+    }
+    m
+}
+
+pub(super) fn mean(all: impl Iterator<Item = [[f64; 3]; 3]>) -> [[f64; 3]; 3] {
     let mut sum = [[0.0; 3]; 3];
     let mut n = 0.0_f64;
     for m in all {

@@ -23,7 +23,7 @@ fn run_file(path: &Path) -> bool {
 }
 /// As a run, as a track, and as what `init` guesses a campaign from.
 fn table(path: &Path) -> bool {
-    let _ = read(files::campaign_of_run(path));
+    let _ = read(files::draft_campaign(&[path.to_owned()], None));
     let _ = read(files::read_track(path, files::Down { axis: 2, negative: true }, 1e-3, None));
     run_file(path)
 }
@@ -67,7 +67,7 @@ fn readers() -> Vec<Reader> {
                 "scenarios/tests/motion_capture/motive.csv",
                 "scenarios/tests/motion_capture/qualisys.tsv",
             ],
-            ..Reader::new("motion-capture", "run.csv", Table, |p| read(files::campaign_of_run(p)))
+            ..Reader::new("motion-capture", "run.csv", Table, |p| read(files::draft_campaign(&[p.to_owned()], None)))
         },
         Reader { seeds: corpus!["run.csv"], finish: Some(gzip), ..Reader::new("csv-gz", "run.csv.gz", Table, run_file) },
         Reader { seeds: formats!["run.csv.gz"], ..Reader::new("csv-gz-bytes", "run.csv.gz", Bytes, run_file) },
