@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TypedDict
 
-__all__ = ["ENTRIES", "Close", "Descend", "Fly", "Identify", "Many", "Plan", "Resimulate", "Structure", "Study"]
+__all__ = ["ENTRIES", "Close", "Descend", "Fly", "Identify", "Init", "Many", "Plan", "Resimulate", "Structure", "Study"]
 
 
 class Fly(TypedDict, total=False):
@@ -96,6 +96,14 @@ class Study(TypedDict, total=False):
     force: bool | None
     resume: bool | None
     shard: Sequence[int] | None
+
+
+class Init(TypedDict, total=False):
+    """
+    kind: Kind of campaign [default: guessed from the columns]; one of tunnel, free-flight, point, pivot
+    """
+
+    kind: str | None
 
 
 class Many(TypedDict, total=False):
