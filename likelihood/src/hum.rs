@@ -95,7 +95,7 @@ pub(crate) fn take_off(record: &mut Record, plant: &Plant) -> Vec<Hum> {
     let density = mean(&record.ps_pa) / (plant.environment.gas_constant_j_kg_k * mean(&record.ts_k));
     let dt = record.interval_s();
     let swing_hz = swing_hz(&record.attitude_rad[1..], dt);
-    let stream = HumStream { density_kg_m3: density, speed_m_s: mean(&record.vw_m_s), swing_hz };
+    let stream = HumStream { density_kg_m3: density, speed_m_s: record.mean_airspeed_m_s(), swing_hz };
     let mut all = Vec::new();
     for channel in 0..POSE {
         let series = if channel < 3 { &mut record.position_m[channel] } else { &mut record.attitude_rad[channel - 3] };

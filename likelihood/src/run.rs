@@ -44,7 +44,7 @@ pub(crate) struct Prepared {
     pub(crate) start: [[f64; 2]; POSE],
     /// Tunnel speed along the run.
     pub(crate) speed: Speed,
-    /// Mean tunnel speed, m/s.
+    /// Mean airspeed, m/s.
     pub(crate) speed_m_s: f64,
     /// Variance of the gusts along the run over its mean.
     pub(crate) intensity: Intensity,
@@ -63,7 +63,7 @@ impl Prepared {
             nodes: Vec::new(),
             start: [[0.0; 2]; POSE],
             speed: Speed::new(series, dt, noise, &missing),
-            speed_m_s: series.iter().sum::<f64>() / series.len().max(1) as f64,
+            speed_m_s: record.mean_airspeed_m_s(),
             intensity: Intensity::default(),
         }
         .in_nodes(record, gas_constant, node_s)

@@ -7,7 +7,7 @@ use windfall_model::planet::{
     Air, Atmosphere, AtmosphereTable, Gravity, GustProfile, Planet, Reference, Spheroid, WindTable, Winds,
 };
 use windfall_model::{
-    CoefficientTable, Disturbance, Entry, FreeFlight, PointMass, Setting, Shape, ShapingFilter, StateForm, Thrust, Turbulence,
+    CoefficientTable, Disturbance, Entry, FreeFlight, PointMass, Record, Setting, Shape, ShapingFilter, StateForm, Thrust, Turbulence,
     WakeShedding,
 };
 
@@ -248,4 +248,21 @@ fn exact_thrusts_by_hand() {
     same(m.to_array(), std::array::from_fn(|i| a[i] + b[i]), 1e-14);
     let middle = FreeFlight { thrusts: vec![engine(Setting::Fixed(2.0), Setting::Fixed(0.0))], ..body };
     close(middle.thrust(&[])[0].x(), 0.6 * 2.5, 1e-15);
+}
+
+/// The tunnel's speed where it blows; where the air rests, the speed of the model's own fall, whose exact mean over chords is its distance over time.
+#[test]
+fn exact_airspeed_of_a_tunnel_and_of_a_fall() {
+    let t_s: Vec<f64> = (0..101).map(|i| 0.01 * f64::from(i)).collect();
+    let still = vec![0.0; t_s.len()];
+    let falling = Record {
+        position_m: [t_s.iter().map(|t| 3.0 * t).collect(), t_s.iter().map(|t| 4.0 * t).collect(), still.clone()],
+        vw_m_s: still.clone(),
+        t_s,
+        ..Record::default()
+    };
+    assert!((falling.mean_airspeed_m_s() - 5.0).abs() < 1e-12);
+    let blown = Record { vw_m_s: vec![7.5; still.len()], ..falling.clone() };
+    assert_eq!(blown.mean_airspeed_m_s().to_bits(), 7.5_f64.to_bits());
+    assert_eq!(Record::default().mean_airspeed_m_s().to_bits(), 0.0_f64.to_bits());
 }

@@ -120,8 +120,7 @@ impl<'r, 'a> Filter<'r, 'a> {
     }
 
     fn gusts(&self, Random { turbulence: t, turning }: &Random) -> Gusts {
-        let n = self.run.record.len() as f64;
-        let speed = self.run.record.vw_m_s.iter().sum::<f64>() / n;
+        let speed = self.run.record.mean_airspeed_m_s();
         let ns = SPEED + GUSTS;
         // A gust of no size at all keeps its states: rms of a micrometre per second.
         let small = |rms: f64| rms.max(1e-6);
