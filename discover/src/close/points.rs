@@ -128,7 +128,7 @@ fn effect_line(
             .map(|((value, std), p)| ParameterLine::new("", &p.name, value, std, p.unit))
             .collect(),
         p_value: chance(found, k),
-        probability: Some(found.weighed().iter().filter(|(s, _)| s.has(effect)).map(|(_, p)| p).sum()),
+        probability: Some(found.weighed().iter().filter(|(s, _)| s.has(effect)).map(|(_, p)| p).sum::<f64>().min(1.0)),
         rivals: rivals(found, k),
         form: Some(Form {
             ok: nothing_left,

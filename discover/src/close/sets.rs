@@ -14,6 +14,7 @@ pub(super) fn sets(sets: &[FamilySet], stand_ins: &[&str]) -> Vec<SetLine> {
             None => all.push(SetLine { families, probability }),
         }
     }
+    all.iter_mut().for_each(|line| line.probability = line.probability.min(1.0));
     all.retain(|line| line.probability > 1e-3);
     all
 }
@@ -26,9 +27,9 @@ fn weights(sets: &[FamilySet]) -> Vec<f64> {
     all.iter().map(|w| w / sum).collect()
 }
 
-/// Probability of the sets that have a family.
+/// Probability of the sets that have a family; rounding of their sum does not take it above one.
 pub(super) fn probability(sets: &[FamilySet], family: &str) -> f64 {
-    sets.iter().zip(weights(sets)).filter(|(s, _)| s.families.contains(&family)).map(|(_, w)| w).sum()
+    sets.iter().zip(weights(sets)).filter(|(s, _)| s.families.contains(&family)).map(|(_, w)| w).sum::<f64>().min(1.0)
 }
 
 /// Families of the last fit that the sets weighed there hold for less likely than one in twenty: the search ended before a set stayed, and they are
