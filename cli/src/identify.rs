@@ -4,7 +4,6 @@
 use crate::args::IdentifyArgs;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
-use windfall::Method;
 use windfall::files::series_text;
 use windfall::report;
 use windfall::results::{Bootstrap, DataSet, Estimate, FoundNumber, Identification, SignalTracks, SmoothingTracks};
@@ -23,7 +22,7 @@ pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool
             return Ok((result, SignalTracks::default(), SmoothingTracks::default()));
         }
         let tracks = campaign.coefficient_tracks(&result).unwrap_or_default();
-        let records = campaign.smoothing(Method::of_name(&result.found.method)).unwrap_or_default();
+        let records = campaign.smoothing_of(&result, &args.request).unwrap_or_default();
         Ok((result, tracks, records))
     })?;
     if let Some(reason) = &result.found.reason {
@@ -68,6 +67,9 @@ fn bootstrap_table(b: &Bootstrap) -> String {
 
 fn table(campaign: &str, found: &Identification) -> String {
     let mut text = format!("{campaign}, method {}\n", found.method);
+    if let Some(smoothing) = &found.smoothing {
+        let _ = writeln!(text, "smoothing: {smoothing}");
+    }
     let agreement = found.compatibility.iter().flat_map(report::agreement);
     let told = found.identifiability.iter().flat_map(report::identifiable);
     for line in agreement.chain(told) {
@@ -102,6 +104,9 @@ fn data_set(text: &mut String, d: &DataSet) {
     }
     for (e, p) in d.effects.iter().flat_map(|e| e.parameters.iter().map(move |p| (e, p))) {
         let _ = writeln!(text, "{}", beside(&format!("{}.{}", e.family, p.name), p));
+    }
+    for r in &d.refused {
+        let _ = writeln!(text, "{:<11}{:<16} not estimated: {}", r.coefficient, r.name, r.reason);
     }
     for f in &d.fits {
         let _ = writeln!(

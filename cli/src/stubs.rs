@@ -34,6 +34,7 @@ fn kinds() -> [Kind; 15] {
         kind::<windfall::Shard>("Sequence[int]", &[]),
         kind::<windfall::Held>("Mapping[str, float]", &["name", "value"]),
         kind::<windfall::Tie>("Mapping[str, str]", &["name", "to"]),
+        kind::<windfall::Cutoff>("Mapping[str, float]", &["channel", "hz"]),
         kind::<windfall::Prior>("Mapping[str, tuple[float, float]]", &["name", "mean", "std"]),
         // `percent` and `absolute` of `windfall.plan`.
         Kind { annotation: None, ..kind::<windfall::Target>("", &[]) },

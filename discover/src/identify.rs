@@ -11,6 +11,7 @@ use windfall_pid::bands::add_curves;
 use windfall_pid::compatibility::{Compatibility, pressure};
 use windfall_pid::output_error::{EstimateOptions, Handling, Prior};
 use windfall_pid::plausible::plausible;
+use windfall_pid::smooth::Smoother;
 use windfall_pid::{
     DataSet, Estimate, FoundEffect, FoundNumber, Held, Identification, Method, ci95, identifiability, identify_by,
     identify_chosen, relative_percent,
@@ -32,6 +33,8 @@ pub struct IdentifyOrder {
     pub prior: Vec<Prior>,
     /// Copies of the campaign by which the stated errors are checked.
     pub bootstrap: Option<usize>,
+    /// How the thesis' method smooths; none: with the cutoffs of Table 3.1.
+    pub smoother: Option<Smoother>,
 }
 
 /// One parameter equal to another.
@@ -128,7 +131,8 @@ fn says_more(campaign: &Campaign) -> bool {
 /// explained is regression's.
 fn by_likelihood(campaign: &Campaign, options: &EstimateOptions) -> Result<Identification, DiscoverError> {
     // Random effects, which regression warns of, are in the likelihood.
-    let mut found = identify_by(&campaign.with_effects_in_plant(), Method::EquationError, options)?;
+    let starting = EstimateOptions { starting: true, ..options.clone() };
+    let mut found = identify_by(&campaign.with_effects_in_plant(), Method::EquationError, &starting)?;
     let fit = |d: &DataSet, near: Option<&Model>| {
         let indices: Vec<usize> = (0..campaign.runs.len()).filter(|&i| d.runs.contains(&campaign.runs[i].name)).collect();
         let engine = Engine::new(campaign, &indices).ok_or_else(|| "no run is long enough".to_owned());
@@ -240,6 +244,7 @@ fn options(campaign: &Campaign, request: &IdentifyOrder) -> Result<EstimateOptio
         priors: request.prior.clone(),
         combined_only: request.combined_only,
         compatibility: true,
+        smoother: request.smoother.clone(),
         ..EstimateOptions::default()
     })
 }

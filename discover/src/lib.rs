@@ -16,5 +16,5 @@ pub use wind_tunnel::{WindTunnelLine, WindTunnelModel};
 // What `Identified` is made of.
 pub use windfall_pid::compatibility::{Compatibility, InstrumentError, Instruments, Pressure};
 pub use windfall_pid::{
-    Correlation, DataSet, Estimate, FoundEffect, FoundNumber, Identifiability, Identification, NORMAL_95, ci95,
+    Correlation, DataSet, Estimate, FoundEffect, FoundNumber, Identifiability, Identification, NORMAL_95, Refused, ci95,
 };

@@ -46,7 +46,7 @@ pub use knowledge::{Constant, Knowledge};
 pub use plant::{AirState, Contact, Motion, Plant, trim_speed};
 pub use point::{CoefficientTable, Pivot, PointAir, PointMass};
 pub use quantity::{Dimension, Given, PLANT_NUMBERS, PlantNumber};
-pub use record::{Measured, PointRecord, Record};
+pub use record::{Measured, PointRecord, Record, Recording};
 pub use run_use::Use;
 pub use scenario::{Flight, Integrator, Numerics, Operator, Release, Scenario, TestSection, TunnelSpeed};
 pub use sensors::Sensors;

@@ -4,6 +4,8 @@ use crate::channel::PerChannel;
 use crate::plant::Plant;
 use crate::point::CoefficientTable;
 use crate::quantity::PLANT_NUMBERS;
+use std::ops::Range;
+use std::sync::Arc;
 
 /// Time over which [`Record::mean_airspeed_m_s`] takes the model's motion, s; chosen: short beside a swing, long beside noise.
 const AIRSPEED_S: f64 = 0.25;
@@ -30,6 +32,17 @@ pub struct Record {
     pub bridged: Vec<bool>,
     /// Name of the run whose file long gaps cut into pieces, of which this is one; none where the run is whole.
     pub piece_of: Option<String>,
+    /// The recording that this record is a window of, for what looks at a whole signal; none where all of it is here.
+    pub recording: Option<Recording>,
+}
+
+/// A recording, and which of its samples a window of it has.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// All its samples.
+    pub whole: Arc<Record>,
+    /// Those of the window.
+    pub rows: Range<usize>,
 }
 
 impl Record {
@@ -86,10 +99,12 @@ impl Record {
         let [rx, ry, rz] = &self.attitude_rad;
         [x, y, z, rx, ry, rz, &self.vw_m_s]
     }
-    /// The same, to be changed.
+    /// The same, to be changed; the record is then no window of its recording any more.
     #[must_use]
     pub fn channels_mut(&mut self) -> PerChannel<&mut Vec<f64>> {
-        let Self { position_m: [x, y, z], attitude_rad: [rx, ry, rz], vw_m_s, .. } = self;
+        let Self { position_m: [x, y, z], attitude_rad: [rx, ry, rz], vw_m_s, recording, .. } = self;
+        // It has other samples from now on.
+        *recording = None;
         [x, y, z, rx, ry, rz, vw_m_s]
     }
     /// What was recorded beside the motion signals: static pressure (Pa), static temperature (K) and, where recorded, tunnel dynamic
@@ -97,13 +112,15 @@ impl Record {
     #[must_use]
     pub fn slow_mut(&mut self) -> [Option<&mut Vec<f64>>; 3] {
         // Every field is named, so that a new one is asked for here.
-        let Self { t_s: _, position_m: _, attitude_rad: _, vw_m_s: _, bridged: _, piece_of: _, ps_pa, ts_k, qw_pa } = self;
+        let Self { t_s: _, position_m: _, attitude_rad: _, vw_m_s: _, bridged: _, piece_of: _, recording: _, ps_pa, ts_k, qw_pa } =
+            self;
         [Some(ps_pa), Some(ts_k), qw_pa.as_mut()]
     }
     /// The same, to be read.
     #[must_use]
     pub fn slow(&self) -> [Option<&[f64]>; 3] {
-        let Self { t_s: _, position_m: _, attitude_rad: _, vw_m_s: _, bridged: _, piece_of: _, ps_pa, ts_k, qw_pa } = self;
+        let Self { t_s: _, position_m: _, attitude_rad: _, vw_m_s: _, bridged: _, piece_of: _, recording: _, ps_pa, ts_k, qw_pa } =
+            self;
         [Some(ps_pa), Some(ts_k), qw_pa.as_deref()]
     }
     /// The samples of `rows`, in their own time.
@@ -111,7 +128,7 @@ impl Record {
     /// # Panics
     /// When `rows` reach beyond the samples.
     #[must_use]
-    pub fn rows(&self, rows: &std::ops::Range<usize>) -> Self {
+    pub fn rows(&self, rows: &Range<usize>) -> Self {
         let mut part = self.clone();
         let cut = |series: &mut Vec<f64>| *series = series[rows.clone()].to_vec();
         cut(&mut part.t_s);
@@ -121,6 +138,30 @@ impl Record {
             part.bridged = part.bridged[rows.clone()].to_vec();
         }
         part
+    }
+    /// The samples of `rows` as a window: what looks at a whole signal still sees all of it.
+    ///
+    /// ```
+    /// use windfall_model::Record;
+    /// let whole = Record { t_s: vec![0.0, 0.1, 0.2, 0.3], ..Record::default() };
+    /// # let series = vec![0.0; 4];
+    /// # let whole = Record {
+    /// #     position_m: std::array::from_fn(|_| series.clone()), attitude_rad: std::array::from_fn(|_| series.clone()),
+    /// #     vw_m_s: series.clone(), ps_pa: series.clone(), ts_k: series.clone(), ..whole };
+    /// let window = whole.window(1..3);
+    /// assert_eq!((window.t_s.clone(), window.recording.expect("a window").whole.len()), (vec![0.1, 0.2], 4));
+    /// ```
+    ///
+    /// # Panics
+    /// When `rows` reach beyond the samples.
+    #[must_use]
+    pub fn window(&self, rows: Range<usize>) -> Self {
+        let part = self.rows(&rows);
+        let recording = match &self.recording {
+            Some(r) => Recording { whole: r.whole.clone(), rows: r.rows.start + rows.start..r.rows.start + rows.end },
+            None => Recording { whole: Arc::new(self.clone()), rows },
+        };
+        Self { recording: Some(recording), ..part }
     }
 }
 

@@ -257,6 +257,7 @@ mod tests {
             held: Vec::new(),
             constants: Vec::new(),
             effects: Vec::new(),
+            refused: Vec::new(),
         };
         let aero = Aero::new(Structure::axisymmetric(), vec![0.0; Structure::axisymmetric().parameters.len()]);
         let all = curves(&aero, 7.0, &set, 0.4);

@@ -1,10 +1,12 @@
 //! pid: equation error, each coefficient regressed by itself. In: records and a declared plant. Out: estimates per data set, with warnings.
 
+mod noise;
+
 use crate::PidError;
 use crate::coefficients::{CoefficientRow, coefficients_of};
-use crate::identification::{ALL_RUNS, CoefficientFit, DataSet, Estimate, Identification};
+use crate::identification::{ALL_RUNS, CoefficientFit, DataSet, Estimate, Identification, Refused};
 use crate::interval::{either_side, relative_percent};
-use crate::regress::{Colour, PreparedColumns, RegressionFit, RegressionOutcome, RegressionSeries, fit};
+use crate::regress::{Colour, PreparedColumns, Refusal, RegressionFit, RegressionOutcome, RegressionSeries, fit};
 use crate::smooth::{Smoother, smooth};
 use std::cell::OnceCell;
 use windfall_model::{Aero, Campaign, Coefficient, Data, Factor, Plant, Record, Term, Use, VARIABLES, Variable};
@@ -62,12 +64,17 @@ pub(crate) enum Lateral {
 pub(crate) struct EquationError {
     pub(crate) name: &'static str,
     pub(crate) lateral: Lateral,
+    /// Whether regressors are taken as exact; else as carrying the instruments' noise, and what drives body and residual alike is looked
+    /// for.
+    pub(crate) exact: bool,
 }
 
 /// The thesis to the letter.
-pub(crate) const THESIS: EquationError = EquationError { name: "thesis", lateral: Lateral::RootOfSquares };
-/// Side and normal force together.
-pub(crate) const JOINT: EquationError = EquationError { name: "equation-error", lateral: Lateral::Joint };
+pub(crate) const THESIS: EquationError = EquationError { name: "thesis", lateral: Lateral::RootOfSquares, exact: true };
+/// Side and normal force together, regressors taken as exact: where a search starts.
+pub(crate) const JOINT: EquationError = EquationError { name: "equation-error", lateral: Lateral::Joint, exact: true };
+/// The same with intervals that hold, or reasons why there are none.
+pub(crate) const HONEST: EquationError = EquationError { exact: false, ..JOINT };
 
 impl EquationError {
     /// A campaign's declared parameters on each kind of run alone and on all, or on all alone.
@@ -78,9 +85,14 @@ impl EquationError {
         combined_only: bool,
     ) -> Result<Identification, PidError> {
         let runs = processed(campaign, smoother)?;
+        let draws = if self.exact { Vec::new() } else { drawn(campaign, &runs)? };
         let flows: Vec<FlowSeries<'_>> = runs.iter().map(FlowSeries::new).collect();
-        let prepared: Vec<Group> =
-            groups(&campaign.plant, &campaign.declared).into_iter().map(|g| g.prepared(&flows, campaign, self.lateral)).collect();
+        let noisy: Vec<Vec<FlowSeries<'_>>> = draws.iter().map(|d| d.rows.iter().map(FlowSeries::new).collect()).collect();
+        let steps: Vec<f64> = draws.iter().map(|d| d.step).collect();
+        let prepared: Vec<Group> = groups(&campaign.plant, &campaign.declared)
+            .into_iter()
+            .map(|g| g.prepared(&flows, campaign, self.lateral).with_noise(&noisy, &steps, campaign))
+            .collect();
         let mut warnings = Vec::new();
         let mut sets = sets(&runs);
         if combined_only {
@@ -97,6 +109,7 @@ impl EquationError {
             data_sets,
             warnings,
             reason: None,
+            smoothing: smoother.words(),
             identifiability: None,
             compatibility: None,
         })
@@ -117,6 +130,18 @@ pub(crate) fn processed(campaign: &Campaign, smoother: &Smoother) -> Result<Vec<
         return Err(PidError::NoRuns { campaign: campaign.name.clone() });
     }
     Ok(runs)
+}
+
+/// Rows of every run to identify on under draws of its instruments' noise.
+fn drawn(campaign: &Campaign, runs: &[RunRows]) -> Result<Vec<noise::Draws>, PidError> {
+    let used = campaign.runs.iter().enumerate().filter(|(_, r)| r.used == Use::Identify);
+    let tunnel = used.filter_map(|(i, r)| match &r.data {
+        Data::Tunnel(record) => Some((i, record)),
+        Data::Point(_) => None,
+    });
+    let one =
+        |(rows, (i, record)): (&RunRows, (usize, &Record))| noise::draws(rows, record, &campaign.plant_for(&campaign.plant, i));
+    runs.iter().zip(tunnel).map(one).collect()
 }
 
 /// Indices of runs: each kind in order of appearance, then all.
@@ -148,6 +173,17 @@ impl Group {
     fn prepared(mut self, flows: &[FlowSeries<'_>], campaign: &Campaign, lateral: Lateral) -> Self {
         let one = |flow| run_series(&self, flow, campaign, lateral).into_iter().map(PreparedColumns::new).collect();
         self.series = flows.iter().map(one).collect();
+        self
+    }
+    /// With what draws of the noise make of each run's series.
+    fn with_noise(mut self, noisy: &[Vec<FlowSeries<'_>>], steps: &[f64], campaign: &Campaign) -> Self {
+        for (i, (flows, step)) in noisy.iter().zip(steps).enumerate() {
+            let draws: Vec<Vec<RegressionSeries>> =
+                flows.iter().map(|f| run_series(&self, f, campaign, Lateral::Joint)).collect();
+            let own = std::mem::take(&mut self.series[i]);
+            let of = |part: usize| draws.iter().map(move |d| d[part].clone());
+            self.series[i] = own.into_iter().enumerate().map(|(part, p)| p.with_noise(of(part), *step)).collect();
+        }
         self
     }
 }
@@ -206,13 +242,14 @@ impl<'a> DataSetWork<'a> {
             held: Vec::new(),
             constants: Vec::new(),
             effects: Vec::new(),
+            refused: Vec::new(),
         };
         for group in groups {
             if let Some((columns, fit)) = self.regress(group, warnings)? {
                 self.report(&mut set, group, &columns, &fit, warnings);
             }
         }
-        if set.parameters.is_empty() {
+        if set.parameters.is_empty() && set.refused.is_empty() {
             return Err(PidError::NothingToEstimate { campaign: self.campaign.name.clone() });
         }
         Ok(set)
@@ -256,18 +293,19 @@ impl<'a> DataSetWork<'a> {
     fn report(self, set: &mut DataSet, group: &Group, columns: &[usize], fit: &RegressionFit, warnings: &mut Vec<String>) {
         let white = RegressionFit::std_errors(&fit.covariance_white);
         let honest = RegressionFit::std_errors(&fit.covariance);
-        let half = fit.t95();
         let before = set.parameters.len();
+        let kept: Vec<usize> = (0..columns.len()).filter(|i| fit.refused[*i].is_none()).collect();
         for row in &mut set.covariance {
-            row.extend(columns.iter().map(|_| 0.0));
+            row.extend(kept.iter().map(|_| 0.0));
         }
-        for i in 0..columns.len() {
-            let own = (0..columns.len()).map(|j| fit.covariance[(i, j)]);
+        for &i in &kept {
+            let own = kept.iter().map(|&j| fit.covariance[(i, j)]);
             set.covariance.push(std::iter::repeat_n(0.0, before).chain(own).collect());
         }
-        for (i, &column) in columns.iter().enumerate() {
+        self.say(set, group, columns, fit, warnings);
+        for i in kept {
             let (estimate, std_error) = (fit.estimate[i], honest[i]);
-            let name = self.parameter(group, column);
+            let name = self.parameter(group, columns[i]);
             if std_error > estimate.abs() {
                 warnings.push(format!(
                     "data set {}, coefficient {}: {name} = {estimate:.3e} has a standard error of {std_error:.3e}, more than itself: \
@@ -282,7 +320,7 @@ impl<'a> DataSetWork<'a> {
                 estimate,
                 std_error,
                 rse_percent: relative_percent(std_error, estimate),
-                ci95: either_side(estimate, half, std_error),
+                ci95: either_side(estimate, fit.half_width[i], std_error),
                 std_error_white: white[i],
             });
         }
@@ -293,6 +331,41 @@ impl<'a> DataSetWork<'a> {
             residual_whiteness_p: fit.whiteness_p,
         });
         set.condition_number = set.condition_number.max(fit.condition);
+    }
+}
+
+impl DataSetWork<'_> {
+    /// What is not estimated and why, and what else than noise is in the residual.
+    fn say(self, set: &mut DataSet, group: &Group, columns: &[usize], fit: &RegressionFit, warnings: &mut Vec<String>) {
+        let here = format!("data set {}, coefficient {}", self.name, group.label());
+        if let Some(d) = fit.driven {
+            warnings.push(format!(
+                "{here}: the residual has {:.1} times the power of the instruments' noise: something else moves the body as well, gusts or                  what the model lacks; estimated by what the body did {} diameters of flow before, which is less precise: try --method                  filter-error, or windfall close",
+                d.ratio, d.lag
+            ));
+        }
+        for (&column, refusal) in columns.iter().zip(&fit.refused) {
+            let Some(refusal) = refusal else { continue };
+            let (name, reason) = (self.parameter(group, column), refusal.words());
+            warnings.push(format!("{here}: {name} is not estimated: {reason}"));
+            set.refused.push(Refused { coefficient: group.label().to_owned(), name: name.to_owned(), reason });
+        }
+    }
+}
+
+impl Refusal {
+    /// The reason, and what to do.
+    fn words(self) -> String {
+        match self {
+            Self::Noise { signal_to_noise } if signal_to_noise > 0.0 => format!(
+                "its regressor is mostly the instruments' noise (signal-to-noise ratio {signal_to_noise:.2}); use --method output-error, or                  a run with larger angles or rates"
+            ),
+            Self::Noise { .. } => "its regressor is no more than the instruments' noise; use --method output-error, or a run with larger                                    angles or rates"
+                .to_owned(),
+            Self::Weak { strength } => format!(
+                "what moves the body is also in the residual, and the motion before tells too little of its regressor (F = {strength:.1},                  10 needed); use --method filter-error, or a longer run or one with larger angles or rates"
+            ),
+        }
     }
 }
 

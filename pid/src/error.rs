@@ -120,6 +120,12 @@ pub enum PidError {
         /// Method.
         method: &'static str,
     },
+    /// A way of smoothing, given to a method that chooses its own.
+    #[error("method {method} finds its smoothing from the record itself: cut-offs, and no smoothing, are for --method thesis")]
+    OwnSmoothing {
+        /// Method.
+        method: &'static str,
+    },
     /// A setting names something that is not there.
     #[error("{what}: {name}: name a declared parameter of the structure")]
     Unknown {

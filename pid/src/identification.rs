@@ -17,6 +17,9 @@ pub struct Identification {
     /// Why this method was taken, where it was not asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
+    /// How records were smoothed, where the method leaves a choice: cut-off frequencies of the thesis' Fourier series, or none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub smoothing: Option<String>,
     /// What all runs together can tell at all, seen before fitting; none where they cannot be integrated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub identifiability: Option<Identifiability>,
@@ -60,6 +63,9 @@ pub struct DataSet {
     /// Effects of the model: estimated with the parameters, gusts that were found among them, or held as the campaign declares them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<FoundEffect>,
+    /// Parameters that were not estimated because no interval of theirs would hold, and why.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub refused: Vec<Refused>,
 }
 
 /// A number of the model beside its parameters.
@@ -82,6 +88,17 @@ pub struct FoundEffect {
     pub family: String,
     /// Its numbers, in the order of the catalogue.
     pub parameters: Vec<FoundNumber>,
+}
+
+/// A parameter without an estimate.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Refused {
+    /// Coefficient from whose data it would be.
+    pub coefficient: String,
+    /// Parameter name.
+    pub name: String,
+    /// Why, and what to do.
+    pub reason: String,
 }
 
 /// One coefficient, or its damping, over an angle.

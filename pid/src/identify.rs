@@ -2,7 +2,7 @@
 
 use crate::PidError;
 use crate::declared::with_effects;
-use crate::equation_error::{EquationError, JOINT, THESIS};
+use crate::equation_error::{EquationError, HONEST, JOINT, THESIS};
 use crate::identification::Identification;
 use crate::output_error::EstimateOptions;
 use crate::smooth::{Smoother, TABLE_3_1_HZ};
@@ -23,7 +23,7 @@ use windfall_model::Campaign;
 pub enum Method {
     /// The thesis to the letter: Fourier smoothing with Table 3.1's cutoffs, C_N,T from the root of squares, white standard errors.
     Thesis,
-    /// Equation error: spline smoothing, C_Y and C_N together, standard errors for coloured residuals.
+    /// Equation error: spline smoothing, C_Y and C_N together, noise of the regressors corrected, standard errors for coloured residuals.
     EquationError,
     /// Output error: maximum likelihood on the measured poses and tunnel speed, trajectories integrated.
     OutputError,
@@ -53,7 +53,7 @@ const ESTIMATORS: &[Estimator] = &[
     Estimator {
         method: Method::EquationError,
         name: JOINT.name,
-        help: "Joint side and normal force, ends handled, errors for coloured residuals",
+        help: "Joint side and normal force, ends handled, noise of the regressors corrected; what cannot be estimated is said",
         smoother: Smoother::Auto,
         identify: |campaign, options| regressed(campaign, Method::EquationError, options),
     },
@@ -127,21 +127,26 @@ pub fn identify(campaign: &Campaign, method: Method) -> Result<Identification, P
 /// that the method does not carry is a warning.
 ///
 /// # Errors
-/// As [`identify`]; [`PidError::NoPlace`] for ties and priors where a method regresses each coefficient by itself.
+/// As [`identify`]; [`PidError::OwnSmoothing`] for a smoother given to another method than the thesis'; [`PidError::NoPlace`] for ties and priors where a method regresses each coefficient by itself.
 pub fn identify_by(campaign: &Campaign, method: Method, options: &EstimateOptions) -> Result<Identification, PidError> {
+    if options.smoother.is_some() && method != Method::Thesis {
+        return Err(PidError::OwnSmoothing { method: method.name() });
+    }
     with_effects(campaign, method == Method::FilterError, |own| (method.row().identify)(own, options))
 }
 
 /// Each coefficient by itself.
 fn regressed(campaign: &Campaign, method: Method, options: &EstimateOptions) -> Result<Identification, PidError> {
     if options.handling.is_empty() && options.priors.is_empty() {
-        equation_error(method).identify(campaign, &method.smoother(), options.combined_only)
+        let smoother = options.smoother.clone().unwrap_or_else(|| method.smoother());
+        let way = if method == Method::EquationError && !options.starting { HONEST } else { equation_error(method) };
+        way.identify(campaign, &smoother, options.combined_only)
     } else {
         Err(PidError::NoPlace { method: method.name() })
     }
 }
 
-/// [`identify`] by regression, with another smoother; a method that integrates counts as equation error here.
+/// [`identify`] by regression, with another smoother and regressors taken as exact; a method that integrates counts as equation error here.
 ///
 /// # Errors
 /// As [`identify`].

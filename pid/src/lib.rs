@@ -39,7 +39,7 @@ pub use choice::identify_chosen;
 pub use equation_error::{RunRows, estimated, process};
 pub use error::PidError;
 pub use identifiability::identifiability;
-pub use identification::{CoefficientFit, Curve, DataSet, Estimate, FoundEffect, FoundNumber, Held, Identification};
+pub use identification::{CoefficientFit, Curve, DataSet, Estimate, FoundEffect, FoundNumber, Held, Identification, Refused};
 pub use identify::{Method, identify, identify_by, identify_with};
 pub use information::{Correlation, Identifiability};
 pub use interval::{NORMAL_95, ci95, relative_percent};

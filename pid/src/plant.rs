@@ -173,6 +173,7 @@ mod tests {
             held: held.iter().map(|(name, value)| Held { name: (*name).to_owned(), value: *value }).collect(),
             constants: Vec::new(),
             effects: Vec::new(),
+            refused: Vec::new(),
         }
     }
 

@@ -1,6 +1,8 @@
 //! pid: least squares (thesis §4.2). In: stacked series of responses and regressors. Out: estimates and their accuracy.
 
 mod colour;
+mod lagged;
+mod noisy;
 mod quality;
 mod reflect;
 mod spectral;
@@ -61,6 +63,37 @@ pub struct RegressionFit {
     pub whiteness_p: f64,
     /// Number of rows.
     pub rows: usize,
+    /// Half-width of each estimate's 95 % interval, standard errors.
+    pub half_width: Vec<f64>,
+    /// Why an estimate is none.
+    pub refused: Vec<Option<Refusal>>,
+    /// What else than the instruments' noise is in the residual, where that was asked for and is beyond chance.
+    pub driven: Option<Driven>,
+}
+
+/// Why regression cannot estimate a parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Refusal {
+    /// Its regressor, the others taken out, is mostly the instruments' noise: power of the motion over that of the noise.
+    Noise {
+        /// Below 1; not above 0 where noise alone explains the regressor.
+        signal_to_noise: f64,
+    },
+    /// Something drives body and residual alike, and the motion of a while before tells too little of that of now.
+    Weak {
+        /// F of the first stage.
+        strength: f64,
+    },
+}
+
+/// A residual beyond the instruments' noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Driven {
+    /// Its power over that of the noise, where it moves an estimate most.
+    pub ratio: f64,
+    /// Time before of the instruments, diameters of flow.
+    pub lag: u32,
 }
 
 /// What a regression gives, or which column it cannot have.
@@ -108,6 +141,10 @@ pub(crate) struct PreparedColumns {
     /// Its rows times their factors.
     series: RegressionSeries,
     cosines: Option<spectral::Cosines>,
+    /// What draws of the instruments' noise add to the amplitudes; empty: regressors are taken as exact.
+    draws: Vec<spectral::Cosines>,
+    /// Diameters of flow between samples.
+    step: f64,
 }
 
 impl PreparedColumns {
@@ -119,7 +156,15 @@ impl PreparedColumns {
             Colour::Weighted(count) => Some(spectral::cosines(&series, count)),
             Colour::White | Colour::Corrected(_) => None,
         };
-        Self { series, cosines }
+        Self { series, cosines, draws: Vec::new(), step: 0.0 }
+    }
+    /// With the same rows as draws of the instruments' noise change them, `step` diameters of flow from sample to sample.
+    pub(crate) fn with_noise(self, draws: impl Iterator<Item = RegressionSeries>, step: f64) -> Self {
+        let draws = match &self.cosines {
+            Some(own) => draws.filter_map(|d| Some(Self::new(d).cosines?.less(own))).collect(),
+            None => Vec::new(),
+        };
+        Self { draws, step, ..self }
     }
     /// Columns and response as cosine amplitudes.
     pub(crate) fn amplitudes(&self) -> Option<(DMatrix<f64>, DVector<f64>)> {
@@ -165,7 +210,10 @@ pub(crate) fn fit(prepared: &[&PreparedColumns], columns: &[usize]) -> Result<Re
         r2: quality::determination(&series, rss),
         s2: rss / (rows - count) as f64,
         condition: white.condition,
-        freedom: (own.freedom - count as f64).max(1.0),
+        half_width: own.freedom.iter().map(|f| student_95(*f)).collect(),
+        freedom: own.freedom.iter().copied().fold(f64::INFINITY, f64::min),
+        refused: own.refused,
+        driven: own.driven,
         whiteness_p: quality::ljung_box(&residuals),
         residuals,
         rows,
@@ -176,17 +224,87 @@ pub(crate) fn fit(prepared: &[&PreparedColumns], columns: &[usize]) -> Result<Re
 struct Coloured {
     estimate: Vec<f64>,
     covariance: Option<DMatrix<f64>>,
-    freedom: f64,
+    /// For each estimate.
+    freedom: Vec<f64>,
+    refused: Vec<Option<Refusal>>,
+    driven: Option<Driven>,
+}
+
+impl Coloured {
+    /// Of regressors without noise: `rows` independent residuals.
+    fn of_exact(estimate: Vec<f64>, covariance: Option<DMatrix<f64>>, rows: f64) -> Self {
+        let p = estimate.len();
+        Self { freedom: vec![(rows - p as f64).max(1.0); p], refused: vec![None; p], driven: None, estimate, covariance }
+    }
+}
+
+/// Chance of the instruments' noise below which something else is in a residual. Chosen: five coefficients of a few parameters each
+/// raise it to one in a hundred.
+const DRIVEN_P: f64 = 1e-3;
+/// Residual over response below which it is rounding and the splines' own error. Chosen: five digits, which no instrument has.
+const EXACT: f64 = 1e-5;
+/// First-stage F below which intervals by instruments are not to be trusted (Staiger and Stock, Econometrica 65(3), 1997).
+const WEAK_F: f64 = 10.0;
+
+/// Estimates where regressors carry the instruments' noise; none where that was not asked for.
+fn honest(prepared: &[&PreparedColumns], columns: &[usize], white: &White, residuals: &[Vec<f64>]) -> Option<Coloured> {
+    let one = |p: &&'_ PreparedColumns| p.cosines.is_some() && !p.draws.is_empty();
+    if prepared.is_empty() || !prepared.iter().all(one) {
+        return None;
+    }
+    let cosines: Vec<&spectral::Cosines> = prepared.iter().filter_map(|p| p.cosines.as_ref()).collect();
+    let recorded: Vec<noisy::Recorded<'_>> =
+        prepared.iter().zip(&cosines).map(|(p, cosines)| noisy::Recorded { cosines, draws: &p.draws }).collect();
+    let found = noisy::corrected(&recorded, columns, |spectra| spectral::solve(&cosines, spectra, columns))?;
+    let square = |x: &[f64]| x.iter().map(|v| v * v).sum::<f64>();
+    let (left, all) =
+        (residuals.iter().map(|e| square(e)).sum::<f64>(), prepared.iter().map(|p| square(&p.series.response)).sum::<f64>());
+    if found.excess_p < DRIVEN_P && left > EXACT * EXACT * all {
+        return Some(driven(prepared, columns, white, found.excess));
+    }
+    let draws = prepared[0].draws.len() as f64;
+    let refused = |s: &f64| (*s < 1.0).then_some(Refusal::Noise { signal_to_noise: *s });
+    Some(Coloured {
+        freedom: vec![draws - 1.0; columns.len()],
+        refused: found.signal_to_noise.iter().map(refused).collect(),
+        driven: None,
+        estimate: found.estimate,
+        covariance: Some(found.covariance),
+    })
+}
+
+/// Estimates where something drives body and residual alike.
+fn driven(prepared: &[&PreparedColumns], columns: &[usize], white: &White, ratio: f64) -> Coloured {
+    let timed: Vec<lagged::Timed<'_>> = prepared.iter().map(|p| lagged::Timed { series: &p.series, step: p.step }).collect();
+    let Some(found) = lagged::lagged(&timed, columns) else {
+        let refused = vec![Some(Refusal::Weak { strength: 0.0 }); columns.len()];
+        return Coloured {
+            refused,
+            driven: Some(Driven { ratio, lag: 0 }),
+            ..Coloured::of_exact(white.estimate.clone(), None, 0.0)
+        };
+    };
+    let refused = |f: &f64| (*f < WEAK_F).then_some(Refusal::Weak { strength: *f });
+    Coloured {
+        refused: found.strength.iter().map(refused).collect(),
+        driven: Some(Driven { ratio, lag: found.lag }),
+        estimate: found.estimate,
+        covariance: Some(found.covariance),
+        freedom: found.freedom,
+    }
 }
 
 fn colour(prepared: &[&PreparedColumns], columns: &[usize], white: &White, residuals: &[Vec<f64>]) -> Coloured {
+    if let Some(found) = honest(prepared, columns, white, residuals) {
+        return found;
+    }
     let cosines: Option<Vec<_>> = prepared.iter().map(|p| p.cosines.as_ref()).collect();
     if let Some(found) = cosines.and_then(|c| spectral::weighted(&c, columns)) {
         return found;
     }
     let series: Vec<&RegressionSeries> = prepared.iter().map(|p| &p.series).collect();
     let (covariance, freedom) = colour::covariance(&series, columns, residuals, &white.bread);
-    Coloured { estimate: white.estimate.clone(), covariance, freedom }
+    Coloured::of_exact(white.estimate.clone(), covariance, freedom)
 }
 
 impl RegressionFit {
@@ -198,8 +316,13 @@ impl RegressionFit {
     /// Half-width of the 95 % interval in standard errors.
     #[must_use]
     pub fn t95(&self) -> f64 {
-        StudentsT::new(0.0, 1.0, self.freedom).map_or(NORMAL_95, |t| t.inverse_cdf(0.975))
+        student_95(self.freedom)
     }
+}
+
+/// Standard errors on either side of a 95 % interval of this freedom.
+fn student_95(freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, freedom).map_or(NORMAL_95, |t| t.inverse_cdf(0.975))
 }
 
 /// The columns of all series below one another, the response last.

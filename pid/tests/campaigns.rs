@@ -31,9 +31,9 @@ fn recover_exact_campaign_within_a_thousandth_of_a_percent() {
 }
 
 #[test]
-fn pub_thesis_method_shows_the_errors_of_its_smoothing() {
+fn pub_smoothing_what_was_cropped_shows_the_errors_of_the_reflection() {
     let Some(c) = campaign("pub_thesis_method", "exact") else { return };
-    // Errata, "What the thesis' method does to its own answer": measured with an independent implementation.
+    // A record that begins at its largest angle, which the thesis' own records do not: measured with an independent implementation.
     let table = identify(&c, Method::Thesis).expect("a good campaign");
     let expected = [("CN", "CN_sin3", -5.96), ("Cm", "Cm_sin3", 2.03), ("Cm", "Cm_2", -0.83), ("Cn", "Cn_2", -1.08)];
     for (coefficient, name, printed) in expected {

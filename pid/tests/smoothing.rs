@@ -200,3 +200,57 @@ fn exact_settings_out_of_range_are_refused() {
         assert!(matches!(smooth(&r, &smoother), Err(PidError::Setting { .. })), "{smoother:?}");
     }
 }
+
+/// Of a window the thesis smooths the whole recording and crops then: the same bits as the crop of the whole, smoothed; cropped first, the
+/// reflection at the window's start takes the motion there for an end. Splines see the window alone.
+#[test]
+fn law_the_thesis_smooths_the_whole_recording() {
+    let f = |t: f64| (6.0 * (t - 4.0)).cos() * (-(t - 4.0).powi(2)).exp() + 0.1 * t;
+    let whole = noisy(1500, f, 0.01, 5);
+    let (rows, thesis) = (600..1300, Smoother::Thesis { cutoffs_hz: [2.5; 7] });
+    let window = whole.window(rows.clone());
+    let (all, cropped) = (smooth(&whole, &thesis).expect("good"), smooth(&window, &thesis).expect("good"));
+    let alone = Record { recording: None, ..window.clone() };
+    let first = smooth(&alone, &thesis).expect("good");
+    for (c, all) in all.channels.iter().enumerate() {
+        for (a, b) in [
+            (&all.value, &cropped.channels[c].value),
+            (&all.rate, &cropped.channels[c].rate),
+            (&all.second, &cropped.channels[c].second),
+        ] {
+            assert_eq!(a[rows.clone()], b[..]);
+        }
+        // The odd reflection has no curvature at an end; the motion has −36.
+        assert_eq!(first.channels[c].second[0], 0.0);
+        assert!(cropped.channels[c].second[0] < -20.0, "{}", cropped.channels[c].second[0]);
+    }
+    assert_eq!(smooth(&window, &Smoother::Auto), smooth(&alone, &Smoother::Auto));
+    // Turns of the roll are counted from the window's own; another record than the recording's stands for itself.
+    let mut turned = window.clone();
+    let recording = turned.recording.take();
+    turned.attitude_rad[0].iter_mut().for_each(|a| *a += 2.0 * PI);
+    turned.recording = recording;
+    let roll = &smooth(&turned, &thesis).expect("good").channels[3].value;
+    assert!((roll[100] - cropped.channels[3].value[100] - 2.0 * PI).abs() < 1e-12);
+    let mut changed = window;
+    changed.channels_mut()[0][3] += 0.0;
+    assert_eq!(smooth(&changed, &thesis), Ok(first));
+}
+
+/// A quadratic through five samples gives a parabola's derivative to rounding, at the ends as well; and of a sine of ω the derivative times
+/// (2 sin ωh + 4 sin 2ωh)/(10 ωh), done twice for the second.
+#[test]
+fn exact_unsmoothed_derivatives() {
+    let s = smooth(&record(60, |t| 0.3 - 2.0 * t + 1.7 * t * t), &Smoother::Unsmoothed).expect("good");
+    let worst = errors(&s, |t| [0.3 - 2.0 * t + 1.7 * t * t, -2.0 + 3.4 * t, 3.4]);
+    // Values of 1 rounded to 1e-16, over samples of 1/150 s, once and twice.
+    assert!(worst[0] == 0.0 && worst[1] < 1e-12 && worst[2] < 1e-9, "{worst:?}");
+    let w = 2.0 * PI;
+    let s = smooth(&record(600, |t| (w * t).sin()), &Smoother::Unsmoothed).expect("good");
+    let gain = (2.0 * (w * DT).sin() + 4.0 * (2.0 * w * DT).sin()) / (10.0 * w * DT);
+    for i in 10..590 {
+        let t = i as f64 * DT;
+        assert!((s.channels[0].rate[i] - gain * w * (w * t).cos()).abs() < 1e-10);
+        assert!((s.channels[0].second[i] + gain * gain * w * w * (w * t).sin()).abs() < 1e-8);
+    }
+}

@@ -13,7 +13,7 @@ pub use bootstrap::{Bootstrap, BootstrapLine, bootstrap};
 pub use error::ReplayError;
 pub use joint_errors::drawn;
 pub use quantile::quantile;
-pub use recovery::{Reconstructed, Recovered, Recovery, TABLE_C_1, campaign_of, recover};
+pub use recovery::{Reconstructed, Recovered, Recovery, TABLE_C_1, campaign_of, parameters_of, recover, recover_by};
 pub use resimulate::{
     Band, FlownParameter, HoldOut, Initial, Replay, Resimulation, RunComparison, Statistic, Swing, TrajectoryError,
     estimate_initial, hold_out, initial_of, instant_errors, mean_median_std, resimulate, resimulate_with_draws,

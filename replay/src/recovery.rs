@@ -6,9 +6,10 @@ use serde::{Deserialize, Serialize};
 use windfall_model::frames::{Rotation, Vec3};
 use windfall_model::{AirState, Campaign, Flight, FlowState, Knowledge, Motion, Plant, Record, Run};
 use windfall_pid::coefficients::coefficients;
+use windfall_pid::output_error::EstimateOptions;
 use windfall_pid::smooth::smooth;
 use windfall_pid::states::{State, states};
-use windfall_pid::{Identification, Method, identify};
+use windfall_pid::{Identification, Method, identify_by};
 use windfall_sim::{Flown, Seed, Smooth, Truth, fly};
 
 /// Thesis Table C.1: coefficient, parameter, estimate, percent error as printed.
@@ -76,13 +77,28 @@ pub struct Recovery {
 /// # Errors
 /// A flight or an identification that fails.
 pub fn recover(plant: &Plant, flight: &Flight, seed: Seed, method: Method) -> Result<Recovery, ReplayError> {
+    recover_by(plant, flight, seed, method, &EstimateOptions::default())
+}
+
+/// [`recover`], with options of the method.
+///
+/// # Errors
+/// As [`recover`].
+pub fn recover_by(
+    plant: &Plant,
+    flight: &Flight,
+    seed: Seed,
+    method: Method,
+    options: &EstimateOptions,
+) -> Result<Recovery, ReplayError> {
     let flown = fly(plant, flight, seed)?;
     let campaign = campaign_of(plant, &[(flight, flown.record.clone())]);
-    let found = identify(&campaign, method)?;
-    let seen = states(&smooth(&flown.record, &method.smoother())?, plant)?;
+    let found = identify_by(&campaign, method, options)?;
+    let smoother = options.smoother.clone().unwrap_or_else(|| method.smoother());
+    let seen = states(&smooth(&flown.record, &smoother)?, plant)?;
     Ok(Recovery {
         method: found.method.clone(),
-        parameters: parameters(plant, &found),
+        parameters: parameters_of(plant, &found),
         states: compare_states(&seen, &flown.truth),
         coefficients: compare_coefficients(&seen, plant, flight, &flown),
     })
@@ -98,8 +114,9 @@ pub fn campaign_of(plant: &Plant, flights: &[(&Flight, Record)]) -> Campaign {
     Campaign::of_flights("own flights", &declared, &all, &Knowledge::default(), runs)
 }
 
-/// Estimates of the combined data set beside the truth.
-pub(crate) fn parameters(plant: &Plant, found: &Identification) -> Vec<Recovered> {
+/// Estimates of the combined data set beside the truth and Table C.1.
+#[must_use]
+pub fn parameters_of(plant: &Plant, found: &Identification) -> Vec<Recovered> {
     let estimates = found.of_all_runs().map_or(&[][..], |d| &d.parameters);
     estimates
         .iter()

@@ -176,8 +176,9 @@ fn rounded(x: f64) -> String {
 
 fn parameters(set: &DataSet) -> String {
     let row = |p: &windfall_discover::Estimate| {
-        let (estimate, half) = with_interval(p.estimate, Some(NORMAL_95 * p.std_error));
-        let end = |x: f64| with_interval(x, Some(NORMAL_95 * p.std_error)).0;
+        let own = Some(0.5 * (p.ci95[1] - p.ci95[0])).filter(|h| h.is_finite());
+        let (estimate, half) = with_interval(p.estimate, own);
+        let end = |x: f64| with_interval(x, own).0;
         vec![
             Cell::text(&p.coefficient),
             Cell::text(&p.name),
@@ -190,6 +191,10 @@ fn parameters(set: &DataSet) -> String {
     };
     let rows: Vec<Vec<Cell>> = set.parameters.iter().map(row).collect();
     let held: String = set.held.iter().map(|h| format!("<li>{} held at {}</li>", escape(&h.name), number(h.value))).collect();
+    let refused = |r: &windfall_discover::Refused| {
+        format!("<li>{} {} is not estimated: {}</li>", escape(&r.coefficient), escape(&r.name), escape(&r.reason))
+    };
+    let held = held + &set.refused.iter().map(refused).collect::<String>();
     let held = if held.is_empty() { String::new() } else { format!("<ul>{held}</ul>\n") };
     let heads = ["coefficient", "parameter", "estimate", "± 95 %", "95 % interval", "RSE", "std error if white"];
     let condition = format!("<p class=\"note\">Condition number {}.</p>\n", number(set.condition_number));

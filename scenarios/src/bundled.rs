@@ -1,7 +1,7 @@
 //! scenarios: the bundled scenario files. In: a name. Out: its text, and that of tables that it names.
 
 /// Names of the bundled scenarios.
-pub const NAMES: [&str; 7] = [
+pub const NAMES: [&str; 8] = [
     "appendix-c",
     "sage-unperturbed",
     "sage-perturbed",
@@ -9,6 +9,7 @@ pub const NAMES: [&str; 7] = [
     "sage-undeclared",
     "drop-test",
     "full-scale-venus-20km",
+    "pole-push",
 ];
 
 /// Text of the bundled scenario of that name.
@@ -26,6 +27,7 @@ pub fn bundled(name: &str) -> Option<&'static str> {
         include_str!("../bundled/sage-undeclared.toml"),
         include_str!("../bundled/drop-test.toml"),
         include_str!("../bundled/full-scale-venus-20km.toml"),
+        include_str!("../bundled/pole-push.toml"),
     ];
     NAMES.iter().position(|n| *n == name).map(|i| texts[i])
 }

@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// Columns of a run file; a cell that is empty or not finite is NaN.
+#[derive(Clone)]
 pub(crate) struct Columns {
     names: Vec<String>,
     data: Vec<Vec<f64>>,

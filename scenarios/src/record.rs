@@ -10,7 +10,8 @@ use crate::run_columns::{Who, is_of_tunnel, names_of};
 use crate::units;
 use std::borrow::Cow;
 use std::path::Path;
-use windfall_model::{CHANNEL_NAMES, POSE, Record, RunChannel, Sensors};
+use std::sync::Arc;
+use windfall_model::{CHANNEL_NAMES, POSE, Record, Recording, RunChannel, Sensors};
 
 /// Shortest piece of a split run that is kept, s.
 pub const SHORTEST_PIECE_S: f64 = 1.0;
@@ -81,6 +82,36 @@ pub(crate) fn read_own_pieces(
 
 /// The same for columns that were read, or never were in a file; `path` is what faults name.
 pub(crate) fn pieces_of(
+    path: &Path,
+    columns: Columns,
+    own: &Own,
+    sensors: &Sensors,
+    window_s: Option<[f64; 2]>,
+) -> Result<Vec<Piece>, ReadError> {
+    let Some(window) = window_s else { return of_window(path, columns, own, sensors, None) };
+    let whole = columns.clone();
+    let mut pieces = of_window(path, columns, own, sensors, Some(window))?;
+    // Faults outside the window are none of a user who cut them off: the window then stands for itself.
+    let whole = of_window(path, whole, own, sensors, None).unwrap_or_default();
+    let whole: Vec<Arc<Record>> = whole.into_iter().map(|p| Arc::new(p.record)).collect();
+    for piece in &mut pieces {
+        piece.record.recording = whole.iter().find_map(|w| within(&piece.record, w));
+    }
+    Ok(pieces)
+}
+
+/// The samples of a recording that a window of it has; none where it has other samples.
+fn within(window: &Record, whole: &Arc<Record>) -> Option<Recording> {
+    let half_s = 0.5 * whole.interval_s();
+    let start = whole.t_s.partition_point(|t| *t < window.t_s[0] - half_s);
+    let rows = start..start + window.len();
+    let [own, theirs] = [&window.t_s, whole.t_s.get(rows.clone())?].map(|t| [t[0], t[t.len() - 1]]);
+    let same = own.iter().zip(theirs).all(|(a, b)| (a - b).abs() < half_s);
+    same.then(|| Recording { whole: whole.clone(), rows })
+}
+
+/// The same for the rows of a window, as if the file had no others.
+fn of_window(
     path: &Path,
     columns: Columns,
     own: &Own,
@@ -310,7 +341,10 @@ fn piece(
     let attitude_rad = ["Rx_deg", "Ry_deg", "Rz_deg"].map(|n| needed(n).into_iter().map(f64::to_radians).collect());
     let (vw_m_s, ps_pa, ts_k) = (needed("VW_m_s"), needed("ps_Pa"), needed("Ts_K"));
     let qw_pa = take(QW);
-    Piece { record: Record { t_s, position_m, attitude_rad, vw_m_s, ps_pa, ts_k, qw_pa, bridged, piece_of: None }, notes }
+    Piece {
+        record: Record { t_s, position_m, attitude_rad, vw_m_s, ps_pa, ts_k, qw_pa, bridged, piece_of: None, recording: None },
+        notes,
+    }
 }
 
 /// Which samples of a piece are not as measured in all motion channels; empty when all are.

@@ -180,3 +180,22 @@ fn pub_shared_campaigns_with_uncertainties() {
         assert!((c.knowledge.constants[0].std - 0.001575).abs() < 1e-15);
     }
 }
+
+/// A window keeps what its recording has around it, for what looks at whole signals, and is otherwise the same. A recording that cannot be
+/// read outside the window is no fault of it.
+#[test]
+fn law_a_window_knows_its_recording() {
+    use windfall_model::Data;
+    let window = |text: String| text.replace("use = \"identify\"", "use = \"identify\"\nwindow_s = [0.5, 1.7]");
+    let record = |c: &Campaign| match &c.runs[0].data {
+        Data::Tunnel(r) => r.clone(),
+        Data::Point(_) => panic!("a tunnel run"),
+    };
+    let (whole, part) = (record(&campaign("", same).expect("reads")), record(&campaign("", window).expect("reads")));
+    assert!(whole.recording.is_none());
+    let own = part.recording.clone().expect("a window");
+    assert_eq!(*own.whole, whole);
+    assert_eq!((part.t_s.len(), &whole.t_s[own.rows.clone()]), (own.rows.len(), &part.t_s[..]));
+    assert!(part.t_s[0] >= 0.5 && own.rows.start > 0 && own.rows.end < whole.len());
+    assert_eq!(whole.rows(&own.rows).position_m[1], part.position_m[1]);
+}

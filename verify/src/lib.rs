@@ -23,7 +23,9 @@ use windfall_replay::ReplayError;
 pub struct Setups<'a> {
     /// Thesis Appendix C: one exact run of the lander from α_T = 25°.
     pub appendix_c: &'a Scenario,
-    /// The same at full scale.
+    /// An exact run in which a pole pushes the hovering lander over.
+    pub pole_push: &'a Scenario,
+    /// The same as Appendix C at full scale.
     pub full_scale: &'a Scenario,
     /// A campaign with sensor noise: runs to identify on and runs held out.
     pub combined: &'a Scenario,

@@ -1,4 +1,4 @@
-//! verify tests: the three scenarios, and what a bound lets through.
+//! verify tests: the scenarios, and what a bound lets through.
 
 use super::*;
 
@@ -9,15 +9,15 @@ pub(crate) fn pass(checks: &[Check]) {
 }
 
 /// A flight of the lander at model scale, full scale, and a campaign.
-pub(crate) fn scenarios() -> [Scenario; 3] {
+pub(crate) fn scenarios() -> [Scenario; 4] {
     let bundled = |name| windfall_scenarios::read_bundled(name).expect("bundled").scenario;
-    ["appendix-c", "full-scale-venus-20km", "sage-combined"].map(bundled)
+    ["appendix-c", "full-scale-venus-20km", "sage-combined", "pole-push"].map(bundled)
 }
 
 /// Checks of these scenarios.
 pub(crate) fn with_setups<T>(of: impl FnOnce(&Setups<'_>) -> T) -> T {
-    let [appendix_c, full_scale, combined] = &scenarios();
-    of(&Setups { appendix_c, full_scale, combined })
+    let [appendix_c, full_scale, combined, pole_push] = &scenarios();
+    of(&Setups { appendix_c, pole_push, full_scale, combined })
 }
 
 /// Half a digit either way.

@@ -191,6 +191,16 @@ impl Campaign {
     pub fn smoothing(&self, method: Option<Method>) -> Result<SmoothingTracks> {
         Ok(smoothing(&self.data, &method.map_or(Smoother::Auto, Method::smoother))?)
     }
+    /// The same as an identification smoothed them that was asked for and found so.
+    ///
+    /// # Errors
+    /// As [`Campaign::smoothing`].
+    pub fn smoothing_of(&self, found: &Identified, request: &Identify) -> Result<SmoothingTracks> {
+        match request.smoother()? {
+            Some(smoother) => Ok(smoothing(&self.data, &smoother)?),
+            None => self.smoothing(Method::of_name(&found.found.method)),
+        }
+    }
     /// Which aerodynamic terms the runs carry, whatever is declared: the content of `structure.json`.
     ///
     /// # Errors

@@ -132,9 +132,11 @@ impl Verification {
 /// # Errors
 /// A bundled flight that cannot be flown or identified.
 pub fn verify() -> Result<Verification> {
-    let [appendix_c, full_scale, combined] = ["appendix-c", "full-scale-venus-20km", "sage-combined"].map(read_bundled);
-    let (appendix_c, full_scale, combined) = (appendix_c?.scenario, full_scale?.scenario, combined?.scenario);
-    let setups = Setups { appendix_c: &appendix_c, full_scale: &full_scale, combined: &combined };
+    let [appendix_c, pole_push, full_scale, combined] =
+        ["appendix-c", "pole-push", "full-scale-venus-20km", "sage-combined"].map(read_bundled);
+    let (appendix_c, pole_push) = (appendix_c?.scenario, pole_push?.scenario);
+    let (full_scale, combined) = (full_scale?.scenario, combined?.scenario);
+    let setups = Setups { appendix_c: &appendix_c, pole_push: &pole_push, full_scale: &full_scale, combined: &combined };
     let checks = checks(&setups)?;
     Ok(Verification { verdict: if all_pass(&checks) { "pass" } else { "fail" }, checks })
 }

@@ -43,12 +43,14 @@ pub use explain::{Explain, Init, explain, init};
 pub use folder::{DESCENT_FILES, FIGURE_ENDINGS, FIGURE_WIDTHS_MM, ResultsFolder};
 pub use many::{CampaignDone, Campaigns, Each, Many};
 pub use published::Published;
-pub use requests::{Close, Descend, Fly, Identify, MOST_COPIES, MOST_DESCENTS, MOST_THREADS, Plan, Resimulate, Structure, Study};
+pub use requests::{
+    Close, Cutoff, Descend, Fly, Identify, MOST_COPIES, MOST_DESCENTS, MOST_THREADS, Plan, Resimulate, Structure, Study,
+};
 pub use scenario::{FlightSummary, Flights, Scenario, Simulation};
 pub use study::{Drawing, PartRule, SUMMARY};
 pub use windfall_model as model;
 pub use windfall_report as report;
-pub use words::{criterion, hold, prior, seconds, target, tie};
+pub use words::{criterion, cutoff, hold, prior, seconds, target, tie};
 
 /// What a session begins with.
 pub mod prelude {

@@ -5,8 +5,10 @@
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 use windfall_discover::Tie;
+use windfall_model::{CHANNEL_NAMES, PerChannel};
 use windfall_pid::output_error::Prior;
 use windfall_pid::plan::Target;
+use windfall_pid::smooth::{Smoother, TABLE_3_1_HZ};
 use windfall_pid::structure::Criterion;
 use windfall_pid::{Held, Method};
 use windfall_scenarios::{Opening, Shard};
@@ -69,9 +71,66 @@ pub struct Identify {
     /// may be repeated
     #[cfg_attr(feature = "cli", arg(long, value_name = "NAME=MEAN±STD", value_parser = crate::prior))]
     pub prior: Vec<Prior>,
+    /// Cut-off frequency of the thesis' smoothing, Hz: one for all channels (3), or by channel (X=1.5,Rx=2.5), where a channel that is not
+    /// named has that of its Table 3.1; method thesis [default: Table 3.1]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "HZ|CHANNEL=HZ", value_delimiter = ',', value_parser = crate::cutoff))]
+    pub cutoffs: Vec<Cutoff>,
+    /// No smoothing, as in the thesis' Appendix C: values as recorded, derivatives by quadratics through five samples; method thesis
+    #[cfg_attr(feature = "cli", arg(long, conflicts_with = "cutoffs"))]
+    pub unsmoothed: bool,
+}
+
+/// Cut-off frequency of a channel's smoothing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cutoff {
+    /// Channel of the run file (`X_m` or `X`), or `all`.
+    pub channel: String,
+    /// Frequency at which half of the amplitude passes, Hz.
+    pub hz: f64,
+}
+
+impl Cutoff {
+    /// Sets the frequencies of the channels that it names.
+    fn set(&self, cutoffs_hz: &mut PerChannel<f64>) -> Result<()> {
+        let short = |name: &'static str| name.split('_').next().unwrap_or(name);
+        let named = |name: &'static str| self.channel == "all" || self.channel == name || self.channel == short(name);
+        let wrong = |what: String| Err(Error::Request(format!("cutoffs {} = {}: {what}", self.channel, self.hz)));
+        if !(self.hz.is_finite() && self.hz > 0.0) {
+            return wrong("needs a finite frequency above 0, in Hz; 1e6 leaves every frequency".to_owned());
+        }
+        if !CHANNEL_NAMES.into_iter().any(named) {
+            return wrong(format!("channels are {}, or all", CHANNEL_NAMES.map(short).join(", ")));
+        }
+        for (hz, _) in cutoffs_hz.iter_mut().zip(CHANNEL_NAMES).filter(|(_, n)| named(n)) {
+            *hz = self.hz;
+        }
+        Ok(())
+    }
 }
 
 impl Identify {
+    /// How the thesis' method is to smooth, where that is said.
+    pub(crate) fn smoother(&self) -> Result<Option<Smoother>> {
+        if !self.unsmoothed && self.cutoffs.is_empty() {
+            return Ok(None);
+        }
+        let word = if self.unsmoothed { "unsmoothed" } else { "cutoffs" };
+        if self.unsmoothed && !self.cutoffs.is_empty() {
+            return Err(Error::Request("unsmoothed or cutoffs, not both".to_owned()));
+        }
+        if self.method != Some(Method::Thesis) {
+            let given = self.method.map_or("none is asked for", Method::name);
+            let what = format!("{word}: only the thesis' method smooths as it is told (method: {given}); add --method thesis");
+            return Err(Error::Request(what));
+        }
+        if self.unsmoothed {
+            return Ok(Some(Smoother::Unsmoothed));
+        }
+        let mut cutoffs_hz = TABLE_3_1_HZ;
+        self.cutoffs.iter().try_for_each(|c| c.set(&mut cutoffs_hz))?;
+        Ok(Some(Smoother::Thesis { cutoffs_hz }))
+    }
     /// The order to the loop, of sound numbers.
     pub(crate) fn order(&self) -> Result<windfall_discover::IdentifyOrder> {
         let wrong = |what: String| Err(Error::Request(what));
@@ -91,6 +150,7 @@ impl Identify {
             tie: self.tie.clone(),
             prior: self.prior.clone(),
             bootstrap: self.bootstrap.map(usize::from),
+            smoother: self.smoother()?,
         })
     }
 }
@@ -317,11 +377,30 @@ mod tests {
             hold: crate::hold("Cl_0=0.0125").into_iter().collect(),
             tie: crate::tie("Cn_1=Cm_1").into_iter().collect(),
             prior: crate::prior("Cl_p=-5.7±0.3").into_iter().collect(),
+            cutoffs: crate::cutoff("X=2").into_iter().collect(),
             ..Identify::default()
         });
         round_trip(Plan { target: crate::target("Cm_2=5%").into_iter().collect(), between: 30.0, ..Plan::default() });
         round_trip(Study { shard: "2/8".parse().ok(), ..Study::default() });
         assert!(serde_json::from_str::<Study>(r#"{"shard": "9/8"}"#).is_err());
+    }
+
+    fn cutoff(channel: &str, hz: f64) -> Vec<Cutoff> {
+        vec![Cutoff { channel: channel.to_owned(), hz }]
+    }
+    fn thesis() -> Identify {
+        Identify { method: Some(Method::Thesis), ..Identify::default() }
+    }
+
+    /// Table 3.1 for what is not named; the last word holds.
+    #[test]
+    fn exact_cutoffs_by_channel() {
+        let all = ["3", "Rx=2.5", "VW_m_s=9"].iter().filter_map(|w| crate::cutoff(w).ok()).collect();
+        let of = |cutoffs| Identify { cutoffs, ..thesis() }.smoother().ok().flatten();
+        assert_eq!(of(all), Some(Smoother::Thesis { cutoffs_hz: [3.0, 3.0, 3.0, 2.5, 3.0, 3.0, 9.0] }));
+        assert_eq!(of(cutoff("Y", 4.0)), Some(Smoother::Thesis { cutoffs_hz: [1.5, 4.0, 1.5, 1.5, 2.5, 2.5, 1.5] }));
+        assert_eq!(Identify { unsmoothed: true, ..thesis() }.smoother().ok().flatten(), Some(Smoother::Unsmoothed));
+        assert_eq!(thesis().smoother().ok().flatten(), None);
     }
 
     #[test]
@@ -333,6 +412,14 @@ mod tests {
             (Identify { prior: vec![prior], ..Identify::default() }, "prior Cl_p"),
             (Identify { bootstrap: Some(1), ..Identify::default() }, "bootstrap = 1"),
             (Identify { bootstrap: Some(65_535), ..Identify::default() }, "at most 10000"),
+            (Identify { unsmoothed: true, ..Identify::default() }, "add --method thesis"),
+            (
+                Identify { method: Some(Method::EquationError), cutoffs: cutoff("all", 3.0), ..Identify::default() },
+                "equation-error",
+            ),
+            (Identify { cutoffs: cutoff("P", 3.0), ..thesis() }, "channels are X, Y, Z, Rx, Ry, Rz, VW, or all"),
+            (Identify { cutoffs: cutoff("X", f64::INFINITY), ..thesis() }, "1e6 leaves every frequency"),
+            (Identify { unsmoothed: true, cutoffs: cutoff("X", 3.0), ..thesis() }, "not both"),
         ];
         for (request, word) in all {
             assert!(request.order().is_err_and(|e| e.to_string().contains(word)), "{word}");

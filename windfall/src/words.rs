@@ -1,6 +1,6 @@
 //! windfall: what is known beforehand or wanted, as people write it. In: words. Out: what they say.
 
-use crate::{Error, Result};
+use crate::{Cutoff, Error, Result};
 use windfall_discover::Tie;
 use windfall_pid::Held;
 use windfall_pid::output_error::Prior;
@@ -53,6 +53,26 @@ pub fn prior(word: &str) -> Result<Prior> {
         Some(Prior { name, mean: number(mean)?, std: number(std).filter(|s| *s > 0.0)? })
     });
     said(parts, word, "write NAME=MEAN±STD or NAME=MEAN:STD, STD above 0, as in Cl_p=-5.7±0.3")
+}
+
+/// A cut-off frequency, Hz, of all channels or of one: `3` or `Rx=2.5`.
+///
+/// ```
+/// let roll = windfall::cutoff("Rx = 2.5")?;
+/// assert_eq!((roll.channel.as_str(), roll.hz), ("Rx", 2.5));
+/// assert_eq!(windfall::cutoff("3")?.channel, "all");
+/// # Ok::<(), windfall::Error>(())
+/// ```
+///
+/// # Errors
+/// Other words.
+pub fn cutoff(word: &str) -> Result<Cutoff> {
+    let positive = |text: &str| number(text).filter(|hz| *hz > 0.0);
+    let parts = match positive(word) {
+        Some(hz) => Some(Cutoff { channel: "all".to_owned(), hz }),
+        None => split(word).and_then(|(channel, rest)| Some(Cutoff { channel, hz: positive(rest)? })),
+    };
+    said(parts, word, "write a frequency in Hz above 0 for all channels, as in 3, or CHANNEL=HZ, as in Rx=2.5")
 }
 
 /// A wanted standard error, `NAME=5%` of the estimate or `NAME=0.1` in the parameter's unit.
@@ -109,6 +129,9 @@ mod tests {
         }
         for bad in ["Cn_1", "Cn_1=", "Cn_1=Cn_1"] {
             assert!(refused(tie(bad), "NAME=OTHER"), "{bad}");
+        }
+        for bad in ["", "X", "X=", "0", "-1", "nan", "inf", "X=0", "X=a"] {
+            assert!(refused(cutoff(bad), "CHANNEL=HZ"), "{bad}");
         }
         for bad in ["Cl_p=1", "Cl_p=1±0", "Cl_p=1:-1", "Cl_p=1±nan", "Cl_p=±1"] {
             assert!(refused(prior(bad), "MEAN"), "{bad}");

@@ -72,6 +72,7 @@ pub(super) fn data_set(
     let mut parameters = estimates(campaign, &point.unknowns, covariance, covariance);
     parameters.extend(random_estimates(point, covariance));
     DataSet {
+        refused: Vec::new(),
         name: name.to_owned(),
         runs: filters.iter().map(|f| f.run.name.to_owned()).collect(),
         covariance: aligned(campaign, &point.unknowns, covariance, &parameters),

@@ -82,6 +82,7 @@ pub fn identify(campaign: &Campaign, options: &EstimateOptions) -> Result<Identi
         data_sets,
         warnings,
         reason: None,
+        smoothing: None,
         identifiability,
         compatibility: None,
     })

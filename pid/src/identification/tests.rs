@@ -27,6 +27,7 @@ fn set(parameters: Vec<Estimate>, covariance: Vec<Vec<f64>>) -> DataSet {
         held: vec![Held { name: "held".to_owned(), value: 0.7 }],
         constants: Vec::new(),
         effects: Vec::new(),
+        refused: Vec::new(),
     }
 }
 

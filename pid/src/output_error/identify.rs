@@ -58,6 +58,7 @@ pub fn identify(campaign: &Campaign, options: &EstimateOptions) -> Result<Identi
         data_sets,
         warnings,
         reason: None,
+        smoothing: None,
         identifiability,
         compatibility,
     })
@@ -161,6 +162,7 @@ impl SetWork<'_, '_> {
         };
         let parameters = estimates(self.campaign, &solved.unknowns, &covariance, &solved.solution.covariance);
         DataSet {
+            refused: Vec::new(),
             name: name.to_owned(),
             runs: runs.iter().map(|r| r.name.to_owned()).collect(),
             covariance: aligned(self.campaign, &solved.unknowns, &covariance, &parameters),

@@ -2,6 +2,7 @@
 
 use super::instruments::KINDS;
 use crate::PidError;
+use crate::smooth::Smoother;
 use serde::{Deserialize, Serialize};
 use windfall_model::{Campaign, Freedom, Structure, Unknown, UnknownId, Unknowns};
 
@@ -45,6 +46,10 @@ pub struct EstimateOptions {
     pub combined_only: bool,
     /// Also examine whether the instruments agree (output error, all runs together).
     pub compatibility: bool,
+    /// How the thesis' method smooths; none: with the cutoffs of Table 3.1. The other methods choose for themselves.
+    pub smoother: Option<Smoother>,
+    /// Equation error as a start of something else: regressors taken as exact, nothing refused.
+    pub starting: bool,
 }
 
 impl Default for EstimateOptions {
@@ -56,6 +61,8 @@ impl Default for EstimateOptions {
             iterations: 30,
             combined_only: false,
             compatibility: false,
+            smoother: None,
+            starting: false,
         }
     }
 }

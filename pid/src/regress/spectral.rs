@@ -20,11 +20,17 @@ use std::sync::Arc;
 /// One series as cosine amplitudes.
 #[derive(Clone, Debug)]
 pub(super) struct Cosines {
-    regressors: Vec<Vec<f64>>,
-    response: Vec<f64>,
+    pub(super) regressors: Vec<Vec<f64>>,
+    pub(super) response: Vec<f64>,
 }
 
 impl Cosines {
+    /// What these have beyond others.
+    pub(super) fn less(mut self, other: &Self) -> Self {
+        let pairs = self.regressors.iter_mut().zip(&other.regressors).chain([(&mut self.response, &other.response)]);
+        pairs.for_each(|(a, b)| a.iter_mut().zip(b).for_each(|(a, b)| *a -= b));
+        self
+    }
     pub(super) fn len(&self) -> usize {
         self.response.len()
     }
@@ -87,7 +93,7 @@ pub(super) fn weighted(series: &[&Cosines], columns: &[usize]) -> Option<Coloure
         .map(|(s, variance)| residual(s, columns, &estimate).iter().zip(variance).map(|(e, v)| e * e / v).sum::<f64>())
         .sum();
     let variance = chi2 / (rows - columns.len()) as f64;
-    Some(Coloured { estimate, covariance: Some(bread * variance), freedom: rows as f64 })
+    Some(Coloured::of_exact(estimate, Some(bread * variance), rows as f64))
 }
 
 /// Weights that the residuals themselves give, with the estimate that leaves them.
@@ -121,7 +127,7 @@ pub(super) fn whitened(s: &Cosines, spectrum: &[f64]) -> (DMatrix<f64>, DVector<
     (x, DVector::from_fn(n, |k, _| weight[k] * s.response[k]))
 }
 
-fn residual(s: &Cosines, columns: &[usize], estimate: &[f64]) -> Vec<f64> {
+pub(super) fn residual(s: &Cosines, columns: &[usize], estimate: &[f64]) -> Vec<f64> {
     let mut e = s.response.clone();
     for (&column, p) in columns.iter().zip(estimate) {
         for (e, x) in e.iter_mut().zip(&s.regressors[column]) {
@@ -148,8 +154,13 @@ fn freed(s: &Cosines, columns: &[usize], estimate: &[f64], bread: &DMatrix<f64>,
     e
 }
 
+/// Sum of products over a spectrum.
+pub(super) fn dot(a: &[f64], b: &[f64], spectrum: &[f64]) -> f64 {
+    a.iter().zip(b).zip(spectrum).map(|((a, b), v)| a * b / v).sum()
+}
+
 /// Moving average of squares, one-sided at the ends. Its floor is rounding: 1e-14 of the mean.
-fn spectrum(e: &[f64]) -> Vec<f64> {
+pub(super) fn spectrum(e: &[f64]) -> Vec<f64> {
     let mut sum = vec![0.0; e.len() + 1];
     for (k, v) in e.iter().enumerate() {
         sum[k + 1] = sum[k] + v * v;
@@ -163,7 +174,7 @@ fn spectrum(e: &[f64]) -> Vec<f64> {
 }
 
 /// Weighted least squares by QR, columns scaled: estimate and (XᵀWX)⁻¹.
-fn solve(series: &[&Cosines], spectra: &[Vec<f64>], columns: &[usize]) -> Option<(Vec<f64>, DMatrix<f64>)> {
+pub(super) fn solve(series: &[&Cosines], spectra: &[Vec<f64>], columns: &[usize]) -> Option<(Vec<f64>, DMatrix<f64>)> {
     let rows: usize = series.iter().map(|s| s.response.len()).sum();
     if rows <= columns.len() {
         return None;

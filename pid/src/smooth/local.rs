@@ -30,6 +30,17 @@ pub(super) fn smooth(raw: PerChannel<&[f64]>, dt: f64, half_width_s: &PerChannel
     Ok(fit)
 }
 
+/// Values as they are; derivatives of quadratics through five samples, the second that of the first.
+pub(super) fn unsmoothed(raw: PerChannel<&[f64]>, dt: f64) -> Fit {
+    let n = raw[0].len();
+    let window = Window::new(2, 2);
+    let channels = raw.map(|x| {
+        let rate = window.apply(x, dt).rate;
+        Signal { value: x.to_vec(), second: window.apply(&rate, dt).rate, rate }
+    });
+    Fit { channels, noise_std: [0.0; CHANNELS], weight: vec![1.0; n], bandwidth_hz: [0.5 / dt; CHANNELS] }
+}
+
 /// Least-squares weights for each place in a window of 2h+1 samples: `rows[place]` holds those for value, rate, second.
 struct Window {
     half: usize,

@@ -8,7 +8,8 @@ mod spline;
 mod wide;
 
 use crate::PidError;
-use windfall_model::{CHANNEL_NAMES, PerChannel, Record};
+use std::f64::consts::TAU;
+use windfall_model::{CHANNEL_NAMES, PerChannel, Record, Recording, RunChannel};
 
 /// Cutoff frequencies of thesis Table 3.1, Hz, in channel order.
 pub const TABLE_3_1_HZ: PerChannel<f64> = [1.5, 1.5, 1.5, 1.5, 2.5, 2.5, 1.5];
@@ -50,12 +51,16 @@ pub struct Smoothed {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Smoother {
     /// Global Fourier smoothing with odd reflection and Wiener filter, eqs 3.2-3.19. An infinite cutoff leaves all of the spectrum.
+    /// Of a record that is a window of its recording the whole recording is smoothed, then cropped (§5.1).
     Thesis {
         /// Cutoff frequency of each channel, Hz.
         cutoffs_hz: PerChannel<f64>,
     },
     /// The same, cutoffs where the spectrum sinks into its noise floor.
     ThesisAuto,
+    /// No smoothing: values as recorded, derivatives by a least-squares quadratic over five samples, done twice for the second
+    /// (Appendix C; Klein and Morelli, Aircraft System Identification, 2006, ch. 11, as their `deriv` does).
+    Unsmoothed,
     /// Local polynomials (Savitzky and Golay 1964), windows shifted inward at the ends.
     Local {
         /// Half-width of each channel's window, s.
@@ -74,6 +79,21 @@ pub enum Smoother {
     Auto,
 }
 
+impl Smoother {
+    /// The thesis' ways of smoothing in words; none of those that choose for themselves.
+    pub(crate) fn words(&self) -> Option<String> {
+        match self {
+            Self::Thesis { cutoffs_hz } => {
+                let one = |(name, hz): (&str, &f64)| format!("{name} {hz}");
+                let all: Vec<String> = CHANNEL_NAMES.into_iter().zip(cutoffs_hz).map(one).collect();
+                Some(format!("Fourier series of each whole recording, cut-off frequencies in Hz: {}", all.join(", ")))
+            }
+            Self::Unsmoothed => Some("none; derivatives by quadratics through five samples".to_owned()),
+            Self::ThesisAuto | Self::Local { .. } | Self::Spline { .. } | Self::Auto => None,
+        }
+    }
+}
+
 /// Smooths a record.
 ///
 /// # Errors
@@ -83,8 +103,9 @@ pub fn smooth(record: &Record, smoother: &Smoother) -> Result<Smoothed, PidError
     let dt = record.interval_s();
     let raw = record.channels();
     let fit = match smoother {
-        Smoother::Thesis { cutoffs_hz } => fourier::smooth(raw, dt, Some(*cutoffs_hz))?,
-        Smoother::ThesisAuto => fourier::smooth(raw, dt, None)?,
+        Smoother::Thesis { cutoffs_hz } => whole(record, |raw, dt| fourier::smooth(raw, dt, Some(*cutoffs_hz)))?,
+        Smoother::ThesisAuto => whole(record, |raw, dt| fourier::smooth(raw, dt, None))?,
+        Smoother::Unsmoothed => whole(record, |raw, dt| Ok(local::unsmoothed(raw, dt)))?,
         Smoother::Local { half_width_s, degree } => local::smooth(raw, dt, half_width_s, *degree)?,
         Smoother::Spline { knot_s } => spline::smooth(raw, dt, Some(*knot_s))?,
         Smoother::Auto => spline::smooth(raw, dt, None)?,
@@ -99,6 +120,25 @@ pub fn smooth(record: &Record, smoother: &Smoother) -> Result<Smoothed, PidError
         weight: fit.weight,
         bandwidth_hz: fit.bandwidth_hz,
     })
+}
+
+/// Smooths all of the recording that a record is a window of, then crops.
+fn whole(record: &Record, smooth: impl Fn(PerChannel<&[f64]>, f64) -> Result<Fit, PidError>) -> Result<Fit, PidError> {
+    let usable = record.recording.as_ref().filter(|r| r.rows.len() == record.len() && check(&r.whole).is_ok());
+    let Some(Recording { whole, rows }) = usable else { return smooth(record.channels(), record.interval_s()) };
+    let mut fit = smooth(whole.channels(), whole.interval_s())?;
+    for (c, signal) in fit.channels.iter_mut().enumerate() {
+        for series in [&mut signal.value, &mut signal.rate, &mut signal.second] {
+            *series = series[rows.clone()].to_vec();
+        }
+        // Where turns are counted from is the window's own.
+        let turns = ((whole.channels()[c][rows.start] - record.channels()[c][0]) / TAU).round() * TAU;
+        if RunChannel::ALL[c].is_angle() && turns != 0.0 {
+            signal.value.iter_mut().for_each(|x| *x -= turns);
+        }
+    }
+    fit.weight = fit.weight[rows.clone()].to_vec();
+    Ok(fit)
 }
 
 /// What a smoother gives for the seven channels.

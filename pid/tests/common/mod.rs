@@ -18,6 +18,8 @@ pub(crate) const COMBINED: EstimateOptions = EstimateOptions {
     iterations: 30,
     combined_only: true,
     compatibility: false,
+    smoother: None,
+    starting: false,
 };
 
 /// Table 5.5 with C_n's damping equal to C_m's, in the structure's order.

@@ -13,6 +13,7 @@ fn set(estimate: f64, ci95: [f64; 2]) -> DataSet {
         std_error_white: 0.4,
     };
     DataSet {
+        refused: Vec::new(),
         name: "combined".to_owned(),
         runs: Vec::new(),
         parameters: vec![one],

@@ -30,6 +30,7 @@ fn found(parameters: &[(&str, &str, f64, f64)]) -> Identification {
     let n = parameters.len();
     let covariance = (0..n).map(|i| (0..n).map(|j| if i == j { parameters[i].3.powi(2) } else { 0.0 }).collect()).collect();
     let set = DataSet {
+        refused: Vec::new(),
         name: "combined".to_owned(),
         runs: Vec::new(),
         parameters: parameters.iter().map(estimate).collect(),
@@ -45,6 +46,7 @@ fn found(parameters: &[(&str, &str, f64, f64)]) -> Identification {
     Identification {
         method: "made".to_owned(),
         reason: None,
+        smoothing: None,
         identifiability: None,
         compatibility: None,
         data_sets: vec![set],

@@ -3,6 +3,7 @@
 mod common;
 mod compatibility;
 mod declared_effects;
+mod data_sets;
 mod descent;
 mod gross;
 mod identification;

@@ -197,6 +197,7 @@ fn estimate(coefficient: &str, name: &str, estimate: f64, std_error: f64) -> Est
 
 fn set(parameters: Vec<Estimate>) -> DataSet {
     DataSet {
+        refused: Vec::new(),
         name: "combined".into(),
         runs: vec![],
         parameters,
@@ -233,6 +234,7 @@ fn law_nothing_to_fly_is_an_error() {
         data_sets: vec![],
         warnings: vec![],
         reason: None,
+        smoothing: None,
         identifiability: None,
         compatibility: None,
     };

@@ -16,6 +16,7 @@ fn set(intervals: &[(&str, [f64; 2])]) -> DataSet {
         std_error_white: 0.0,
     };
     DataSet {
+        refused: Vec::new(),
         name: "combined".to_owned(),
         runs: Vec::new(),
         parameters: intervals.iter().map(one).collect(),
