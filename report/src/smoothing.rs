@@ -44,6 +44,7 @@ mod tests {
             log_x: true,
             marks: vec![2.5],
             series: vec![Series { role: Role::Measured, x, y, ..Series::default() }],
+            ..Figure::default()
         };
         let (name, unit) = ("X".to_owned(), "m".to_owned());
         let series = vec![0.0, 0.5, 1.0];
