@@ -10,7 +10,7 @@ use windfall_model::{Campaign, Constant, Parameter};
 use windfall_pid::bands::add_curves;
 use windfall_pid::compatibility::{Compatibility, pressure};
 use windfall_pid::output_error::{EstimateOptions, Handling, Prior};
-use windfall_pid::plausible::plausible;
+use windfall_pid::plausible::looked;
 use windfall_pid::smooth::Smoother;
 use windfall_pid::{
     DataSet, Estimate, FoundEffect, FoundNumber, Held, Identification, Method, ci95, identifiability, identify_by,
@@ -35,6 +35,8 @@ pub struct IdentifyOrder {
     pub bootstrap: Option<usize>,
     /// How the thesis' method smooths; none: with the cutoffs of Table 3.1.
     pub smoother: Option<Smoother>,
+    /// Whether a record that the check refuses is identified all the same.
+    pub accept_record: bool,
 }
 
 /// One parameter equal to another.
@@ -88,12 +90,14 @@ impl AsRef<Identification> for Identified {
 /// # Errors
 /// A record that is not what its campaign says it is, knowledge of parameters that the structure does not have, and what the method refuses ([`windfall_pid::PidError`]).
 pub fn identify(campaign: &Campaign, notes: &[String], request: &IdentifyOrder) -> Result<Identified, DiscoverError> {
-    plausible(campaign)?;
-    let campaign = held(campaign, request)?;
+    let looked = looked(campaign, request.accept_record)?;
+    let campaign = held(&looked.campaign, request)?;
     let options = options(&campaign, request)?;
     let mut found = match request.method {
         Some(method) => identify_by(&campaign, method, &options)?,
-        None if says_more(&campaign) && request.tie.is_empty() && request.prior.is_empty() => by_likelihood(&campaign, &options)?,
+        None if says_more(&campaign) && request.tie.is_empty() && request.prior.is_empty() => {
+            by_likelihood(&held(&looked.with_difference(), request)?, &options)?
+        }
         None => identify_chosen(&campaign, &options)?,
     };
     // Copies of what the likelihood found are identified by output error.
@@ -107,10 +111,14 @@ pub fn identify(campaign: &Campaign, notes: &[String], request: &IdentifyOrder) 
     if found.compatibility.is_none() {
         found.compatibility = pressure(&campaign).map(Compatibility::of_pressure);
     }
+    if let Some(seen) = found.compatibility.as_mut().and_then(|c| c.instruments.as_mut()) {
+        // The lag that the check took out is part of what the recorders have.
+        seen.add_wind_delay(looked.taken_s());
+    }
     add_curves(&campaign, &mut found)?;
     let copies = request.bootstrap.map(|n| bootstrap(&campaign, &found, method, &options, n));
     let copies = copies.transpose()?;
-    found.warnings.splice(0..0, notes.iter().cloned());
+    found.warnings.splice(0..0, notes.iter().cloned().chain(looked.notes()));
     if let Some((b, first)) = copies.as_ref().and_then(|b| Some((b, b.failed.first()?))) {
         found.warnings.push(format!("{} of {} copies gave no answer, the first: {first}", b.failed.len(), b.draws));
     }

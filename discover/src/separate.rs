@@ -97,6 +97,9 @@ pub struct Separation {
     pub campaign: String,
     /// What was named.
     pub families: Vec<String>,
+    /// What the check of the record had to say, a sentence each.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub record: Vec<String>,
     /// Runs that were tried.
     pub tried: usize,
     /// Pairs of rivals, closest first.
@@ -123,12 +126,14 @@ struct Tried {
     information: DMatrix<f64>,
 }
 
-/// Searches for the runs that part a campaign's rivals and sharpen its bounds; `between_s` passes between runs.
+/// Searches for the runs that part a campaign's rivals and sharpen its bounds; `between_s` passes between runs. `accept_record`:
+/// also of a record that the check refuses.
 ///
 /// # Errors
 /// A campaign without tunnel runs, or one that cannot be closed or flown.
-pub fn separate(campaign: &Campaign, between_s: f64) -> Result<Separation, DiscoverError> {
-    windfall_pid::plausible::plausible(campaign)?;
+pub fn separate(campaign: &Campaign, between_s: f64, accept_record: bool) -> Result<Separation, DiscoverError> {
+    let looked = windfall_pid::plausible::looked(campaign, accept_record)?;
+    let campaign = &looked.with_difference();
     let used = runs_of(campaign, Use::Identify);
     let mut engine = Engine::new(campaign, &used).ok_or(ReplayError::NoRuns { what: "identify" })?;
     let found = discover(&mut engine).map_err(|words| DiscoverError::NoEnd { campaign: campaign.name.clone(), words })?;
@@ -141,6 +146,7 @@ pub fn separate(campaign: &Campaign, between_s: f64) -> Result<Separation, Disco
     let pairs = pairs.into_iter().map(|p| parted(&range, &engine, &rivals, &tried, p)).collect();
     Ok(Separation {
         campaign: campaign.name.clone(),
+        record: looked.notes(),
         families: found.after.model.members.iter().map(|m| m.effect.family.to_owned()).collect(),
         tried: tried.len(),
         pairs,

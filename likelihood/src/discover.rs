@@ -164,7 +164,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
 fn searched(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Result<Option<Scored>, String> {
     let noise = engine.noise.map(|n| format!("{:.3e}/{:.2}", n.std(), if n.coloured > 0.0 { n.correlation } else { 0.0 }));
     log.push(format!("noise {}", noise.join(" ")));
-    let Some(best) = from_starts(engine, declared, log)? else { return Ok(None) };
+    let Some(best) = from_starts(engine, log)? else { return Ok(None) };
     // In a wrong form, what is left over looks like gusts.
     let best = alone(engine, in_other_forms(engine, best, log), log);
     let tried = names(&best.1.model);
@@ -304,8 +304,9 @@ fn in_own_noise(engine: &mut Engine, best: Scored, log: &mut Vec<String>) -> Sco
 
 /// The best set from the starts that are worth following: random inputs that every start may have are none, or one effect in one form at one
 /// size.
-fn from_starts(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Result<Option<Scored>, String> {
-    let starts = ladder(&engine.coarse(), declared, log)?;
+fn from_starts(engine: &Engine, log: &mut Vec<String>) -> Result<Option<Scored>, String> {
+    // From what a check of the records has seen, where it has.
+    let starts = ladder(&engine.coarse(), &Model::seen(&engine.campaign), log)?;
     let mut best: Option<Scored> = None;
     let top = starts.first().map_or(f64::NEG_INFINITY, |s| s.total);
     for Start { total, at, next } in starts.into_iter().take(STARTS) {
@@ -332,7 +333,7 @@ fn from_starts(engine: &Engine, declared: &Model, log: &mut Vec<String>) -> Resu
 /// # Errors
 /// The words of why the declared model cannot be followed.
 pub fn identify(engine: &Engine, near: Option<&Model>) -> Result<Fit, String> {
-    let declared = Model::declared(&engine.campaign);
+    let declared = Model::seen(&engine.campaign);
     let led = lead_in(&engine.coarse(), &declared);
     let near = near.map(|m| Model { members: declared.members.clone(), ..m.clone() });
     let ends = [Some(&declared), led.as_ref(), near.as_ref()].into_iter().flatten().filter_map(|m| climb_down(engine, m));

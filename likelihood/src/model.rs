@@ -76,6 +76,16 @@ impl Number {
 /// A prior standard deviation of an effect's strength, as a share of the plausible range's end.
 pub(crate) const PLAUSIBLE: f64 = 0.1;
 
+/// Parameters of an effect whose values somebody has stated: where a strength is beyond what is usual, its own size is usual.
+fn stated(mut parameters: Vec<Parameter>, values: &[f64]) -> Vec<Parameter> {
+    for (p, v) in parameters.iter_mut().zip(values) {
+        if v.abs() > p.usual {
+            p.usual = v.abs() / PLAUSIBLE;
+        }
+    }
+    parameters
+}
+
 impl Member {
     /// Null instance of an effect; strengths that are stated at a tunnel speed are at the runs' mean.
     #[must_use]
@@ -94,6 +104,11 @@ impl Member {
             p.role == Role::Strength && plant.disturbances(1.0) != campaign.plant.disturbances(1.0)
         });
         Self { effect, parameters, values, random, declared: false }
+    }
+    /// An effect with values that somebody has stated.
+    fn stated(effect: &'static Effect, values: &[f64], campaign: &Campaign) -> Self {
+        let null = Self::null(effect, campaign);
+        Self { parameters: stated(null.parameters, values), values: values.to_vec(), ..null }
     }
     /// True when it acts in one run only.
     #[must_use]
@@ -161,9 +176,19 @@ impl Model {
             .knowledge
             .effects
             .iter()
-            .map(|(effect, values)| Member { values: values.clone(), declared: true, ..Member::null(effect, campaign) })
+            .map(|(effect, values)| Member { declared: true, ..Member::stated(effect, values, campaign) })
             .collect();
         Self { declared: campaign.plant.aero.values.clone(), constants: vec![0.0; campaign.knowledge.constants.len()], members }
+    }
+
+    /// The declared model with the effects that a check of the records has seen: where a search begins.
+    #[must_use]
+    pub(crate) fn seen(campaign: &Campaign) -> Self {
+        let mut model = Self::declared(campaign);
+        let known = |e: &Effect| campaign.knowledge.effects.iter().any(|(other, _)| *other == e);
+        let seen = campaign.knowledge.seen.iter().filter(|(e, _)| !known(e));
+        model.members.extend(seen.map(|(effect, values)| Member::stated(effect, values, campaign)));
+        model
     }
 
     /// The plant that these values make.
@@ -267,7 +292,7 @@ impl Model {
         for (k, m) in self.members.iter().enumerate().filter(|(_, m)| !m.random) {
             for (i, p) in m.parameters.iter().enumerate() {
                 let (prior, step) = match p.role {
-                    Role::Strength => (PLAUSIBLE * p.high, strength_step(p)),
+                    Role::Strength => (PLAUSIBLE * p.usual, strength_step(p)),
                     Role::Shape(_) if shapes && p.is_graded() => (0.5 * m.values[i].abs(), 1e-3 * m.values[i].abs().max(1e-6)),
                     Role::Instant if shapes => (0.2, 1e-3),
                     _ => continue,
@@ -322,7 +347,7 @@ impl Model {
 
 /// Step of a strength for differences.
 pub(crate) fn strength_step(p: &Parameter) -> f64 {
-    1e-4 * p.high.min(1e3)
+    1e-4 * p.usual.min(1e3)
 }
 
 /// Strengths of every form of every effect that enters the mean and is not local; forms of the same family as a member are left out
@@ -343,7 +368,7 @@ pub(crate) fn candidates(campaign: &Campaign, model: &Model) -> Vec<Number> {
                 all.push(Number {
                     id: Id::Strength(index, form, i),
                     value: 0.0,
-                    prior: PLAUSIBLE * p.high,
+                    prior: PLAUSIBLE * p.usual,
                     range: [p.low, p.high],
                     at_end: [false; 2],
                     step: strength_step(p),

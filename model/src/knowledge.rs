@@ -55,6 +55,8 @@ pub struct Knowledge {
     /// Effects that the declared model has, each once, with starting values in the order of its parameters. They are not in
     /// [`crate::Campaign::plant`].
     pub effects: Vec<(&'static Effect, Vec<f64>)>,
+    /// Effects that a check of the records has seen, which nobody declared: a search begins with them.
+    pub seen: Vec<(&'static Effect, Vec<f64>)>,
     /// Standard uncertainty of the declared starting value of an aerodynamic parameter, by its index in the structure: what was
     /// believed of it before the runs.
     pub priors: Vec<(usize, f64)>,

@@ -277,7 +277,7 @@ fn exact_ranges_and_steps_of_parameters() {
             assert!(beyond.iter().zip([0.0, 0.0, 0.5, 2.0]).all(|(a, b)| (a - b).abs() < 1e-12), "{name}: {beyond:?}");
             // Coefficients per unit of an input are tried by steps that suit the largest inputs.
             let strong = p.role == effects::Role::Strength && !p.name.contains("_per_");
-            assert!(!strong || (p.step / (1e-3 * p.high.min(1e3)) - 1.0).abs() < 1e-12, "{name}: {}", p.step);
+            assert!(!strong || (p.step / (1e-3 * p.usual.min(1e3)) - 1.0).abs() < 1e-12, "{name}: {}", p.step);
         }
     }
 }

@@ -75,7 +75,7 @@ pub enum PidError {
         ry_rad: f64,
     },
     /// A record or constant that is not what the campaign says it is.
-    #[error("campaign {campaign}: {fault}")]
+    #[error("campaign {campaign}: {fault}; if the record is right as it stands, --accept-record goes on all the same")]
     Implausible {
         /// Campaign name.
         campaign: String,

@@ -36,7 +36,10 @@ pub(crate) fn sample(s: &Smoothed, sensors: &Sensors, i: usize) -> Sample {
     x
 }
 
-/// The signal `delay` seconds after sample i: quintic Hermite between samples, Taylor beyond the ends.
+/// Longest time beyond a signal's ends, s, over which it is extrapolated: that of a dropout that is bridged. Then it stays.
+const BEYOND_S: f64 = 0.1;
+
+/// The signal `delay` seconds after sample i: quintic Hermite between samples, Taylor a little beyond the ends.
 #[inline]
 fn later(s: &Signal, dt: f64, i: usize, delay: f64) -> [f64; 3] {
     let node = |i: usize| [s.value[i], s.rate[i], s.second[i]];
@@ -46,10 +49,10 @@ fn later(s: &Signal, dt: f64, i: usize, delay: f64) -> [f64; 3] {
     let last = s.value.len() - 1;
     let x = i as f64 + delay / dt;
     if x <= 0.0 {
-        return taylor(node(0), x * dt);
+        return taylor(node(0), (x * dt).max(-BEYOND_S));
     }
     if x >= last as f64 {
-        return taylor(node(last), (x - last as f64) * dt);
+        return taylor(node(last), ((x - last as f64) * dt).min(BEYOND_S));
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "x is in (0, last)")]
     let left = x as usize;
@@ -139,8 +142,10 @@ mod tests {
         let s = Signal { value: at(0), rate: at(1), second: at(2) };
         assert_close(later(&s, 0.3, 1, 0.4), quintic(t(1) + 0.4));
         assert_close(later(&s, 0.3, 2, -0.37), quintic(t(2) - 0.37));
-        assert_close(later(&s, 0.3, 2, 0.5), taylor(quintic(t(3)), 0.2));
-        assert_close(later(&s, 0.3, 1, -0.5), taylor(quintic(t(0)), -0.2));
+        assert_close(later(&s, 0.3, 2, 0.37), taylor(quintic(t(3)), 0.07));
+        assert_close(later(&s, 0.3, 1, -0.38), taylor(quintic(t(0)), -0.08));
+        // Seconds beyond the end a parabola would be anywhere.
+        assert_close(later(&s, 0.3, 2, 9.3), taylor(quintic(t(3)), 0.1));
     }
 
     #[test]

@@ -15,6 +15,7 @@ mod one_identify;
 mod own_columns;
 mod plan;
 mod program;
+mod record_check;
 mod structure;
 mod supply;
 mod wind_tunnel;

@@ -5,13 +5,15 @@ use crate::{Close, Error, Fly, Identify, Plan, Resimulate, Result, Scenario, Str
 use serde::Serialize;
 use std::path::Path;
 use windfall_discover::close::{
-    Closing, Figure, Options, SignalTracks, SmoothingTracks, close, coefficient_tracks, figures, flight_tracks, smoothing, tracks,
+    Closing, Figure, Options, SignalTracks, SmoothingTracks, as_closed, close, coefficient_tracks, figures, flight_tracks,
+    smoothing, tracks,
 };
 use windfall_discover::separate::{Separation, separate};
 use windfall_discover::{Identified, identify};
 use windfall_model::Plant;
 use windfall_pid::compatibility::{Pressure, pressure};
 use windfall_pid::plan::{TestPlan as Targets, plan};
+use windfall_pid::plausible::looked;
 use windfall_pid::smooth::Smoother;
 use windfall_pid::structure::{Choice, choose};
 use windfall_pid::{Identification, Method};
@@ -112,6 +114,10 @@ impl Campaign {
         let (runs, warnings) = runs_of_columns(runs, &self.data.plant)?;
         Ok(Self { data: windfall_model::Campaign { runs, ..self.data.clone() }, warnings })
     }
+    /// Runs whose recorders share one clock, as they are identified on.
+    fn on_one_clock(&self) -> Result<windfall_model::Campaign> {
+        Ok(looked(&self.data, true)?.campaign)
+    }
     /// Parameters with intervals: the content of `identification.json`.
     ///
     /// # Errors
@@ -125,7 +131,7 @@ impl Campaign {
     /// A point-mass campaign, no run, an identification of another structure or, for draws, without covariance.
     pub fn resimulate(&self, found: &impl AsRef<Identification>, request: &Resimulate) -> Result<Resimulation> {
         let (seeds, draws) = request.order()?;
-        Ok(resimulate_with_draws(&self.data, found.as_ref(), seeds, draws)?)
+        Ok(resimulate_with_draws(&self.on_one_clock()?, found.as_ref(), seeds, draws)?)
     }
     /// `n` models drawn as the runs leave them: the estimates of all runs with their joint errors, gusts and held parameters as they
     /// are. Draw i is a function of the seed and i alone. What a question of one's own is to be asked of, when its answer shall carry
@@ -152,36 +158,36 @@ impl Campaign {
     ///
     /// # Errors
     /// A record that is not what its campaign says it is, no run to identify on, runs too short, a declared model that cannot be fitted.
-    pub fn close(&self, _request: &Close) -> Result<Closing> {
-        Ok(close(&self.data, &Options::default())?)
+    pub fn close(&self, request: &Close) -> Result<Closing> {
+        Ok(close(&self.data, &Options { accept_record: request.accept_record, ..Options::default() })?)
     }
     /// Series of a closing's figures: the content of `figures.json`.
     ///
     /// # Errors
     /// As [`Campaign::close`].
     pub fn figures(&self, closing: &Closing) -> Result<Vec<Figure>> {
-        Ok(figures(&self.data, closing, &Options::default())?)
+        Ok(figures(&as_closed(&self.data)?, closing, &Options::default())?)
     }
     /// Measured signals of every run beside flights with the declared model and with the effects added: the content of `tracks.json`.
     ///
     /// # Errors
     /// As [`Campaign::close`].
     pub fn tracks(&self, closing: &Closing) -> Result<SignalTracks> {
-        Ok(tracks(&self.data, closing)?)
+        Ok(tracks(&as_closed(&self.data)?, closing)?)
     }
     /// Coefficients of every run beside those of an identified model: the content of `coefficients.json`; without runs for point bodies.
     ///
     /// # Errors
     /// No data set, or an identification of another structure.
     pub fn coefficient_tracks(&self, found: &impl AsRef<Identification>) -> Result<SignalTracks> {
-        Ok(coefficient_tracks(&self.data, found.as_ref())?)
+        Ok(coefficient_tracks(&self.on_one_clock()?, found.as_ref())?)
     }
     /// Measured signals of every run beside flights with an identified model: the content of `flights.json`.
     ///
     /// # Errors
     /// As [`Campaign::coefficient_tracks`].
     pub fn flight_tracks(&self, found: &impl AsRef<Identification>) -> Result<SignalTracks> {
-        Ok(flight_tracks(&self.data, found.as_ref())?)
+        Ok(flight_tracks(&self.on_one_clock()?, found.as_ref())?)
     }
     /// Raw and smoothed records with their spectra, as a method smooths them, or as closing does: the content of `smoothing.json`; without
     /// runs for bodies that are no tunnel models.
@@ -206,7 +212,7 @@ impl Campaign {
     /// # Errors
     /// Runs that cannot be processed.
     pub fn structure(&self, request: &Structure) -> Result<Choice> {
-        Ok(choose(&self.data, request.criterion)?)
+        Ok(choose(&self.on_one_clock()?, request.criterion)?)
     }
     /// Tunnel time that brings wanted errors, or runs that part rivals: the content of `plan.json`.
     ///
@@ -214,7 +220,7 @@ impl Campaign {
     /// As [`Campaign::identify`] or, to part rivals, as [`Campaign::close`]; a target that is no estimated parameter or no positive error.
     pub fn plan(&self, request: &Plan) -> Result<Planned> {
         Ok(if request.separate {
-            Planned::Rivals(separate(&self.data, request.between)?)
+            Planned::Rivals(separate(&self.data, request.between, request.accept_record)?)
         } else {
             Planned::Targets(plan(&self.data, &request.target, request.between)?)
         })

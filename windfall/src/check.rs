@@ -6,7 +6,7 @@ use crate::scenario::is_bundled;
 use crate::{Campaign, Drawing, Result, Scenario};
 use serde::Serialize;
 use std::path::Path;
-use windfall_pid::plausible::plausible;
+use windfall_pid::plausible::looked;
 use windfall_scenarios::{
     FileKind, Piece, columns_of_campaign, columns_of_run, kind_of, read_bundled, read_free, read_record_pieces, read_structure,
     sensors_of_table_a3,
@@ -80,8 +80,9 @@ pub fn check(word: &Path) -> Result<Checked> {
     Ok(match kind_of(word)? {
         FileKind::Run => Checked::Run(read_record_pieces(word, &sensors_of_table_a3(), None)?),
         FileKind::Campaign => {
-            let campaign = Campaign::read(word)?;
-            plausible(&campaign.data)?;
+            let mut campaign = Campaign::read(word)?;
+            let notes = looked(&campaign.data, false)?.notes();
+            campaign.warnings.extend(notes);
             Checked::Campaign(Box::new(campaign))
         }
         FileKind::Structure => Checked::Structure(read_structure(word)?),

@@ -78,6 +78,9 @@ pub struct Identify {
     /// No smoothing, as in the thesis' Appendix C: values as recorded, derivatives by quadratics through five samples; method thesis
     #[cfg_attr(feature = "cli", arg(long, conflicts_with = "cutoffs"))]
     pub unsmoothed: bool,
+    /// Go on although the check of the record refuses it; the result says so
+    #[cfg_attr(feature = "cli", arg(long))]
+    pub accept_record: bool,
 }
 
 /// Cut-off frequency of a channel's smoothing.
@@ -151,6 +154,7 @@ impl Identify {
             prior: self.prior.clone(),
             bootstrap: self.bootstrap.map(usize::from),
             smoother: self.smoother()?,
+            accept_record: self.accept_record,
         })
     }
 }
@@ -208,11 +212,14 @@ pub struct Plan {
     /// Time between runs that counts as tunnel time, s
     #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value_t = Self::default().between, value_parser = crate::seconds))]
     pub between: f64,
+    /// With --separate: go on although the check of the record refuses it; the result says so
+    #[cfg_attr(feature = "cli", arg(long))]
+    pub accept_record: bool,
 }
 
 impl Default for Plan {
     fn default() -> Self {
-        Self { target: Vec::new(), separate: false, between: 60.0 }
+        Self { target: Vec::new(), separate: false, between: 60.0, accept_record: false }
     }
 }
 
@@ -296,16 +303,20 @@ impl Descend {
     }
 }
 
-/// How to close the loop: nothing is to be said yet.
+/// How to close the loop.
 ///
 /// ```
 /// use windfall::Close;
-/// assert_eq!(serde_json::to_string(&Close::default()).expect("JSON"), "{}");
+/// assert_eq!(serde_json::to_string(&Close::default()).expect("JSON"), r#"{"accept_record":false}"#);
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default, deny_unknown_fields)]
-pub struct Close {}
+pub struct Close {
+    /// Go on although the check of the record refuses it; the result says so
+    #[cfg_attr(feature = "cli", arg(long))]
+    pub accept_record: bool,
+}
 
 /// How to draw a study into a folder.
 ///

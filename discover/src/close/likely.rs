@@ -59,6 +59,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         campaign: campaign.name.clone(),
         verdict,
         joined: engine.joined(campaign),
+        record: Vec::new(),
         unfinished_passes: found.unfinished_passes,
         errors_carry_unexplained: found.errors_carry_missing,
         residual: Residuals { per_channel: channels(before) },

@@ -67,6 +67,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         campaign: campaign.name.clone(),
         verdict,
         joined: Vec::new(),
+        record: Vec::new(),
         unfinished_passes: None,
         errors_carry_unexplained: false,
         residual: result::Residuals { per_channel: residual },

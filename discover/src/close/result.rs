@@ -339,6 +339,9 @@ pub struct Closing {
     /// Runs that were taken as one flight, since one goes on where the other ended: their names, a text for each flight.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub joined: Vec<String>,
+    /// What the check of the record had to say: a fault that was accepted, clocks that differ. A sentence each.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub record: Vec<String>,
     /// Where the search ended because all the work it may do was done: that, in passes over the runs. A likelier set may not have been tried.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unfinished_passes: Option<f64>,
@@ -405,7 +408,8 @@ impl Closing {
         };
         let carry = "something is unexplained: the errors of the parameters carry how far it may have moved them".to_owned();
         let carry = self.errors_carry_unexplained.then_some(carry);
-        self.joined.iter().map(one_flight).chain(self.unfinished_passes.map(unfinished)).chain(carry).collect()
+        let record = self.record.iter().cloned();
+        record.chain(self.joined.iter().map(one_flight)).chain(self.unfinished_passes.map(unfinished)).chain(carry).collect()
     }
 }
 

@@ -81,7 +81,7 @@ fn recover_the_odds_that_were_expected() {
         inputs: Vec::new(),
         knowledge: Knowledge::default(),
     };
-    let found = separate(&campaign, 60.0).expect("closes");
+    let found = separate(&campaign, 60.0, false).expect("closes");
     for p in &found.pairs {
         eprintln!("{:?} or {:?}: {:.2} {:?}", p.families, p.rival, p.log_odds_now, p.runs.first());
     }

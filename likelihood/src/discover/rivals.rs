@@ -132,7 +132,7 @@ impl<'a> Rivals<'a> {
             let effect = CATALOGUE[family];
             let Some(std) = self.error(place, None).filter(|_| !present.contains(&effect.family)) else { continue };
             let p = &(effect.parameters)(&self.engine.campaign.inputs)[parameter];
-            let one = Unseen { family: effect.family, parameter: p.name.clone(), unit: p.unit, plausible: p.high, place };
+            let one = Unseen { family: effect.family, parameter: p.name.clone(), unit: p.unit, plausible: p.usual, place };
             match all.iter_mut().find(|(u, _)| (u.family, &u.parameter) == (one.family, &one.parameter)) {
                 Some(old) if old.1 < std => *old = (one, std),
                 Some(_) => {}

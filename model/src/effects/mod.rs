@@ -11,6 +11,10 @@ use crate::scenario::Flight;
 // Files and list: `build.rs`.
 include!(concat!(env!("OUT_DIR"), "/catalogue.rs"));
 
+/// Longest lag of one recorder's clock behind another's, s: a third of a run of three minutes. Two recorders that are started by hand are seconds
+/// apart.
+const LONGEST_LAG_S: f64 = 60.0;
+
 /// How a parameter is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Role {
@@ -36,8 +40,10 @@ pub struct Parameter {
     pub unit: &'static str,
     /// Smallest plausible value (allowed in scenarios, inclusive).
     pub low: f64,
-    /// Largest plausible value.
+    /// Largest value that is allowed and looked for.
     pub high: f64,
+    /// Largest usual value, by which priors and steps of strengths are measured: `high` of all but those that may be far beyond it.
+    pub usual: f64,
     /// Value when the effect is absent (strengths: 0) or a typical one (shapes).
     pub null: f64,
     /// How it is looked for.
@@ -68,6 +74,7 @@ impl Parameter {
             unit,
             low: -limit,
             high: limit,
+            usual: limit,
             null: 0.0,
             role: Role::Strength,
             step: 1e-3 * limit.min(1e3),
@@ -75,14 +82,27 @@ impl Parameter {
     }
     /// A strength that is never negative.
     fn positive(name: &str, unit: &'static str, limit: f64) -> Self {
-        Self { name: name.to_owned(), unit, low: 0.0, high: limit, null: 0.0, role: Role::Strength, step: 1e-3 * limit.min(1e3) }
+        Self { low: 0.0, ..Self::strength(name, unit, limit) }
+    }
+    /// The same, allowed far beyond what is usual.
+    fn allowed_to(self, high: f64) -> Self {
+        Self { high, ..self }
     }
     fn shape(name: &str, unit: &'static str, low: f64, high: f64, null: f64, tried: &'static [f64]) -> Self {
-        Self { name: name.to_owned(), unit, low, high, null, role: Role::Shape(tried), step: 0.0 }
+        Self { name: name.to_owned(), unit, low, high, usual: high, null, role: Role::Shape(tried), step: 0.0 }
     }
     /// Tunnel speed at which strengths are stated; null is near the SAGE model's trim in the tunnel.
     fn reference() -> Self {
-        Self { name: "at_m_s".to_owned(), unit: "m/s", low: 0.0, high: 1e3, null: 7.5, role: Role::Reference, step: 0.0 }
+        Self {
+            name: "at_m_s".to_owned(),
+            unit: "m/s",
+            low: 0.0,
+            high: 1e3,
+            usual: 1e3,
+            null: 7.5,
+            role: Role::Reference,
+            step: 0.0,
+        }
     }
     /// Value where a file leaves it out, where it may: null; zero of a speed at which strengths are stated, which stands for the trim speed.
     #[must_use]

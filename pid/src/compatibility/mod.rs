@@ -88,6 +88,21 @@ pub struct Instruments {
     pub residual: Vec<String>,
 }
 
+impl Instruments {
+    /// Adds a delay of V_W, s, that was taken out of the records before they were examined.
+    pub fn add_wind_delay(&mut self, by_s: f64) {
+        // Where the recorders agree on one clock nothing is left to add to.
+        if self.account.iter().all(|e| e.name != "wind_delay_s") {
+            return;
+        }
+        let all = self.errors.iter_mut().chain(&mut self.account).chain(&mut self.rivals);
+        for e in all.filter(|e| e.name == "wind_delay_s") {
+            e.estimate += by_s;
+            e.ci95 = e.ci95.map(|x| x + by_s);
+        }
+    }
+}
+
 /// One error. The sense is that of `model::Sensors`: what is recorded is the truth times 1 + scale, a delay ago, turned by the
 /// misalignment about body x, y, z, moved by the lever arm in body axes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -5,11 +5,15 @@
 //! constants. Undeclared effects, noise of any kind and aerodynamics half to twice the declared ones are no faults; what is in doubt
 //! passes. Runs without attitude are not looked at.
 //!
-//! One file per kind of check: `frozen` and `jump` on samples, `twice` on pairs of runs, `line` on the tether's geometry, `frames` on axes,
+//! Clocks of two recorders that differ are no fault either: the offset is named, and taken out of the record for all that follows.
+//!
+//! One file per kind of check: `clocks` and `aligned` on the recorders' clocks, `frozen` and `jump` on samples, `twice` on pairs of runs, `line` on the tether's geometry, `frames` on axes,
 //! `contest` and `constants` on the balance of forces and moments, `size` on the declared body.
 
+mod aligned;
 mod balance;
 mod change;
+mod clocks;
 mod constants;
 mod contest;
 mod frames;
@@ -21,8 +25,10 @@ mod size;
 mod twice;
 
 use crate::PidError;
+use clocks::Clocks;
+pub use clocks::Lag;
 use std::fmt;
-use windfall_model::{Campaign, Data, Record};
+use windfall_model::{Campaign, Data, Effect, Record};
 
 /// Why a record cannot be what its campaign says it is.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -48,12 +54,92 @@ impl fmt::Display for GrossFault {
 ///
 /// # Errors
 /// [`PidError::Implausible`] with the first fault found: on samples, then between runs, then in the geometry, then in the balance of
-/// forces and moments.
+/// forces and moments, then of one run alone.
 pub fn plausible(campaign: &Campaign) -> Result<(), PidError> {
-    match fault(campaign) {
-        None => Ok(()),
-        Some(fault) => Err(PidError::Implausible { campaign: campaign.name.clone(), fault: Box::new(fault) }),
+    looked(campaign, false).map(|_| ())
+}
+
+/// What the check of a record leaves to those that go on with it.
+#[derive(Clone, Debug)]
+pub struct Looked {
+    /// The campaign with both recorders on one clock, where theirs differ; as it was otherwise.
+    pub campaign: Campaign,
+    /// The fault that was accepted, where there is one.
+    pub accepted: Option<GrossFault>,
+    /// How much later V_W was recorded than the pose, where that is not as declared.
+    pub lag: Option<Lag>,
+    /// The effect that makes the difference, with its strength.
+    effect: Option<(&'static Effect, Vec<f64>)>,
+    /// Lag that was taken out of the records, s.
+    taken_s: f64,
+}
+
+impl Looked {
+    /// The campaign on one clock whose plant has the difference of the clocks still: the declared model sees V_W as it was recorded, and the
+    /// effect that makes up for it is where a search begins.
+    #[must_use]
+    pub fn with_difference(&self) -> Campaign {
+        let mut campaign = self.campaign.clone();
+        campaign.plant.sensors.wind_delay_s -= self.taken_s;
+        campaign.knowledge.seen.extend(self.effect.clone());
+        campaign
     }
+    /// Lag of V_W that was taken out of the records, s; zero where the clocks agree.
+    #[must_use]
+    pub fn taken_s(&self) -> f64 {
+        self.taken_s
+    }
+    /// What is to be said of the record, in sentences.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        let accepted = self.accepted.iter().map(|f| format!("the record was accepted against the check of the record: {f}"));
+        let lag = self.lag.iter().map(|lag| {
+            let mend = self.effect.as_ref().map_or_else(String::new, |(e, v)| {
+                let name = (e.parameters)(&[]).first().map_or_else(String::new, |p| p.name.clone());
+                format!("declare [effects.{}] {name} = {:.3}, or ", e.family, v[0])
+            });
+            format!(
+                "the clocks of pose and V_W differ: V_W is {}: {}; {mend}pair each pose with the VW_m_s that was recorded {:.3} s {side}",
+                lag.words(),
+                lag.evidence(),
+                lag.lag_s.abs(),
+                side = lag.side()
+            )
+        });
+        accepted.chain(lag).collect()
+    }
+}
+
+/// Looks at a campaign before anything is fitted: gross faults are refused or, where `accept` says so, accepted; clocks that differ are set
+/// to one.
+///
+/// # Errors
+/// As [`plausible`], but for a fault that is accepted.
+pub fn looked(campaign: &Campaign, accept: bool) -> Result<Looked, PidError> {
+    let runs = tunnel_runs(campaign);
+    let records: Vec<&Record> = runs.iter().map(|r| r.1).collect();
+    let declared_s = aligned::declared_lag_s(campaign);
+    let lag = Clocks::new(&records, campaign.plant.environment.gravity_m_s2).offset(declared_s);
+    let total_s = lag.map_or(declared_s, |l| l.lag_s);
+    // A small declared delay stays as it is.
+    let is_moved = lag.is_some() || clocks::is_far(declared_s);
+    let moved = if is_moved { aligned::moved(campaign, total_s) } else { None };
+    let as_recorded = fault(campaign);
+    let gravity = campaign.plant.environment.gravity_m_s2;
+    let found = match (&moved, as_recorded) {
+        // What is wrong with the record on one clock, or nothing but the clock.
+        (Some((on_one_clock, _)), found) => fault(on_one_clock).map(|other| found.unwrap_or(other)),
+        (None, found) => found,
+    };
+    let found = found.or_else(|| clocks::apart(&runs, gravity, total_s));
+    if let Some(fault) = found.clone().filter(|_| !accept) {
+        return Err(PidError::Implausible { campaign: campaign.name.clone(), fault: Box::new(fault) });
+    }
+    // Beside a fault nothing is said of clocks.
+    let (lag, moved) = if found.is_some() { (None, None) } else { (lag, moved) };
+    let effect = lag.and_then(|l| aligned::effect_of(&campaign.plant, l.lag_s - declared_s));
+    let (campaign, taken_s) = moved.unwrap_or_else(|| (campaign.clone(), 0.0));
+    Ok(Looked { campaign, accepted: found, lag, effect, taken_s })
 }
 
 /// The first fault of a campaign, if it has one.

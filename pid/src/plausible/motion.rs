@@ -9,10 +9,10 @@ use nalgebra::DMatrix;
 use windfall_model::{Record, RunChannel};
 
 /// Half-width of a window, s, for place and speed, and for angles; and the least number of samples.
-const HALF_S: [f64; 2] = [0.35, 0.2];
-const FEWEST: usize = 6;
+pub(super) const HALF_S: [f64; 2] = [0.35, 0.2];
+pub(super) const FEWEST: usize = 6;
 /// Interval, s, above which a record's clock cannot be right: its windows are then of so many samples.
-const SLOWEST_S: f64 = 0.1;
+pub(super) const SLOWEST_S: f64 = 0.1;
 const BLIND: [usize; 2] = [50, 30];
 const DEGREE: usize = 4;
 /// Most instants of a campaign.
@@ -41,11 +41,16 @@ pub(super) struct MotionSample {
 
 /// Instants of all runs, evenly spread.
 pub(super) fn instants(runs: &[(&str, &Record)]) -> Vec<MotionSample> {
-    let samples: usize = runs.iter().map(|(_, r)| r.len()).sum();
-    runs.iter().flat_map(|(_, r)| of_run(r, samples.div_ceil(MOST))).collect()
+    let stride = stride(runs);
+    runs.iter().flat_map(|(_, r)| of_run(r, stride)).collect()
 }
 
-fn of_run(r: &Record, stride: usize) -> Vec<MotionSample> {
+/// Samples from one instant of a campaign to the next.
+pub(super) fn stride(runs: &[(&str, &Record)]) -> usize {
+    runs.iter().map(|(_, r)| r.len()).sum::<usize>().div_ceil(MOST).max(1)
+}
+
+pub(super) fn of_run(r: &Record, stride: usize) -> Vec<MotionSample> {
     let dt = r.interval_s();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive count of samples")]
     let half = |k: usize| if dt > SLOWEST_S { BLIND[k] } else { (HALF_S[k] / dt.max(1e-5)).round() as usize };
@@ -76,7 +81,7 @@ fn of_run(r: &Record, stride: usize) -> Vec<MotionSample> {
 }
 
 /// Least-squares weights of value, rate and second derivative in the middle of a window.
-fn weights(half: usize, dt: f64) -> Option<[Vec<f64>; 3]> {
+pub(super) fn weights(half: usize, dt: f64) -> Option<[Vec<f64>; 3]> {
     let m = 2 * half + 1;
     #[expect(clippy::cast_possible_wrap, clippy::cast_possible_truncation, reason = "a degree below ten")]
     let a = DMatrix::from_fn(m, DEGREE + 1, |i, j| ((i as f64 - half as f64) / half as f64).powi(j as i32));

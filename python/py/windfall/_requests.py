@@ -18,6 +18,7 @@ class Fly(TypedDict, total=False):
 
 class Identify(TypedDict, total=False):
     """
+    accept_record: Go on although the check of the record refuses it; the result says so
     bootstrap: Check the stated errors by N copies: the identified model is flown again with the campaign's own inputs and
         noise, and identified again; scatter over stated error is known to 1/√(2N)
     combined: Only all runs together, without each kind of run alone
@@ -30,6 +31,7 @@ class Identify(TypedDict, total=False):
         may be repeated
     """
 
+    accept_record: bool | None
     bootstrap: int | None
     combined: bool | None
     hold: Mapping[str, float] | None
@@ -49,11 +51,13 @@ class Structure(TypedDict, total=False):
 
 class Plan(TypedDict, total=False):
     """
+    accept_record: With --separate: go on although the check of the record refuses it; the result says so
     between: Time between runs that counts as tunnel time, s [default: 60.0]
     separate: Instead: the runs that part the effects these runs cannot tell apart, and sharpen bounds that are wide, for
         their tunnel time
     """
 
+    accept_record: bool | None
     between: float | None
     separate: bool | None
 
@@ -83,7 +87,11 @@ class Descend(TypedDict, total=False):
 
 
 class Close(TypedDict, total=False):
-    """Nothing."""
+    """
+    accept_record: Go on although the check of the record refuses it; the result says so
+    """
+
+    accept_record: bool | None
 
 
 class Study(TypedDict, total=False):

@@ -462,6 +462,7 @@ class Closing(Result):
     campaign: str
     verdict: Literal["consistent", "effect", "unexplained"]
     joined: list[str]
+    record: list[str]
     unfinished_passes: float | None
     errors_carry_unexplained: bool
     residual: Residuals
@@ -723,6 +724,7 @@ class Separation(Result):
 
     campaign: str
     families: list[str]
+    record: list[str]
     tried: int
     pairs: list[Separated]
     bounds: list[Sharpened]
