@@ -90,7 +90,7 @@ fn angle_faults(path: &Path, angles: [&[f64]; 3], sensors: &Sensors) -> Vec<Faul
             "Ry_deg, Rz_deg",
             "",
             &what,
-            "x-y-z Euler angles in degrees, T = Rx Ry Rz; or, where their x is up, [columns.axes] tunnel = [\"-x\", \"y\", \"-z\"], and where it \
+            "x-y-z Euler angles in degrees, T = Rx Ry Rz; or `rotates` in [columns.attitude] the other way; or, where their x is up, [columns.axes] tunnel = [\"-x\", \"y\", \"-z\"], and where it \
              is out of the tail, body = [\"-x\", \"y\", \"-z\"]",
         ));
     }

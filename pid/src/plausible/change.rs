@@ -30,6 +30,8 @@ pub(super) enum Act {
     Sequence { order: [usize; 3], inverse: bool },
     /// Positions times a factor.
     Length(f64),
+    /// Positions along one axis times a factor.
+    Axis { axis: usize, by: f64 },
     /// Angles times a factor.
     Angle(f64),
     /// Times times a factor.
@@ -48,7 +50,7 @@ const LOWER: [&str; 3] = ["x", "y", "z"];
 
 /// All readings that stand against the record as it is, the more usual slips first: of readings that say the same the first is named.
 pub(super) fn all() -> Vec<Change> {
-    let mut list = [positions(), angles(), sequences(), scales()].concat();
+    let mut list = [positions(), angles(), sequences(), scales(), axes()].concat();
     list.sort_by_key(|c| c.act.rarity());
     list
 }
@@ -138,7 +140,7 @@ fn sequences() -> Vec<Change> {
             let (cause, words) = if inverse {
                 (
                     format!("the attitude is from tunnel to body (sequence {name}), not from body to tunnel"),
-                    format!("T = ({product})^-1"),
+                    format!("T = ({product})^-1 (`rotates` the other way in [columns.attitude])"),
                 )
             } else {
                 (format!("the Euler sequence is {name}, not x-y-z"), format!("T = {product}"))
@@ -191,6 +193,32 @@ fn scales() -> Vec<Change> {
     list
 }
 
+/// One axis in a unit of its own among the others: what it is in, what they are in, and the factor that makes them one.
+const OWN_UNITS: [(&str, &str, f64); 11] = [
+    ("cm", "mm", 10.0),
+    ("mm", "cm", 0.1),
+    ("mm", "m", 1e-3),
+    ("cm", "m", 1e-2),
+    ("m", "cm", 1e2),
+    ("m", "mm", 1e3),
+    ("feet", "m", 0.3048),
+    ("m", "feet", 1.0 / 0.3048),
+    ("inches", "mm", 25.4),
+    ("inches", "cm", 2.54),
+    ("inches", "m", 0.0254),
+];
+
+fn axes() -> Vec<Change> {
+    let one = |axis: usize| {
+        OWN_UNITS.iter().map(move |(own, others, by)| Change {
+            cause: format!("{} is in {own} among axes in {others}", AXES[axis]),
+            words: format!("{} times {by}", AXES[axis]),
+            act: Act::Axis { axis, by: *by },
+        })
+    };
+    (0..3).flat_map(one).collect()
+}
+
 /// Factors of the clock that are tried, each a seventh from the next where they are near one.
 const STRETCHED: [f64; 14] = [0.1, 0.2, 0.25, 1.0 / 3.0, 0.4, 0.5, 0.6, 0.7, 0.8, 1.25, 1.5, 2.0, 3.0, 5.0];
 
@@ -206,6 +234,7 @@ impl Act {
             Self::HalfTurn => half_turn(&mut to),
             Self::Sequence { order, inverse } => sequence(&mut to, order, inverse),
             Self::Length(f) => to[..3].iter_mut().for_each(|x| *x = x.map(|v| v * f)),
+            Self::Axis { axis, by } => to[axis] = m[axis].map(|v| v * by),
             Self::Angle(f) => to[3..6].iter_mut().for_each(|x| *x = x.map(|v| v * f)),
             Self::Time(f) => {
                 t_s *= f;
@@ -233,7 +262,7 @@ impl Act {
                 }
             }
             Self::Sequence { order: [2, 1, 0], inverse: false } => 1,
-            Self::Angles { .. } | Self::Time(_) => 2,
+            Self::Angles { .. } | Self::Time(_) | Self::Axis { .. } => 2,
             Self::Sequence { inverse, .. } => {
                 if *inverse {
                     4
@@ -247,7 +276,7 @@ impl Act {
     }
     /// Whether accelerations keep their size, so that what is left can be measured against those of the record as it stands.
     pub(super) fn keeps_size(&self) -> bool {
-        !matches!(self, Self::Length(_) | Self::Angle(_) | Self::Time(_) | Self::Frames)
+        !matches!(self, Self::Length(_) | Self::Axis { .. } | Self::Angle(_) | Self::Time(_) | Self::Frames)
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! The room's axis that is down and the body's axis that is out of the nose are each one of six. A model in a spin tunnel keeps its nose near
 //! the vertical, so that of the 36 pairs those remain whose two axes stay near each other; right-handed axes about them are taken in turn,
-//! since turns about the vertical change nothing and those about the nose little. Attitudes are turned sample by sample: angles of the
+//! since turns about the vertical change nothing and those about the nose little. An attitude that is turned the other way, read through axes
+//! that are right, is one of 24 others as well: the axes stand on both of its sides. Attitudes are turned sample by sample: angles of the
 //! wrong axes may pass through the attitude at which they are not defined, and have no rates there.
 
 use super::change::{Act, Change};
@@ -68,7 +69,48 @@ pub(super) fn readings(runs: &[(&str, &Record)]) -> Vec<(Change, Vec<MotionSampl
             }
         }
     }
+    all.extend(backward(runs, &middle));
     all
+}
+
+/// Attitudes turned the other way under axes of room and body that are right but not ours: what was read is M = P Tᵀ Q with signed axes, and
+/// T = D Mᵀ D with D = P Qᵀ of it, one of the 24 right-handed ones. Those are looked at whose nose then points down; D of one is a
+/// sequence read backward.
+fn backward(runs: &[(&str, &Record)], middle: &Matrix) -> Vec<(Change, Vec<MotionSample>)> {
+    let axes = (0..3).flat_map(|axis| [1.0, -1.0].map(|sign| Signed { axis, sign }));
+    // All right-handed axes: cyclic ones about each signed axis, turned about it in quarters.
+    let all = axes.flat_map(|first| (0..4).map(move |quarters| product(&quarter_turns(quarters), &first.rows())));
+    let nose = |d: &Matrix| (0..9).map(|k| d[0][k / 3] * middle[k % 3][k / 3] * d[k % 3][0]).sum::<f64>();
+    let same = |d: &Matrix| (0..3).all(|k| d[k][k] > 0.5);
+    all.filter(|d| !same(d) && nose(d) > NEAR)
+        .map(|d| {
+            let turned: Vec<(&str, Record)> =
+                runs.iter().map(|(n, r)| (*n, read_otherwise(r, &OURS, |t| product(&d, &product(&transposed(t), &d))))).collect();
+            let by_name: Vec<(&str, &Record)> = turned.iter().map(|(n, r)| (*n, r)).collect();
+            let change = Change {
+                cause: "the attitude is from tunnel to body (world-to-body), not from body to tunnel".to_owned(),
+                words: "`rotates` the other way in [columns.attitude]".to_owned(),
+                act: Act::Frames,
+            };
+            (change, instants(&by_name))
+        })
+        .collect()
+}
+
+const OURS: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// Turns by a quarter about the first axis.
+fn quarter_turns(count: usize) -> Matrix {
+    let (c, s) = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][count % 4];
+    [[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]
+}
+
+fn product(a: &Matrix, b: &Matrix) -> Matrix {
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))
+}
+
+fn transposed(a: &Matrix) -> Matrix {
+    std::array::from_fn(|i| std::array::from_fn(|j| a[j][i]))
 }
 
 fn change(room: Signed, body: Signed) -> Change {
@@ -93,15 +135,19 @@ fn attitude(r: &Record, i: usize) -> Matrix {
     t_bef([0, 1, 2].map(|k| r.attitude_rad[k][i]))
 }
 
-/// The record along other axes: positions P p and attitudes P T Qᵀ, angles without whole turns between samples.
+/// The record along other axes: positions P p and attitudes P T Qᵀ.
 fn turned(r: &Record, room: Signed, body: Signed) -> Record {
-    let (p, q) = (room.rows(), body.rows());
+    let (p, q) = (room.rows(), transposed(&body.rows()));
+    read_otherwise(r, &p, |t| product(&p, &product(t, &q)))
+}
+
+/// The record with positions P p and attitudes by a rule, angles without whole turns between samples.
+fn read_otherwise(r: &Record, p: &Matrix, rule: impl Fn(&Matrix) -> Matrix) -> Record {
     let mut out = r.clone();
     for i in 0..r.len() {
-        let t = attitude(r, i);
-        let element = |a: usize, b: usize| (0..9).map(|k| p[a][k / 3] * t[k / 3][k % 3] * q[b][k % 3]).sum::<f64>();
-        let y = element(0, 2).clamp(-1.0, 1.0).asin();
-        let angles = [(-element(1, 2)).atan2(element(2, 2)), y, (-element(0, 1)).atan2(element(0, 0))];
+        let t = rule(&attitude(r, i));
+        let y = t[0][2].clamp(-1.0, 1.0).asin();
+        let angles = [(-t[1][2]).atan2(t[2][2]), y, (-t[0][1]).atan2(t[0][0])];
         for k in 0..3 {
             let before = if i > 0 { out.attitude_rad[k][i - 1] } else { angles[k] };
             let turns = ((before - angles[k]) / std::f64::consts::TAU).round();
@@ -185,12 +231,36 @@ mod tests {
         }
     }
 
+    /// An attitude that was turned the other way under axes of a room with z up comes back, whole turns apart, by one of the readings.
+    #[test]
+    fn law_an_attitude_turned_the_other_way_comes_back() {
+        let sound = record();
+        let p: Matrix = [[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
+        // Theirs is Pᵀ T; its transpose, read as theirs, is P (Pᵀ T)ᵀ.
+        let wrong = read_otherwise(&sound, &OURS, |t| product(&p, &product(&transposed(t), &p)));
+        let runs = [("r", &wrong)];
+        let found = backward(&runs, &medians(&runs));
+        let expected = instants(&[("r", &sound)]);
+        let same = |all: &[MotionSample]| {
+            all.iter().zip(&expected).all(|(a, b)| {
+                let (a, b) = (a.motion[3..6].as_flattened(), b.motion[3..6].as_flattened());
+                // Whole turns apart, within what second derivatives by windows of 0.4 s round.
+                a.iter()
+                    .zip(b)
+                    .all(|(a, b)| (a - b - ((a - b) / std::f64::consts::TAU).round() * std::f64::consts::TAU).abs() < 1e-6)
+            })
+        };
+        assert!(found.iter().any(|(_, all)| same(all)), "{} readings", found.len());
+        assert!(found.iter().all(|(c, _)| c.words.contains("rotates")));
+    }
+
     /// A model that turns about its nose: of a sound record the only other reading is half a turn of both.
     #[test]
     fn law_few_readings_of_a_spinning_model() {
         let sound =
             Record { attitude_rad: [(0..60).map(|i| 0.3 * f64::from(i)).collect(), vec![0.05; 60], vec![0.0; 60]], ..record() };
-        let found = readings(&[("r", &sound)]);
+        let axes = |f: &(Change, Vec<MotionSample>)| f.0.words.contains("tunnel = ");
+        let found: Vec<_> = readings(&[("r", &sound)]).into_iter().filter(axes).collect();
         assert_eq!(found.len(), 1, "{:?}", found.iter().map(|f| &f.0.words).collect::<Vec<_>>());
         assert!(
             found[0].0.words.contains("tunnel = [\"-x\", \"y\", \"-z\"], body = [\"-x\", \"y\", \"-z\"]"),

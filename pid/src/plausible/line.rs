@@ -16,14 +16,7 @@ pub(super) fn fault(campaign: &Campaign, runs: &[(&str, &Record)]) -> Option<Gro
     let places: Vec<f64> = runs.iter().flat_map(|(_, r)| r.position_m[0].iter().copied()).collect();
     let lowest = quantile(places.clone(), 0.99);
     let highest = quantile(places, 0.01);
-    let q: Vec<f64> = runs
-        .iter()
-        .map(|(_, r)| {
-            let density = campaign.plant.environment.density_kg_m3(super::median(&r.ps_pa), super::median(&r.ts_k));
-            0.5 * density * super::median(&r.vw_m_s).powi(2)
-        })
-        .collect();
-    let pull = quantile(q, 0.5) * tether.drag_area_m2 - tether.weight_n;
+    let pull = pull_n(campaign, runs);
     let place = "[tether]".to_owned();
     // Positions in other units show in the motion; only a ring that is beyond them whatever their unit is wrong here.
     if ring > 0.0 && pull > 0.0 && ring > lowest && lowest - highest < 20.0 {
@@ -57,6 +50,35 @@ pub(super) fn fault(campaign: &Campaign, runs: &[(&str, &Record)]) -> Option<Gro
         });
     }
     None
+}
+
+/// A model that is above its ring for more than half of the time: a line that streams upward does not reach there. Asked where the motion names
+/// no axis or unit that would put the model there.
+pub(super) fn above(campaign: &Campaign, runs: &[(&str, &Record)]) -> Option<GrossFault> {
+    let tether = campaign.plant.tether.as_ref()?;
+    let ring = tether.p_tunnel_ring.x();
+    let middle = quantile(runs.iter().flat_map(|(_, r)| r.position_m[0].iter().copied()).collect(), 0.5);
+    (middle < ring && pull_n(campaign, runs) > 0.0).then(|| GrossFault {
+        place: "[tether]".to_owned(),
+        cause: "the model is above its ring".to_owned(),
+        evidence: format!(
+            "the median of X is {} m and ring_m has X = {} m: the model is {} m above the ring (X down)",
+            short(middle),
+            short(ring),
+            short(ring - middle)
+        ),
+        change: "check the unit and the origin of X, and ring_m: both are from the same origin, in m".to_owned(),
+    })
+}
+
+/// Upward pull of the line at the median dynamic pressure, N.
+fn pull_n(campaign: &Campaign, runs: &[(&str, &Record)]) -> f64 {
+    let of = |r: &Record| {
+        let density = campaign.plant.environment.density_kg_m3(super::median(&r.ps_pa), super::median(&r.ts_k));
+        0.5 * density * super::median(&r.vw_m_s).powi(2)
+    };
+    let q = quantile(runs.iter().map(|(_, r)| of(r)).collect(), 0.5);
+    campaign.plant.tether.as_ref().map_or(0.0, |t| q * t.drag_area_m2 - t.weight_n)
 }
 
 #[cfg(test)]

@@ -164,6 +164,20 @@ pub fn fault(campaign: &Campaign) -> Option<GrossFault> {
         .or_else(|| if singular { None } else { on_balance() })
         .or_else(|| constants::fault(campaign, &instants))
         .or_else(|| size::fault(campaign))
+        .or_else(|| line::above(campaign, &runs))
+        .or_else(|| in_one_run(campaign, &runs))
+}
+
+/// A reading that one run alone asks for: the others are what they say they are.
+fn in_one_run(campaign: &Campaign, runs: &[(&str, &Record)]) -> Option<GrossFault> {
+    if runs.len() < 2 {
+        return None;
+    }
+    let stride = motion::stride(runs);
+    runs.iter().find_map(|run| {
+        let found = contest::fault(campaign, &motion::of_run(run.1, stride), frames::readings(std::slice::from_ref(run)))?;
+        Some(GrossFault { place: format!("run {}", run.0), ..found })
+    })
 }
 
 /// Names and records of the runs with attitude whose columns are complete; others are the reader's and the methods' to refuse.

@@ -102,6 +102,31 @@ const Y_UP: [[f64; 3]; 3] = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
 /// A body whose z is out of the nose.
 const Z_NOSE: [[f64; 3]; 3] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
 
+/// V_W late by whole samples, early where negative; the ends stay as they are.
+pub(crate) fn late(r: &mut Record, samples: isize) {
+    let n = r.len();
+    let all = r.vw_m_s.clone();
+    for (i, v) in r.vw_m_s.iter_mut().enumerate() {
+        *v = all[i.saturating_add_signed(-samples).min(n - 1)];
+    }
+}
+
+/// The attitude from tunnel to body: T transposed.
+fn other_way(r: &mut Record) {
+    use windfall_model::frames::EulerXyz;
+    for i in 0..r.len() {
+        let t = EulerXyz { rx_rad: r.attitude_rad[0][i], ry_rad: r.attitude_rad[1][i], rz_rad: r.attitude_rad[2][i] }
+            .r_tunnel_body()
+            .matrix
+            .transpose();
+        let angles = [(-t[(1, 2)]).atan2(t[(2, 2)]), t[(0, 2)].clamp(-1.0, 1.0).asin(), (-t[(0, 1)]).atan2(t[(0, 0)])];
+        for k in 0..3 {
+            let before = if i > 0 { r.attitude_rad[k][i - 1] } else { angles[k] };
+            r.attitude_rad[k][i] = angles[k] + ((before - angles[k]) / std::f64::consts::TAU).round() * std::f64::consts::TAU;
+        }
+    }
+}
+
 fn frozen(r: &mut Record) {
     let (from, to) = (r.len() / 3, r.len() / 3 + r.len() / 10);
     for x in r.position_m.iter_mut().chain(&mut r.attitude_rad) {
@@ -161,6 +186,21 @@ pub(crate) const WRONG: &[Wrong] = &[
     Wrong { name: "roll negative", words: &["Euler angle Rx"], apply: |c| angles(c, [-1.0, 1.0, 1.0]) },
     Wrong { name: "pitch negative", words: &["Euler angle Ry"], apply: |c| angles(c, [1.0, -1.0, 1.0]) },
     Wrong { name: "yaw negative", words: &["Euler angle Rz"], apply: |c| angles(c, [1.0, 1.0, -1.0]) },
+    Wrong { name: "attitude transposed", words: &["from tunnel to body"], apply: |c| records(c, other_way) },
+    Wrong { name: "X in cm among mm", words: &["X is in cm among axes in mm"], apply: |c| positions(c, [0.1, 1.0, 1.0]) },
+    Wrong { name: "X in mm among cm", words: &["X is in mm among axes in cm"], apply: |c| positions(c, [10.0, 1.0, 1.0]) },
+    Wrong { name: "Z in feet", words: &["Z is in feet"], apply: |c| positions(c, [1.0, 1.0, 1.0 / 0.3048]) },
+    Wrong {
+        name: "Y mirrored in one run",
+        words: &["run ", "Y is mirrored"],
+        apply: |c| first(c, |r| scaled(&mut r.position_m[1], -1.0)),
+    },
+    Wrong { name: "speed in km/h in one run", words: &["km/h"], apply: |c| first(c, |r| scaled(&mut r.vw_m_s, 3.6)) },
+    Wrong {
+        name: "V_W late by 1 s in one run",
+        words: &["clocks of pose and V_W differ otherwise"],
+        apply: |c| first(c, |r| late(r, 150)),
+    },
     Wrong { name: "sequence z-y-x", words: &["sequence is z-y-x"], apply: |c| records(c, other_sequence) },
     Wrong {
         name: "pitch and yaw swapped",
