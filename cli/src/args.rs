@@ -59,7 +59,7 @@ pub(crate) enum Command {
     ///
     /// The last of several files is held out. Every column that nothing reads is named in the file.
     Init(InitArgs),
-    /// What a family of effects, a key or a warning means, and where that is from
+    /// What a family of effects, a key, a word on the screen or a warning means, and where that is from
     Explain(ExplainArgs),
     /// Write the manual pages, windfall.1 and one for each command
     Manual {
@@ -99,7 +99,7 @@ impl Command {
 /// Flags of every command.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct Common {
-    /// Folder for results, made if missing [default: the current one; with --json alone nothing is written]
+    /// Folder for results, made if missing; without it nothing is written (study and many need it)
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Overwrite results that exist

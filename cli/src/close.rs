@@ -55,7 +55,7 @@ fn close_campaign(word: &Path, request: &Close, session: &mut Session<'_>) -> Re
         text_atomically(&stage.join(FILES[3]), &series[1])?;
         Ok(text_atomically(&stage.join(FILES[4]), &closing_page(&closing, &drawn, Some(&tracks), Some(&smoothed)))?)
     })?;
-    session.show(&closing, || story(&closing))?;
+    session.show(&closing, || words(&closing))?;
     session.written(folder.as_deref(), &FILES);
     Ok(closing.verdict != Verdict::Unexplained)
 }
@@ -73,8 +73,9 @@ fn close_statistics(word: &Path, request: &Close, session: &mut Session<'_>) -> 
     Ok(closing.verdict != "unexplained")
 }
 
-/// The result on a screenful.
-fn story(c: &Closing) -> String {
+/// What is printed of a closing: the result on a screenful.
+#[must_use]
+pub fn words(c: &Closing) -> String {
     let mut text = format!("{}: {}\n", c.campaign, folded(&sentence(c), c.campaign.len() + 2));
     c.effects.iter().for_each(|e| effect(&mut text, e));
     channels(&mut text, c);

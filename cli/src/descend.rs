@@ -3,13 +3,12 @@
 use crate::args::DescendArgs;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
-use windfall::files::read_json;
-use windfall::results::{DescentSummary, Identification, TouchDownLine};
-use windfall::{DESCENT_FILES, DescentScenario, write_descents};
+use windfall::results::{DescentSummary, TouchDownLine};
+use windfall::{DESCENT_FILES, DescentScenario, read_identification, write_descents};
 
 pub(crate) fn run(args: &DescendArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
     let scenario = DescentScenario::read(&args.scenario)?;
-    let model: Option<Identification> = args.model.as_deref().map(read_json).transpose()?;
+    let model = args.model.as_deref().map(read_identification).transpose()?;
     let folder = session.outputs(&DESCENT_FILES)?;
     let bar = session.bar("descending", usize::try_from(args.request.draws).unwrap_or(usize::MAX));
     let flown = session.pool()?.install(|| scenario.descend(model.as_ref(), &args.request, || bar.inc(1)));
@@ -18,7 +17,7 @@ pub(crate) fn run(args: &DescendArgs, session: &mut Session<'_>) -> Result<bool,
     let summary = &descended.summary;
     session.warn_all(&summary.warnings);
     session.write(folder.as_deref(), |stage| write_descents(stage, &descended))?;
-    session.show(summary, || table(summary))?;
+    session.show(summary, || words(summary))?;
     session.written(folder.as_deref(), &DESCENT_FILES);
     if summary.ends.failed == summary.draws {
         let why = summary.ends.reasons.first().map_or("", |r| r.reason.as_str());
@@ -27,8 +26,9 @@ pub(crate) fn run(args: &DescendArgs, session: &mut Session<'_>) -> Result<bool,
     Ok(true)
 }
 
-/// The result on a screenful.
-fn table(s: &DescentSummary) -> String {
+/// What is printed of descents: the result on a screenful.
+#[must_use]
+pub fn words(s: &DescentSummary) -> String {
     let model = s
         .model
         .as_ref()

@@ -6,7 +6,7 @@ use crate::session::{Failure, Session};
 use std::fmt::Write as _;
 use windfall::files::series_text;
 use windfall::report;
-use windfall::results::{Bootstrap, DataSet, Estimate, FoundNumber, Identification, SignalTracks, SmoothingTracks};
+use windfall::results::{Bootstrap, DataSet, Estimate, FoundNumber, Identification, Identified, SignalTracks, SmoothingTracks};
 
 /// Names of the result files.
 const FILES: [&str; 3] = ["identification.json", "coefficients.json", "records.json"];
@@ -31,11 +31,15 @@ pub(crate) fn run(args: &IdentifyArgs, session: &mut Session<'_>) -> Result<bool
     // The reader's notes, which lead the warnings, are said already.
     session.warn_all(&result.found.warnings[campaign.warnings.len()..]);
     let beside = [series_text(&tracks)?, series_text(&records)?];
-    session.deliver_with(folder.as_deref(), &FILES, (&result, &beside), || {
-        let curves = crate::wind_tunnel::lines(&result.wind_tunnel);
-        table(&campaign.data.name, &result.found) + &curves + &result.bootstrap.as_ref().map_or_else(String::new, bootstrap_table)
-    })?;
+    session.deliver_with(folder.as_deref(), &FILES, (&result, &beside), || words(&campaign.data.name, &result))?;
     Ok(true)
+}
+
+/// What is printed of an identification.
+#[must_use]
+pub fn words(campaign: &str, result: &Identified) -> String {
+    let curves = crate::wind_tunnel::lines(&result.wind_tunnel);
+    table(campaign, &result.found) + &curves + &result.bootstrap.as_ref().map_or_else(String::new, bootstrap_table)
 }
 
 fn bootstrap_table(b: &Bootstrap) -> String {

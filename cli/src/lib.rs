@@ -25,6 +25,20 @@ mod study;
 mod verify;
 mod wind_tunnel;
 
+/// What verbs print of their results on standard output.
+pub mod printed {
+    pub use crate::close::words as closing;
+    pub use crate::descend::words as descent;
+    pub use crate::identify::words as identification;
+    pub use crate::many::words as many;
+    pub use crate::plan::words as plan;
+    pub use crate::resimulate::words as resimulation;
+    pub use crate::structure::words as structure;
+    pub use crate::study::words as study;
+    pub use crate::verify::words as verification;
+    pub use windfall::results::statistics_table as closing_against_statistics;
+}
+
 use anyhow::Context as _;
 use args::{Cli, Command};
 use clap::{CommandFactory as _, Parser as _};

@@ -16,7 +16,7 @@ pub(crate) fn run(args: &ManyArgs, session: &mut Session<'_>) -> Result<bool, Fa
     let campaigns = Campaigns::find(paths, each)?;
     session.warn_all(campaigns.notes());
     let request = Many { force: session.common.force, ..request.clone() };
-    let (folder, _temporary) = session.resumable(request.resume)?;
+    let (folder, _temporary) = session.resumable(request.resume || request.shard.is_some())?;
     let store = campaigns.open(&folder, &request)?;
     crate::interrupt::listen();
     let missing = session.work("reading", || Ok(campaigns.missing(&store)))?;
@@ -36,15 +36,16 @@ pub(crate) fn run(args: &ManyArgs, session: &mut Session<'_>) -> Result<bool, Fa
         return Ok(true);
     }
     let summary = campaigns.finish(&store)?;
-    session.show(&summary, || table(&summary))?;
-    if session.common.out.is_some() || !session.common.json {
+    session.show(&summary, || words(&summary))?;
+    if session.common.out.is_some() {
         session.written(Some(&folder), &["campaigns.parquet", "many.json", "report.html", "results/"]);
     }
     Ok(true)
 }
 
-/// The result on a screenful.
-fn table(s: &ManySummary) -> String {
+/// What is printed of it: the result on a screenful.
+#[must_use]
+pub fn words(s: &ManySummary) -> String {
     let list = |all: &[Tally]| all.iter().map(|t| format!("{} {}", t.count, t.name)).collect::<Vec<_>>().join(", ");
     let mut text = format!("{} campaigns: {} with a result, {} failed\n", s.campaigns, s.ok, s.failed);
     for (what, all) in [("verdicts", &s.verdicts), ("families", &s.families)] {

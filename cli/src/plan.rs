@@ -15,14 +15,20 @@ pub(crate) fn run(args: &PlanArgs, session: &mut Session<'_>) -> Result<bool, Fa
     if let Planned::Targets(plan) = &found {
         session.warn_all(&plan.warnings);
     }
-    session.deliver(folder.as_deref(), FILE, &found, || match &found {
-        Planned::Targets(plan) => words(&campaign.data.name, plan),
-        Planned::Rivals(separation) => parted(separation),
-    })?;
+    session.deliver(folder.as_deref(), FILE, &found, || words(&campaign.data.name, &found))?;
     Ok(found.is_within_reach())
 }
 
-fn words(campaign: &str, found: &TestPlan) -> String {
+/// What is printed of a plan.
+#[must_use]
+pub fn words(campaign: &str, found: &Planned) -> String {
+    match found {
+        Planned::Targets(plan) => targets(campaign, plan),
+        Planned::Rivals(separation) => parted(separation),
+    }
+}
+
+fn targets(campaign: &str, found: &TestPlan) -> String {
     let mut text = format!(
         "{campaign}, {}\nhovers at {:.3} m/s; flown so far up to {:.1} deg; {:.0} s between runs\n",
         found.method, found.trim_m_s, found.flown_deg, found.between_s

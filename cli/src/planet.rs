@@ -25,9 +25,7 @@ pub(crate) fn simulate(file: &PlanetFile, request: &Fly, session: &mut Session<'
             ));
         }
     }
-    if let Some(folder) = &folder {
-        session.say(&format!("written to {}: {}", folder.display(), outputs.join(", ")));
-    }
+    session.written(folder.as_deref(), &names);
     if session.common.json {
         session.print_json(&simulation)?;
     }

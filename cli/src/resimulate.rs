@@ -3,15 +3,16 @@
 use crate::args::ResimulateArgs;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
-use windfall::files::{read_json, series_text};
-use windfall::results::{Identification, Resimulation, RunComparison, SignalTracks, Statistic};
+use windfall::files::series_text;
+use windfall::read_identification;
+use windfall::results::{Resimulation, RunComparison, SignalTracks, Statistic};
 
 /// Names of the result files.
 const FILES: [&str; 2] = ["resimulation.json", "flights.json"];
 
 pub(crate) fn run(args: &ResimulateArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
     let campaign = session.campaign(&args.campaign)?;
-    let model: Identification = read_json(&args.model)?;
+    let model = read_identification(&args.model)?;
     let folder = session.outputs(&FILES)?;
     let (result, tracks) = session.work("flying the identified model", || {
         let result = campaign.resimulate(&model, &args.request)?;
@@ -20,11 +21,13 @@ pub(crate) fn run(args: &ResimulateArgs, session: &mut Session<'_>) -> Result<bo
     })?;
     session.warn_all(&result.warnings);
     let beside = [series_text(&tracks)?];
-    session.deliver_with(folder.as_deref(), &FILES, (&result, &beside), || table(&campaign.data.name, &result))?;
+    session.deliver_with(folder.as_deref(), &FILES, (&result, &beside), || words(&campaign.data.name, &result))?;
     Ok(true)
 }
 
-fn table(campaign: &str, r: &Resimulation) -> String {
+/// What is printed of a re-simulation.
+#[must_use]
+pub fn words(campaign: &str, r: &Resimulation) -> String {
     let mut text = format!("{campaign}, parameters of {} by {}, {} seeds\n\n", r.data_set, r.method, r.seeds);
     let _ = writeln!(
         text,

@@ -92,9 +92,7 @@ impl Session<'_> {
     ) -> Result<(), Failure> {
         self.write(folder, |stage| Ok(write_json_atomically(&stage.join(file), result)?))?;
         self.show(result, words)?;
-        if let Some(folder) = folder {
-            self.say(&format!("written: {}", folder.join(file).display()));
-        }
+        self.written(folder, &[file]);
         Ok(())
     }
     /// [`Session::deliver`] with series over time beside the result: the first file is the result's, the others have these texts.
@@ -126,10 +124,12 @@ impl Session<'_> {
     pub(crate) fn show(&mut self, result: &impl Serialize, words: impl FnOnce() -> String) -> Result<(), Failure> {
         if self.common.json { self.print_json(result) } else { self.print(&words()) }
     }
-    /// Says which files are in the folder now.
+    /// Says which files are in the folder now, or that there are none and how to have them.
     pub(crate) fn written(&mut self, folder: Option<&Path>, files: &[&str]) {
-        if let Some(folder) = folder {
-            self.say(&format!("written to {}: {}", folder.display(), files.join(", ")));
+        match folder {
+            Some(folder) => self.say(&format!("written to {}: {}", folder.display(), files.join(", "))),
+            None if self.common.json => {}
+            None => self.say(&format!("nothing is written; --out DIR writes {}", listed(files))),
         }
     }
     /// Reads a campaign and says what its reader had to say.
@@ -152,12 +152,9 @@ impl Session<'_> {
         spinner.finish_and_clear();
         Ok(done?)
     }
-    /// Opens the outputs before the work: makes the folder, refuses to overwrite. `None` when nothing is to be written.
+    /// Opens the outputs before the work: makes the folder, refuses to overwrite. `None` without `--out`: then nothing is written.
     pub(crate) fn outputs(&mut self, files: &[&str]) -> Result<Option<PathBuf>, Failure> {
-        if self.common.out.is_none() && self.common.json {
-            return Ok(None);
-        }
-        let folder = self.common.out.clone().unwrap_or_else(|| PathBuf::from("."));
+        let Some(folder) = self.common.out.clone() else { return Ok(None) };
         std::fs::create_dir_all(&folder).with_context(|| format!("--out {}: cannot be made a folder", folder.display()))?;
         settle(&folder)?;
         let taken: Vec<&str> = files.iter().copied().filter(|f| folder.join(f).symlink_metadata().is_ok()).collect();
@@ -188,19 +185,30 @@ impl Session<'_> {
         self.bar(what, n).with_style(style("{prefix} {bar:30} {pos}/{len}, {eta} left  {msg}"))
     }
     /// Folder of results that another run may go on with: `--out`, or for JSON alone a temporary one, which lives as long as the second.
-    pub(crate) fn resumable(&self, resume: bool) -> Result<(PathBuf, Option<tempfile::TempDir>), Failure> {
-        Ok(match &self.common.out {
-            Some(folder) => (folder.clone(), None),
-            None if self.common.json && !resume => {
+    ///
+    /// # Errors
+    /// No `--out` where the work is kept as it goes on: what is made in hours is not to be lost for a flag.
+    pub(crate) fn resumable(&self, is_part: bool) -> Result<(PathBuf, Option<tempfile::TempDir>), Failure> {
+        match &self.common.out {
+            Some(folder) => Ok((folder.clone(), None)),
+            None if self.common.json && !is_part => {
                 let temporary = tempfile::tempdir()?;
-                (temporary.path().to_owned(), Some(temporary))
+                Ok((temporary.path().to_owned(), Some(temporary)))
             }
-            None => (PathBuf::from("."), None),
-        })
+            None => Err(anyhow!("needs a folder, where results are kept as they are made; try: --out DIR").into()),
+        }
     }
     /// Threads as many as were asked for.
     pub(crate) fn pool(&self) -> Result<rayon::ThreadPool, Failure> {
         let threads = usize::from(self.common.threads.unwrap_or(0));
         Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("threads")?)
+    }
+}
+
+/// Files in a line; of very many the first.
+fn listed(files: &[&str]) -> String {
+    match files {
+        [first, second, .., last] if files.len() > 6 => format!("{} files, {first}, {second} to {last}", files.len()),
+        files => files.join(", "),
     }
 }

@@ -26,7 +26,9 @@ pub(crate) fn run(args: &StructureArgs, session: &mut Session<'_>) -> Result<boo
     Ok(true)
 }
 
-fn words(campaign: &str, found: &Choice) -> String {
+/// What is printed of a choice of terms.
+#[must_use]
+pub fn words(campaign: &str, found: &Choice) -> String {
     let mut text = format!("{campaign}, terms by {} on {}\n", found.criterion.name(), found.runs.join(", "));
     found.coefficients.iter().for_each(|c| coefficient(&mut text, c));
     let _ = writeln!(

@@ -6,6 +6,7 @@ use clap::{ArgAction, CommandFactory as _};
 use serde::Serialize;
 use serde_json::Value;
 use std::any::TypeId;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// A type of a field: its annotation in Python, and where Python writes `{first: rest}`, the names of an entry in JSON. Without an
@@ -118,9 +119,9 @@ fn python() -> String {
     let mut text = String::from(
         "\"\"\"What each verb takes by keyword. Written by `just references` from windfall/src/requests.rs; do not edit.\"\"\"\n\n\
          from __future__ import annotations\n\nfrom collections.abc import Mapping, Sequence\nfrom typing import TypedDict\n\n\
-         __all__ = [\"ENTRIES\", \"Close\", \"Descend\", \"Fly\", \"Identify\", \"Init\", \"Many\", \"Plan\", \"Resimulate\", \"Structure\", \"Study\"]\n",
+         __all__ = [\"CHOICES\", \"ENTRIES\", \"Close\", \"Descend\", \"Fly\", \"Identify\", \"Init\", \"Many\", \"Plan\", \"Resimulate\", \"Structure\", \"Study\"]\n",
     );
-    let mut entries = String::new();
+    let (mut entries, mut choices) = (String::new(), BTreeMap::new());
     for r in requests() {
         let command = command(r.verb);
         let (mut docs, mut fields) = (String::new(), String::new());
@@ -135,6 +136,10 @@ fn python() -> String {
             };
             let line = format!("{field}: {}{said}", help(arg)).replace('\\', "\\\\");
             let _ = writeln!(docs, "    {}", wrapped(&line, "        "));
+            let words: Vec<String> = arg.get_possible_values().iter().map(|v| format!("\"{}\"", v.get_name())).collect();
+            if !words.is_empty() && arg.get_action().takes_values() {
+                choices.insert(field.clone(), words.join(", "));
+            }
             if !entry.is_empty() {
                 let names: Vec<String> = entry.iter().map(|n| format!("\"{n}\"")).collect();
                 let _ = writeln!(entries, "    \"{field}\": ({}),", names.join(", "));
@@ -144,7 +149,9 @@ fn python() -> String {
         let docs = if docs.is_empty() { nothing } else { format!("    \"\"\"\n{docs}    \"\"\"\n\n") };
         let _ = write!(text, "\n\nclass {}(TypedDict, total=False):\n{docs}{fields}", r.name);
     }
-    let _ = write!(text, "\n\n#: Names of what a mapping of the first to the rest holds.\nENTRIES = {{\n{entries}}}\n");
+    let choices: String = choices.iter().map(|(field, words)| format!("    \"{field}\": ({words}),\n")).collect();
+    let _ = write!(text, "\n\n#: Words that a keyword may be.\nCHOICES = {{\n{choices}}}\n");
+    let _ = write!(text, "\n#: Names of what a mapping of the first to the rest holds.\nENTRIES = {{\n{entries}}}\n");
     text
 }
 

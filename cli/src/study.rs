@@ -14,7 +14,7 @@ pub(crate) fn run(args: &StudyArgs, session: &mut Session<'_>) -> Result<bool, F
     let drawing = Drawing::read(&args.study)?;
     session.warn_all(drawing.warnings());
     let request = Study { force: session.common.force, ..args.request.clone() };
-    let (folder, _temporary) = session.resumable(request.resume)?;
+    let (folder, _temporary) = session.resumable(request.resume || request.shard.is_some())?;
     let store = drawing.open(&folder, &request)?;
     crate::interrupt::listen();
     let live = Live::new(&drawing, &store, session)?;
@@ -40,8 +40,8 @@ pub(crate) fn run(args: &StudyArgs, session: &mut Session<'_>) -> Result<bool, F
     if summary.failures.any.count > 0 {
         session.warn(&failures(&summary));
     }
-    session.show(&summary, || table(&summary))?;
-    if session.common.out.is_some() || !session.common.json {
+    session.show(&summary, || words(&summary))?;
+    if session.common.out.is_some() {
         session.say(&format!("written to {}: runs.parquet, {SUMMARY}", folder.display()));
     }
     if summary.failures.any.count == summary.draws {
@@ -87,8 +87,9 @@ fn failures(s: &Summary) -> String {
     format!("{} of {} draws failed, most often: {most}; see failures in {SUMMARY}", s.failures.any.count, s.draws)
 }
 
-/// The result on a screenful.
-fn table(s: &Summary) -> String {
+/// What is printed of it: the result on a screenful.
+#[must_use]
+pub fn words(s: &Summary) -> String {
     let early = if s.stopped_early { format!(", ended early of {}", s.draws_ordered) } else { String::new() };
     let mut text = format!("{}: {} draws{early}, seed {}\n", s.study, s.draws, s.seed);
     if !s.parameters.is_empty() {

@@ -3,21 +3,24 @@
 use crate::args::VerifyArgs;
 use crate::session::{Failure, Session};
 use std::fmt::Write as _;
+use windfall::Verification;
 use windfall::results::{Check, CheckKind as Kind, CheckVerdict as Verdict};
 
 /// Name of the result file.
 const FILE: &str = "verify.json";
 
-pub(crate) fn run(args: &VerifyArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
-    // The table is the result; a file is written where one is asked for, so that the command can be run again and again.
-    let folder = if args.common.out.is_some() { session.outputs(&[FILE])? } else { None };
+pub(crate) fn run(_: &VerifyArgs, session: &mut Session<'_>) -> Result<bool, Failure> {
+    let folder = session.outputs(&[FILE])?;
     let all = session.work("checking", windfall::verify)?;
     let good = all.passed();
-    session.deliver(folder.as_deref(), FILE, &all, || table(&all.checks, good))?;
+    session.deliver(folder.as_deref(), FILE, &all, || words(&all))?;
     Ok(good)
 }
 
-fn table(all: &[Check], good: bool) -> String {
+/// What is printed of the checks.
+#[must_use]
+pub fn words(verification: &Verification) -> String {
+    let (all, good) = (&verification.checks, verification.passed());
     let mut text = String::new();
     for (kind, title) in [
         (Kind::Exact, "Exact: closed forms and conservation laws"),

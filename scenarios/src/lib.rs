@@ -67,7 +67,7 @@ pub use free_scenario::{FreeFile, FreeOrder, read_bundled_free, read_free};
 pub use grid::LONGEST_BRIDGE_S;
 pub use guess::{Draft, DraftKind, draft_campaign};
 pub use in_memory::{RunColumns, runs_of_columns};
-pub use kind::{FileKind, kind_of};
+pub use kind::{FileKind, kind_of, must_be};
 pub use open::read_json;
 pub use planet::{PlanetFile, read_bundled_planet, read_planet};
 pub use planet_out::write_resolved_planet;

@@ -18,7 +18,7 @@ use windfall_pid::smooth::Smoother;
 use windfall_pid::structure::{Choice, choose};
 use windfall_pid::{Identification, Method};
 use windfall_replay::{ReplayError, Resimulation, drawn, resimulate_with_draws};
-use windfall_scenarios::{FileKind, RunColumns, kind_of, read_campaign_with_warnings, runs_of_columns};
+use windfall_scenarios::{BUNDLED, BUNDLED_FREE, FileKind, RunColumns, kind_of, must_be, read_campaign_with_warnings, runs_of_columns};
 
 /// One vehicle, its declared model, its runs.
 ///
@@ -73,6 +73,12 @@ impl Campaign {
     /// # Errors
     /// Every fault of the files.
     pub fn read(path: &Path) -> Result<Self> {
+        if let Some(name) = path.to_str().filter(|w| is_bundled(path) && BUNDLED.iter().chain(&BUNDLED_FREE).any(|b| b == w)) {
+            let what = "is a bundled scenario; needed here: a campaign file (.toml), which declares a vehicle and names its runs";
+            let way = format!("windfall simulate {name} --out DIR writes its runs and a campaign file, DIR/campaign.toml");
+            return Err(Error::Request(format!("{name}: {what}; try: {way}")));
+        }
+        must_be(path, FileKind::Campaign)?;
         let (data, warnings) = read_campaign_with_warnings(path)?;
         Ok(Self { data, warnings })
     }

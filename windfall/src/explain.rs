@@ -19,8 +19,9 @@ use windfall_scenarios::{Draft, DraftKind, draft_campaign, meanings};
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default, deny_unknown_fields)]
 pub struct Explain {
-    /// Family of effects (center-of-mass), key of a file (mass_kg, vehicle.mass_kg), or a warning: families and keys that it names
-    #[cfg_attr(feature = "cli", arg(required = true, value_name = "FAMILY|WARNING|KEY"))]
+    /// Family of effects (center-of-mass), key of a file (mass_kg, vehicle.mass_kg), word on the screen (p(white), "condition number"), or a
+    /// warning: those that it names
+    #[cfg_attr(feature = "cli", arg(required = true, value_name = "FAMILY|KEY|WORD|WARNING"))]
     pub words: Vec<String>,
 }
 
@@ -58,10 +59,10 @@ pub fn init(runs: &[PathBuf], request: &Init) -> Result<Draft> {
     Ok(draft_campaign(runs, *kind)?)
 }
 
-/// What a family, a key or a warning means: meaning, physics, source, from the catalogue and the table of keys.
+/// What a family, a key, a word on the screen or a warning means: from the catalogue, the table of keys and the glossary.
 ///
 /// # Errors
-/// Words of which none is a family or a key.
+/// Words of which none is a family, a key or a word that the program prints.
 pub fn explain(request: &Explain) -> Result<String> {
     let said = request.words.join(" ");
     let mut words: Vec<&str> = said
@@ -71,11 +72,15 @@ pub fn explain(request: &Explain) -> Result<String> {
         .collect();
     words.sort_unstable();
     words.dedup();
-    let text: String = words.iter().map(|w| family(w) + &keys(w)).collect();
+    let text: String = words.iter().map(|w| family(w) + &keys(w)).collect::<String>() + &crate::glossary::explained(&said);
     if text.is_empty() {
         let families: Vec<&str> = CATALOGUE.iter().map(|e| e.family).collect();
         let what =
-            format!("{said}: no family of effects and no key; families: {}; keys: windfall check --keys", families.join(", "));
+            format!(
+                "{said}: no family of effects, no key and no word of the screen; families: {}; keys: windfall check --keys; words: {} and others",
+                families.join(", "),
+                crate::glossary::some()
+            );
         return Err(Error::Request(what));
     }
     Ok(text)

@@ -7,7 +7,7 @@ use std::path::Path;
 use windfall_model::effects::{self, Acts};
 use windfall_model::{CATALOGUE, Flight, Run};
 use windfall_scenarios::{
-    EffectValues, FileSet, RunLine, ScenarioFile, read_bundled, read_scenario_file, write_campaign_toml, write_columns_csv,
+    EffectValues, FileKind, FileSet, RunLine, ScenarioFile, must_be, read_bundled, read_scenario_file, write_campaign_toml, write_columns_csv,
     write_record_csv, write_resolved_scenario,
 };
 use windfall_sim::{End, Flown, Seed, Truth, fly};
@@ -48,6 +48,7 @@ impl Scenario {
     /// # Errors
     /// Every fault of the file.
     pub fn read(path: &Path) -> Result<Self> {
+        must_be(path, FileKind::Scenario)?;
         Ok(Self { file: read_scenario_file(path)? })
     }
     /// A scenario by path, or by bundled name where the word looks like no path.

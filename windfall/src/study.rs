@@ -1,6 +1,6 @@
 //! windfall: studies, drawn in whole or in parts. In: a study file. Out: bytes of parts, a folder's `runs.parquet` and `summary.json`.
 
-use crate::{Error, Result, Study};
+use crate::{Error, Result, Study, read_identification};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::panic::resume_unwind;
@@ -10,10 +10,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::thread;
 use windfall_model::study::{Cell, CellKind, Column, Row};
-use windfall_pid::Identification;
 use windfall_replay::ReplayError;
 use windfall_scenarios::{
-    FullPart, Identity, Part, Shard, Store, StoreError, part_bytes, read_json, read_study, write_json_atomically,
+    FileKind, FullPart, Identity, Part, Shard, Store, StoreError, must_be, part_bytes, read_json, read_study, write_json_atomically,
 };
 use windfall_study::{Moments, PreparedStudy, Progress, Summary, run as draw_all, summarise};
 
@@ -54,10 +53,11 @@ impl Drawing {
     /// # Errors
     /// Every fault of the file and what it names.
     pub fn read(path: &Path) -> Result<Self> {
+        must_be(path, FileKind::Study)?;
         let file = read_study(path)?;
         let mut study = file.study;
         if let (Some(model), Some(campaign)) = (&file.model, &file.campaign) {
-            let found: Identification = read_json(model)?;
+            let found = read_identification(model)?;
             let set = found.combined().ok_or(ReplayError::NoDataSet)?;
             study.plant = set.plant_in(campaign).map_err(ReplayError::from)?;
         }
