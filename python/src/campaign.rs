@@ -12,8 +12,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use windfall::files::{json_text, record_columns};
 use windfall::model::Use;
-use windfall::results::{Identification, Truth};
-use windfall::{RunColumns, Scenario};
+use windfall::results::Truth;
+use windfall::{RunColumns, Scenario, identification_of};
+use windfall_cli::printed;
+
+/// A result as JSON, and as the terminal prints it.
+pub(crate) type Told = (String, String);
 
 fn read<T: DeserializeOwned>(json: &str) -> Result<T, Raised> {
     Ok(serde_json::from_str(json)?)
@@ -111,43 +115,47 @@ impl PyCampaign {
     }
     /// `identification.json`, to the byte.
     #[pyo3(signature = (request="{}", threads=0))]
-    fn identify(&self, py: Python<'_>, request: &str, threads: usize) -> PyResult<String> {
-        self.ask(py, threads, read(request)?, windfall::Campaign::identify)
+    fn identify(&self, py: Python<'_>, request: &str, threads: usize) -> PyResult<Told> {
+        self.ask(py, threads, read(request)?, windfall::Campaign::identify, printed::identification)
     }
     /// `resimulation.json` of an identification.
     #[pyo3(signature = (identification, request="{}", threads=0))]
-    fn resimulate(&self, py: Python<'_>, identification: &str, request: &str, threads: usize) -> PyResult<String> {
-        let found: Identification = read(identification)?;
-        self.ask(py, threads, read(request)?, move |campaign, request| campaign.resimulate(&found, request))
+    fn resimulate(&self, py: Python<'_>, identification: &str, request: &str, threads: usize) -> PyResult<Told> {
+        let found = identification_of("identification", identification).map_err(Raised::from)?;
+        self.ask(py, threads, read(request)?, move |campaign, request| campaign.resimulate(&found, request), printed::resimulation)
     }
     /// `close.json`.
     #[pyo3(signature = (request="{}", threads=0))]
-    fn close(&self, py: Python<'_>, request: &str, threads: usize) -> PyResult<String> {
-        self.ask(py, threads, read(request)?, windfall::Campaign::close)
+    fn close(&self, py: Python<'_>, request: &str, threads: usize) -> PyResult<Told> {
+        self.ask(py, threads, read(request)?, windfall::Campaign::close, |_, closing| printed::closing(closing))
     }
     /// `structure.json`.
     #[pyo3(signature = (request="{}", threads=0))]
-    fn structure(&self, py: Python<'_>, request: &str, threads: usize) -> PyResult<String> {
-        self.ask(py, threads, read(request)?, windfall::Campaign::structure)
+    fn structure(&self, py: Python<'_>, request: &str, threads: usize) -> PyResult<Told> {
+        self.ask(py, threads, read(request)?, windfall::Campaign::structure, printed::structure)
     }
     /// `plan.json`.
     #[pyo3(signature = (request="{}", threads=0))]
-    fn plan(&self, py: Python<'_>, request: &str, threads: usize) -> PyResult<String> {
-        self.ask(py, threads, read(request)?, windfall::Campaign::plan)
+    fn plan(&self, py: Python<'_>, request: &str, threads: usize) -> PyResult<Told> {
+        self.ask(py, threads, read(request)?, windfall::Campaign::plan, printed::plan)
     }
 }
 
 impl PyCampaign {
-    /// A verb: its request in, its result as JSON out.
+    /// A verb: its request in, its result out, as JSON and as the terminal prints it.
     fn ask<R: Send + 'static, T: Serialize>(
         &self,
         py: Python<'_>,
         threads: usize,
         request: R,
         verb: impl FnOnce(&windfall::Campaign, &R) -> windfall::Result<T> + Send + 'static,
-    ) -> PyResult<String> {
+        words: impl FnOnce(&str, &T) -> String + Send + 'static,
+    ) -> PyResult<Told> {
         let campaign = Arc::clone(&self.inner);
-        on_threads(py, threads, move || Ok(json_text(&verb(&campaign, &request)?)?))
+        on_threads(py, threads, move || {
+            let result = verb(&campaign, &request)?;
+            Ok((json_text(&result)?, words(&campaign.data.name, &result)))
+        })
     }
 }
 

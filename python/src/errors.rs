@@ -44,7 +44,10 @@ impl From<rayon::ThreadPoolBuildError> for Raised {
 }
 impl From<serde_json::Error> for Raised {
     fn from(e: serde_json::Error) -> Self {
-        Self::Argument(format!("is not such a request or result: {e}"))
+        // Where in the text it is says nothing to those who gave words and numbers.
+        let text = e.to_string();
+        let what = text.rsplit_once(" at line ").map_or(text.as_str(), |(what, _)| what);
+        Self::Argument(format!("is not such a request or result: {what}"))
     }
 }
 

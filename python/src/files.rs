@@ -1,6 +1,7 @@
 //! python: verbs on files alone: check, verify, closing against statistics, descents, the page of a folder, a first campaign file,
 //! what a word or key means, a table as a file. In: paths, words, columns. Out: JSON, HTML, text.
 
+use crate::campaign::Told;
 use crate::errors::Raised;
 use crate::threads::on_threads;
 use numpy::PyReadonlyArray1;
@@ -8,7 +9,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 use windfall::files::{json_text, write_columns_csv};
-use windfall::results::Identification;
+use windfall::identification_of;
+use windfall_cli::printed;
 
 /// Kind of a file and what a reader wants said of it; every fault is an exception.
 #[pyfunction]
@@ -22,16 +24,22 @@ pub(crate) fn check(py: Python<'_>, word: PathBuf) -> PyResult<(&'static str, Ve
 /// `verify.json`.
 #[pyfunction]
 #[pyo3(signature = (threads=0))]
-pub(crate) fn verify(py: Python<'_>, threads: usize) -> PyResult<String> {
-    on_threads(py, threads, || Ok(json_text(&windfall::verify()?)?))
+pub(crate) fn verify(py: Python<'_>, threads: usize) -> PyResult<Told> {
+    on_threads(py, threads, || {
+        let all = windfall::verify()?;
+        Ok((json_text(&all)?, printed::verification(&all)))
+    })
 }
 
 /// `close.json` of published statistics.
 #[pyfunction]
 #[pyo3(signature = (word, request="{}", threads=0))]
-pub(crate) fn close_statistics(py: Python<'_>, word: PathBuf, request: &str, threads: usize) -> PyResult<String> {
+pub(crate) fn close_statistics(py: Python<'_>, word: PathBuf, request: &str, threads: usize) -> PyResult<Told> {
     let request = serde_json::from_str(request).map_err(Raised::from)?;
-    on_threads(py, threads, move || Ok(json_text(&windfall::Published::find(&word)?.close(&request)?)?))
+    on_threads(py, threads, move || {
+        let closing = windfall::Published::find(&word)?.close(&request)?;
+        Ok((json_text(&closing)?, printed::closing_against_statistics(&closing)))
+    })
 }
 
 /// `descent.json`; with a folder also its files in there.
@@ -45,15 +53,15 @@ pub(crate) fn descend(
     out: Option<PathBuf>,
     force: bool,
     threads: usize,
-) -> PyResult<String> {
+) -> PyResult<Told> {
     let request: windfall::Descend = serde_json::from_str(request).map_err(Raised::from)?;
-    let found: Option<Identification> = identification.map(serde_json::from_str).transpose().map_err(Raised::from)?;
+    let found = identification.map(|text| identification_of("identification", text)).transpose().map_err(Raised::from)?;
     on_threads(py, threads, move || {
         let descended = windfall::DescentScenario::read(&scenario)?.descend(found.as_ref(), &request, || {})?;
         if let Some(folder) = out {
             windfall::put_descents(&folder, &descended, force)?;
         }
-        Ok(json_text(&descended.summary)?)
+        Ok((json_text(&descended.summary)?, printed::descent(&descended.summary)))
     })
 }
 

@@ -1,5 +1,6 @@
 //! python: many campaigns, in whole and one by one. In: paths, verb and request as JSON. Out: what each gave, the folder's results.
 
+use crate::campaign::Told;
 use crate::errors::Raised;
 use crate::threads::{Stop, on_threads, on_threads_until};
 use pyo3::prelude::*;
@@ -103,8 +104,13 @@ impl PyMany {
             inner.with_open(|campaigns, store| Ok(campaigns.work(store, campaigns.missing(store), go_on)?))
         })
     }
-    /// Joins the results; the content of many.json.
-    fn finish(&self, py: Python<'_>) -> PyResult<String> {
-        Ok(py.detach(|| self.inner.with_open(|campaigns, store| Ok(json_text(&campaigns.finish(store)?)?)))?)
+    /// Joins the results; the content of many.json, and what the terminal prints of it.
+    fn finish(&self, py: Python<'_>) -> PyResult<Told> {
+        Ok(py.detach(|| {
+            self.inner.with_open(|campaigns, store| {
+                let summary = campaigns.finish(store)?;
+                Ok((json_text(&summary)?, windfall_cli::printed::many(&summary)))
+            })
+        })?)
     }
 }

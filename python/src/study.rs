@@ -1,5 +1,6 @@
 //! python: studies in whole and in parts. In: a study file. Out: bytes of parts, the folder's results, the summary as JSON.
 
+use crate::campaign::Told;
 use crate::errors::Raised;
 use crate::threads::{Stop, on_threads, on_threads_until};
 use numpy::IntoPyArray as _;
@@ -103,10 +104,13 @@ impl PyStudy {
             inner.with_open(|drawing, store, _, _| Ok(drawing.draw(store, &go_on)?))
         })
     }
-    /// Joins the parts; the summary as JSON.
-    fn finish(&self, py: Python<'_>) -> PyResult<String> {
+    /// Joins the parts; the summary as JSON, and what the terminal prints of it.
+    fn finish(&self, py: Python<'_>) -> PyResult<Told> {
         Ok(py.detach(|| {
-            self.inner.with_open(|drawing, store, _, folder| Ok(serde_json::to_string(&drawing.finish(store, folder)?)?))
+            self.inner.with_open(|drawing, store, _, folder| {
+                let summary = drawing.finish(store, folder)?;
+                Ok((serde_json::to_string(&summary)?, windfall_cli::printed::study(&summary)))
+            })
         })?)
     }
 }

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 import windfall
-from test_windfall import campaigns, program, study_file
+from test_windfall import campaigns, program, study_file, target_program
 from windfall import results
 
 ROOT = Path(__file__).parents[2]
@@ -152,3 +152,44 @@ def test_law_a_field_named_like_a_method_of_dictionaries_is_the_field():
     found = results.Study({"varied": [{"name": "mass_kg", "values": [0.7, 0.8]}]})
     again = pickle.loads(pickle.dumps(found))
     assert found.varied[0].values == again.varied[0].values == again["varied"][0]["values"] == [0.7, 0.8]
+
+
+def test_law_printed_is_what_the_terminal_prints(found):
+    """`print(result)` after the program's own output, verb by verb; a result of a file has no such words and prints as a dictionary."""
+    folder, by_verb = found
+    campaign, model = folder / "campaign.toml", folder / "model.json"
+    model.write_text(by_verb["identify"].to_json())
+    for verb, words in {
+        "identify": [campaign, "--combined"],
+        "resimulate": [campaign, "--model", model, "--draws", "4"],
+        "close": [campaign],
+        "structure": [campaign, "--criterion", "bic"],
+        "plan": [campaign, "--target", "Cm_2=0.05%"],
+        "verify": [],
+        "descend": ["venus-dispersions", "--draws", "20"],
+    }.items():
+        # A plan out of reach, or a closing that finds something, is no failure here.
+        told = subprocess.run([target_program(), verb, *words, "--quiet"], capture_output=True, text=True)
+        assert told.returncode <= 1 and f"{by_verb[verb]}\n" == told.stdout, (verb, told.stderr)
+    assert "bias" in str(by_verb["study"]) and str(by_verb["many"]).startswith("2 campaigns: 2 with a result")
+    again = pickle.loads(pickle.dumps(by_verb["identify"]))
+    assert str(again) == str(by_verb["identify"])
+    assert str(results.Identification({"method": "x"})) == repr(results.Identification({"method": "x"}))
+
+
+def test_law_warnings_of_the_estimator_are_warnings(tmp_path):
+    """A lander whose centre of mass is 3 mm off: the residual is no noise, which the terminal warns of and Python does as well."""
+    scenario = (ROOT / "scenarios/bundled/sage-perturbed.toml").read_text()
+    (tmp_path / "s.toml").write_text(scenario + "\n[effects.center-of-mass]\ny_m = 0.003\n")
+    program("simulate", tmp_path / "s.toml", "--out", tmp_path / "flown")
+    campaign = windfall.campaign(tmp_path / "flown/campaign.toml")
+    with pytest.warns(windfall.WindfallWarning) as said:
+        found = windfall.identify(campaign, method="output-error", combined=True)
+    told = [str(w.message) for w in said]
+    assert told == found.warnings[len(campaign.warnings) :] and any("not noise" in w for w in told)
+    assert all(w.filename == __file__ for w in said), "said where the user called from"
+
+
+def test_law_a_probability_is_at_most_one(found):
+    for effect in windfall.close("sage-undeclared").effects:
+        assert 0.0 <= effect.probability <= 1.0

@@ -82,7 +82,7 @@ def test_law_identify_gives_the_programs_bytes(tmp_path):
     with pytest.warns(windfall.WindfallWarning, match="bridged"):
         flown = windfall.campaign(path)
     request = {"method": "equation-error", "hold": [{"name": "Cl_0", "value": 0.0125}]}
-    assert flown._native.identify(json.dumps(request)) == told
+    assert flown._native.identify(json.dumps(request))[0] == told
     found = windfall.identify(flown, method="equation-error", hold={"Cl_0": 0.0125})
     assert found == json.loads(told)
     assert found["warnings"][0] == flown.warnings[0] and found["compatibility"] and found["data_sets"][0]["curves"]
@@ -145,8 +145,10 @@ def test_law_errors_are_exceptions_of_their_own(tmp_path):
     falling.write_text(drop.replace("CA_T0 = 6.6620", "CA_T0 = -60.0"))
     with pytest.raises(windfall.SimulateError):
         windfall.simulate(falling)
-    with pytest.raises(ValueError, match="equation-error"):
-        windfall.identify("appendix-c", method="magic")
+    with pytest.raises(ValueError, match="^method = 'oe': allowed: thesis, equation-error, output-error, filter-error$"):
+        windfall.identify("appendix-c", method="oe")
+    with pytest.raises(ValueError, match="^identification: is the result of windfall close; needed here: the result of windfall identify"):
+        windfall.resimulate("appendix-c", {"verdict": "effect", "effects": []})
     with pytest.raises(windfall.ReadError, match="nowhere"):
         windfall.campaign("nowhere/campaign.toml")
     every = [windfall.ReadError, windfall.WriteError, windfall.SimulateError, windfall.IdentifyError]

@@ -24,6 +24,7 @@ from . import _inputs, _progress, _requests, _windfall, results
 from ._campaign import Campaign
 from ._flight import Flight
 from ._inputs import WindfallWarning
+from ._record import Result as _Result
 from ._windfall import (
     IdentifyError,
     LoopError,
@@ -94,6 +95,10 @@ def _fields(request: type, given: Mapping[str, Any]) -> dict[str, Any]:
     for name in given:
         if name not in known:
             raise TypeError(f"unexpected keyword argument {name!r}; allowed: {', '.join(known) or 'none'}")
+    for name, value in given.items():
+        words = _requests.CHOICES.get(name)
+        if words and value is not None and value not in words:
+            raise ValueError(f"{name} = {value!r}: allowed: {', '.join(words)}")
     return {name: _value(name, value) for name, value in given.items() if value is not None}
 
 
@@ -102,6 +107,16 @@ def _value(name: str, value: Any) -> Any:
         rest = ((first, *(x if isinstance(x, (tuple, list)) else (x,))) for first, x in value.items())
         return [dict(zip(_requests.ENTRIES[name], entry, strict=True)) for entry in rest]
     return f"{value[0]}/{value[1]}" if name == "shard" else value
+
+
+_Of = TypeVar("_Of", bound=_Result)
+
+
+def _found(kind: type[_Of], told: tuple[str, str], notes: int = 0) -> _Of:
+    """A result with what the terminal prints of it; its warnings, after the reader's notes that lead them, are warned of."""
+    found = kind.told(*told)
+    _inputs.warn(found.get("warnings", [])[notes:])
+    return found
 
 
 def _request(request: type, given: Mapping[str, Any]) -> str:
@@ -149,8 +164,8 @@ def identify(campaign: Campaign | Document, *, threads: int = 0, **request: Unpa
     to another, `prior={"Cl_p": (-5.7, 0.3)}` is a mean and a standard deviation from elsewhere. `bootstrap=40` checks the stated errors
     by so many copies.
     """
-    asked = _request(_requests.Identify, request)
-    return results.Identification(json.loads(_campaign(campaign)._native.identify(asked, _threads(threads))))
+    asked, of = _request(_requests.Identify, request), _campaign(campaign)
+    return _found(results.Identification, of._native.identify(asked, _threads(threads)), len(of.warnings))
 
 
 @_takes(_requests.Resimulate)
@@ -166,7 +181,7 @@ def resimulate(
     With `draws=100` also so many models with parameters drawn from their covariance: bands, and intervals of the statistics.
     """
     model, asked = json.dumps(identification), _request(_requests.Resimulate, request)
-    return results.Resimulation(json.loads(_campaign(campaign)._native.resimulate(model, asked, _threads(threads))))
+    return _found(results.Resimulation, _campaign(campaign)._native.resimulate(model, asked, _threads(threads)))
 
 
 @_takes(_requests.Descend)
@@ -188,14 +203,14 @@ def descend(
     folder = None if out is None else os.fspath(out)
     asked = _request(_requests.Descend, request)
     with _inputs.document(scenario, "scenario") as (path, _):
-        return results.Descent(json.loads(_windfall.descend(path, model, asked, folder, force, _threads(threads))))
+        return _found(results.Descent, _windfall.descend(path, model, asked, folder, force, _threads(threads)))
 
 
 @_takes(_requests.Close)
 def close(campaign: Campaign | Document, *, threads: int = 0, **request: Unpack[_requests.Close]) -> results.Closing:
     """What the declared model lacks: the content of close.json."""
     asked = _request(_requests.Close, request)
-    return results.Closing(json.loads(_campaign(campaign)._native.close(asked, _threads(threads))))
+    return _found(results.Closing, _campaign(campaign)._native.close(asked, _threads(threads)))
 
 
 @_takes(_requests.Close)
@@ -205,7 +220,7 @@ def close_statistics(
     """What the declared model lacks beside published statistics (a file, or `table-5.6`): the content of close.json."""
     asked = _request(_requests.Close, request)
     with _inputs.document(statistics, "statistics") as (path, _):
-        return results.StatisticsClosing(json.loads(_windfall.close_statistics(path, asked, _threads(threads))))
+        return _found(results.StatisticsClosing, _windfall.close_statistics(path, asked, _threads(threads)))
 
 
 def check(path: Document) -> tuple[str, list[str]]:
@@ -222,7 +237,7 @@ def keys() -> str:
 
 def verify(*, threads: int = 0) -> results.Verification:
     """Every check of the program's own truth, figure beside bound: the content of verify.json."""
-    return results.Verification(json.loads(_windfall.verify(_threads(threads))))
+    return _found(results.Verification, _windfall.verify(_threads(threads)))
 
 
 def report(folder: Path, *, figures: Path | None = None, width: float | None = None, force: bool = False) -> str:
@@ -237,7 +252,7 @@ def report(folder: Path, *, figures: Path | None = None, width: float | None = N
 def structure(campaign: Campaign | Document, *, threads: int = 0, **request: Unpack[_requests.Structure]) -> results.Structure:
     """Which aerodynamic terms the runs carry, whatever is declared: the content of structure.json."""
     asked = _request(_requests.Structure, request)
-    return results.Structure(json.loads(_campaign(campaign)._native.structure(asked, _threads(threads))))
+    return _found(results.Structure, _campaign(campaign)._native.structure(asked, _threads(threads)))
 
 
 @_takes(_requests.Plan)
@@ -257,8 +272,8 @@ def plan(
     wanted = [("percent", percent or {}), ("absolute", absolute or {})]
     target = [{"parameter": name, "error": {kind: error}} for kind, errors in wanted for name, error in errors.items()]
     asked = json.dumps({"target": target, **_fields(_requests.Plan, request)})
-    found = json.loads(_campaign(campaign)._native.plan(asked, _threads(threads)))
-    return results.Separation(found) if "pairs" in found else results.Plan(found)
+    told = _campaign(campaign)._native.plan(asked, _threads(threads))
+    return _found(results.Separation, told) if request.get("separate") else _found(results.Plan, told)
 
 
 @_takes(_requests.Study)
@@ -276,7 +291,7 @@ def study(
         order.open(os.fspath(out), _request(_requests.Study, request))
         with _progress.shown(progress, "part", _progress.files(out, "parts", ".parquet"), order.parts):
             order.draw(_threads(threads))
-        return None if request.get("shard") is not None else results.Study(json.loads(order.finish()))
+        return None if request.get("shard") is not None else _found(results.Study, order.finish())
 
 
 _EACH = {"close": _requests.Close, "identify": _requests.Identify}
@@ -318,7 +333,7 @@ def many(
     order.open(os.fspath(out), _request(_requests.Many, own))
     with _progress.shown(progress, "campaign", _progress.files(out, "results", "outcome.json"), len(order.campaigns)):
         order.work(_threads(threads))
-    return None if own.get("shard") is not None else results.Many(json.loads(order.finish()))
+    return None if own.get("shard") is not None else _found(results.Many, order.finish())
 
 
 def init(*runs: Path, **request: Unpack[_requests.Init]) -> str:
@@ -332,7 +347,7 @@ def init(*runs: Path, **request: Unpack[_requests.Init]) -> str:
 
 
 def explain(*words: str) -> str:
-    """What a family of effects, a key of a file, or a warning means, and where that is from."""
+    """What a family of effects, a key of a file, a word that is printed, or a warning means, and where that is from."""
     return _windfall.explain(list(words))
 
 

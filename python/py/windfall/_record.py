@@ -11,6 +11,8 @@ from html import escape
 from typing import TYPE_CHECKING, Any, Union, get_args, get_origin, get_type_hints
 
 if TYPE_CHECKING:
+    from typing import Self
+
     import pandas  # type: ignore[import-not-found, import-untyped, unused-ignore]
     import xarray  # type: ignore[import-not-found, unused-ignore]
     from matplotlib.figure import Figure  # type: ignore[import-not-found, unused-ignore]
@@ -64,6 +66,18 @@ class Record(dict[str, Any]):
 
 class Result(Record):
     """What a verb found."""
+
+    @classmethod
+    def told(cls, text: str, words: str) -> Self:
+        """A result of its JSON, with what the terminal prints of it."""
+        result = cls(json.loads(text))
+        vars(result)["_words"] = words
+        return result
+
+    def __str__(self) -> str:
+        """What the terminal prints; of a result that was made by hand, its dictionary."""
+        words: str | None = vars(self).get("_words")
+        return repr(self) if words is None else words.rstrip("\n")
 
     def to_json(self) -> str:
         """The program's JSON file, to the byte."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TypedDict
 
-__all__ = ["ENTRIES", "Close", "Descend", "Fly", "Identify", "Init", "Many", "Plan", "Resimulate", "Structure", "Study"]
+__all__ = ["CHOICES", "ENTRIES", "Close", "Descend", "Fly", "Identify", "Init", "Many", "Plan", "Resimulate", "Structure", "Study"]
 
 
 class Fly(TypedDict, total=False):
@@ -127,6 +127,11 @@ class Many(TypedDict, total=False):
     resume: bool | None
     shard: Sequence[int] | None
 
+
+#: Words that a keyword may be.
+CHOICES = {
+    "method": ("thesis", "equation-error", "output-error", "filter-error"),
+}
 
 #: Names of what a mapping of the first to the rest holds.
 ENTRIES = {

@@ -63,7 +63,7 @@ def run(
                 _hand_out(client, work, ahead, direct)
         finally:
             client.unregister_worker_plugin(files.name)
-        return Study(json.loads(order.finish()))
+        return Study.told(*order.finish())
 
 
 def many(
@@ -101,7 +101,7 @@ def many(
     work = _Work(order.missing(), task, put)
     with _progress.shown(progress, "campaign", lambda: work.done, work.all):
         _hand_out(client, work, ahead, direct)
-    return Many(json.loads(order.finish()))
+    return Many.told(*order.finish())
 
 
 def partition(
