@@ -78,6 +78,7 @@ fn close_statistics(word: &Path, request: &Close, session: &mut Session<'_>) -> 
 pub fn words(c: &Closing) -> String {
     let mut text = format!("{}: {}\n", c.campaign, folded(&sentence(c), c.campaign.len() + 2));
     c.effects.iter().for_each(|e| effect(&mut text, e));
+    text += &crate::fitted::lines(c);
     channels(&mut text, c);
     if let (Some(b), Some(a)) = (&c.before.hold_out, &c.after.hold_out) {
         held_out(&mut text, b, a, !c.effects.is_empty());
@@ -93,7 +94,7 @@ pub fn words(c: &Closing) -> String {
 }
 
 /// Words in lines of at most a hundred characters, `indent` already taken on the first.
-fn folded(words: &str, indent: usize) -> String {
+pub(crate) fn folded(words: &str, indent: usize) -> String {
     let mut out = String::new();
     let mut at = indent;
     for word in words.split(' ') {
@@ -113,11 +114,20 @@ fn folded(words: &str, indent: usize) -> String {
 fn effect(text: &mut String, e: &EffectLine) {
     let _ = writeln!(text, "\n{}   chance from noise alone {}", e.family, p_value(e.p_value));
     let _ = writeln!(text, "  {}", folded(&e.physics, 2));
-    for p in &e.parameters {
+    for p in e.shown_parameters() {
         let unit = if p.unit == "-" { "" } else { p.unit.as_str() };
         let (estimate, half) = with_interval(p.estimate, p.std_error.map(|s| NORMAL_95 * s));
         let half = half.map_or_else(String::new, |h| format!(" ± {h} (95 %)"));
-        let _ = writeln!(text, "  {:<20}{estimate:>12}{half} {unit}", p.name);
+        let end = if p.at_end { " at the end of its range" } else { "" };
+        let _ = writeln!(text, "  {:<20}{estimate:>12}{half} {unit}{end}", p.name);
+    }
+    for f in &e.flown {
+        let name = f.words();
+        let [least, most] = [&f.least, &f.most].map(|v| {
+            let (estimate, half) = with_interval(v.estimate, Some(NORMAL_95 * v.std_error));
+            format!("{estimate}{} ({})", half.map_or_else(String::new, |h| format!(" ± {h}")), v.run)
+        });
+        let _ = writeln!(text, "  {}", folded(&format!("{name}: {least} to {most}"), 2));
     }
     if let Some([calm, strong]) = e.bursts {
         let _ = writeln!(text, "  in bursts: between {calm:.2} and {strong:.2} of its mean size in nine tenths of the time");

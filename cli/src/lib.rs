@@ -8,6 +8,7 @@ mod check;
 mod close;
 mod descend;
 mod first;
+mod fitted;
 mod free;
 mod identify;
 mod interrupt;

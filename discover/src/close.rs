@@ -14,6 +14,7 @@ mod balance;
 mod chance;
 mod figure;
 mod figures;
+mod fitted;
 mod flown;
 mod innovations;
 mod lead;
@@ -38,11 +39,12 @@ pub use chance::p_value;
 pub(crate) use figure::short;
 pub use figure::{Figure, Role, Series, Topic};
 pub use figures::figures;
+pub use fitted::{FittedInstead, FlownCoefficient, FlownValue, Instead, ParameterLine};
 pub use innovations::{InnovationLine, InnovationShape};
 pub(crate) use likely::LEFT;
 pub use result::{
     After, CandidateLine, Closing, ConstantLine, EffectBound, EffectLine, Form, FormCheck, HeldOut, HeldOutTrajectory, NoiseLine,
-    ParameterLine, SetLine, Shift, Unexplained, Verdict,
+    SetLine, Shift, Unexplained, Verdict,
 };
 pub use sides::Sides;
 pub use signals::{BodyShape, RunTracks, SignalTracks, TrackSignal};

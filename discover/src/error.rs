@@ -25,20 +25,22 @@ pub enum DiscoverError {
         run: String,
     },
     /// A track with too few samples.
-    #[error("run {run} has a track of {samples} samples; its initial state takes two per axis: give at least {needed}")]
+    #[error("run `{run}` has a track of {samples} samples; its initial state takes two per axis: give at least {needed}")]
     ShortTrack {
-        /// Index of the run.
-        run: usize,
+        /// Name of the run.
+        run: String,
         /// Samples.
         samples: usize,
         /// Needed.
         needed: usize,
     },
     /// A track that the declared model cannot follow.
-    #[error("run {run} cannot be flown by the declared model (mass, diameter, density, CD); check their units")]
+    #[error("run `{run}` cannot be flown by the declared model; check the units of its {numbers}")]
     NotFlown {
-        /// Index of the run.
-        run: usize,
+        /// Name of the run.
+        run: String,
+        /// Declared numbers that its flight depends on.
+        numbers: &'static str,
     },
     /// The search for what a campaign lacks found no model that can be followed.
     #[error("{campaign}: {words}; check axes, units and starting values of the declared parameters")]

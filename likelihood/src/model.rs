@@ -90,7 +90,8 @@ impl Member {
     /// Null instance of an effect; strengths that are stated at a tunnel speed are at the runs' mean.
     #[must_use]
     pub fn null(effect: &'static Effect, campaign: &Campaign) -> Self {
-        let parameters = (effect.parameters)(&campaign.inputs);
+        let parameters: Vec<Parameter> =
+            (effect.parameters)(&campaign.inputs).into_iter().map(|p| p.beside(&campaign.plant)).collect();
         let value = |p: &Parameter| {
             let mean = if p.role == Role::Reference { campaign.tunnel_means() } else { None };
             mean.map_or(p.null, |[speed_m_s, _]| speed_m_s.clamp(p.low, p.high))

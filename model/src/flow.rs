@@ -143,6 +143,14 @@ pub struct FlowState {
 }
 
 impl FlowState {
+    /// Flow from ahead, along the body's axis, without rates: variables in proportion to speed are zero.
+    #[must_use]
+    pub fn ahead() -> Self {
+        let mut f = Self { values: [0.0; VARIABLES] };
+        f.values[Variable::CosAlphaT as usize] = 1.0;
+        f.values[Variable::CosPhi as usize] = 1.0;
+        f
+    }
     /// Flow variables from the c.m.'s velocity seen from the air (m/s), its rate of change as components in body axes
     /// (m/s², thesis eq. B.40) and the body rates (rad/s). `speed > 0` is the caller's to check; where the flow is exactly
     /// across the body (u = w = 0) the wind-angle rates are undefined and taken as zero.

@@ -37,7 +37,7 @@ pub use air::{Environment, dynamic_pressure_pa};
 pub use campaign::{Campaign, Data, Run};
 pub use channel::{CHANNEL_NAMES, CHANNELS, POSE, PerChannel, RunChannel};
 pub use disturbance::{Disturbance, Entry, Shape, ShapingFilter, StateForm, Turbulence, WakeShedding};
-pub use effects::{Acts, CATALOGUE, Effect, Parameter, Role};
+pub use effects::{Acts, CATALOGUE, Effect, Net, Parameter, Role};
 pub use flow::{FlowState, MeanFlow, VARIABLES, Variable, Wind};
 pub use free_body::{FreeBody, FreeState};
 pub use free_flight::{FreeFlight, MovedPart, Setting, Thrust};

@@ -6,7 +6,7 @@ use crate::disturbance::{Disturbance, Turbulence, WakeShedding};
 use crate::flow::{FlowState, MeanFlow};
 use crate::frames::{Body, Rotation, Tunnel, Vec3};
 use crate::free_flight::FreeFlight;
-use crate::point::{PointAir, PointMass};
+use crate::point::{CoefficientTable, PointAir, PointMass};
 use crate::sensors::Sensors;
 use crate::tether::Tether;
 use crate::vehicle::Vehicle;
@@ -222,6 +222,24 @@ impl Plant {
         plant
     }
 
+    /// Drag coefficient of a body without attitude at this run's settings, where its table over Mach number has that value (one without a table).
+    fn point_drag(&self, of_table: f64) -> f64 {
+        self.aero.values.first().copied().unwrap_or(0.0) * of_table
+            + self.aero.extra.iter().map(|(_, value, _)| value).sum::<f64>()
+            + self.point.following(0.0, &self.point.drag_per_input)
+    }
+
+    /// Least drag coefficient at this run's settings: over Mach number of a body without attitude, at angles of zero of a rigid one. Below zero
+    /// the air would push a body on.
+    #[must_use]
+    pub fn least_drag(&self) -> f64 {
+        if self.free_flight.is_some() {
+            return self.aero.coefficients(&FlowState::ahead())[crate::aero::Coefficient::CA as usize];
+        }
+        let table = self.point.drag_over_mach.as_ref().map_or([1.0; 2], CoefficientTable::ends);
+        table.map(|of_table| self.point_drag(of_table)).into_iter().fold(f64::INFINITY, f64::min)
+    }
+
     /// Acceleration of a point mass, m/s², tunnel axes (X down): gravity, quadratic drag along −v, lift across v in the
     /// vertical plane of flight, buoyancy, apparent mass. `v` is the velocity in still air, m/s.
     #[must_use]
@@ -233,9 +251,7 @@ impl Plant {
         let speed = v.norm();
         let half_rho_s = 0.5 * density_kg_m3 * self.vehicle.area_m2();
         let of_table = p.drag_over_mach.as_ref().map_or(1.0, |t| t.value(speed / air.sound_m_s));
-        let cd = self.aero.values.first().copied().unwrap_or(0.0) * of_table
-            + self.aero.extra.iter().map(|(_, value, _)| value).sum::<f64>()
-            + p.drag_per_input.iter().zip(&p.inputs).map(|(k, u)| k * u).sum::<f64>();
+        let cd = self.point_drag(of_table);
         let drag = v * (-half_rho_s * cd * speed);
         let horizontal = v.y().hypot(v.z());
         let lift = if horizontal > 0.0 {
@@ -261,10 +277,7 @@ impl Plant {
     pub fn pivot_acceleration_rad_s2(&self, angle_rad: f64, rate_rad_s: f64) -> f64 {
         let Some(pivot) = &self.point.pivot else { return 0.0 };
         let (m, g, a) = (self.vehicle.mass_kg, self.environment.gravity_m_s2, pivot.arm_m);
-        let cd = self.aero.values.first().copied().unwrap_or(0.0)
-            + self.aero.extra.iter().map(|(_, value, _)| value).sum::<f64>()
-            + self.point.following(0.0, &self.point.drag_per_input);
-        let of_air = 0.5 * self.point.air_density_kg_m3 * self.vehicle.area_m2() * cd * a.powi(3);
+        let of_air = 0.5 * self.point.air_density_kg_m3 * self.vehicle.area_m2() * self.point_drag(1.0) * a.powi(3);
         let torque = m * g * a * angle_rad.sin()
             + pivot.viscous_n_m_s * rate_rad_s
             + pivot.dry_n_m * (rate_rad_s / SLIP_RAD_S).tanh()

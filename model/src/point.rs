@@ -28,6 +28,11 @@ impl CoefficientTable {
         let finite = at.iter().chain(&values).all(|x| x.is_finite());
         (at.len() >= 2 && at.len() == values.len() && finite && at.windows(2).all(|w| w[0] < w[1])).then_some(Self { at, values })
     }
+    /// Its least and its largest coefficient.
+    #[must_use]
+    pub fn ends(&self) -> [f64; 2] {
+        self.values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)])
+    }
     /// The coefficient there.
     #[must_use]
     pub fn value(&self, x: f64) -> f64 {
@@ -95,6 +100,8 @@ pub struct PointMass {
     pub drag_over_mach: Option<CoefficientTable>,
     /// What holds the body; none: it flies.
     pub pivot: Option<Pivot>,
+    /// Square of the horizontal over the vertical speed at the first sample of a run, where no horizontal place is measured; zero: vertical.
+    pub slope_squared: f64,
     /// Whether its height is that of a pressure altimeter.
     pub altimeter: bool,
     /// Error of the altimeter's static pressure over the dynamic pressure.

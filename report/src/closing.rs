@@ -81,7 +81,7 @@ pub(crate) fn closing_body(c: &Closing, figures: &[Figure], tracks: Option<&Sign
         "Look for dots away from zero by more than the bar: a constant found elsewhere than declared, in its own uncertainty.";
     out += &section("Constants found against constants declared", lead, &constants(c, plots));
     let lead = "Look for dots away from zero: declared parameters that the effects moved, in standard errors before.";
-    out += &section("Parameters: how they moved", lead, &(moves(c, plots) + &shifts(c)));
+    out += &section("Parameters: how they moved", lead, &(moves(c, plots) + &crate::fitted::shifts(c)));
     let lead = "Look whether the points lie nearer to the blue curve than to the red one: an effect that brings identified static coefficients to a \
                 balance's, which they were not fitted to, is real. The dashed line: the largest angle flown. About the geometric origin.";
     out += &topic(figures, Topic::Static, "Static coefficients against the wind tunnel", lead, plots);
@@ -151,8 +151,9 @@ fn effects(c: &Closing) -> String {
 fn effect(e: &EffectLine, held_out: bool) -> String {
     let mut out =
         format!("<h3>{}</h3>\n<p>{}</p>\n<p class=\"note\">{}</p>\n", escape(&e.family), escape(&e.physics), escape(&e.source));
-    let rows: Vec<Vec<Cell>> = e.parameters.iter().map(parameter).collect();
+    let rows: Vec<Vec<Cell>> = e.shown_parameters().map(parameter).collect();
     out += &table(&["parameter", "estimate", "± 95 %", "95 % interval", "unit"], &rows);
+    out += &crate::fitted::flown(e);
     let held = match e.held_out_gain {
         Some(gain) if gain > 0.0 => format!("Confirmed on runs held out: log-likelihood + {}.", number(gain)),
         Some(gain) => format!("Not confirmed on runs held out: log-likelihood − {}.", number(-gain)),
@@ -206,7 +207,10 @@ fn form(e: &EffectLine) -> String {
 fn parameter(p: &ParameterLine) -> Vec<Cell> {
     let (estimate, half) = with_interval(p.estimate, p.std_error.map(|s| NORMAL_95 * s));
     let bound = |x: f64| with_interval(x, p.std_error.map(|s| NORMAL_95 * s)).0;
-    let interval = p.ci95.map_or_else(|| "not determined".to_owned(), |[a, b]| format!("[{}, {}]", bound(a), bound(b)));
+    let mut interval = p.ci95.map_or_else(|| "not determined".to_owned(), |[a, b]| format!("[{}, {}]", bound(a), bound(b)));
+    if p.at_end {
+        interval += "; at the end of its range";
+    }
     vec![
         Cell::text(&p.name),
         Cell::Number(estimate),
@@ -296,33 +300,6 @@ fn candidates(c: &Closing, plots: &mut Plots) -> String {
     }
     let (title, x_label) = ("Every effect of the catalogue alone".to_owned(), "score (logarithmic, from 1)".to_owned());
     key(&[("after", "added"), ("before", "rival"), ("plain", "neither")]) + &plots.put(Plot::Bars { title, x_label, bars: all })
-}
-
-fn shifts(c: &Closing) -> String {
-    let error = |of: &[ParameterLine], name: &str| of.iter().find(|p| p.name == name).and_then(|p| p.std_error);
-    let with = |x: f64, s: Option<f64>| {
-        let (estimate, half) = with_interval(x, s.map(|s| NORMAL_95 * s));
-        half.map_or(estimate.clone(), |h| format!("{estimate} ± {h}"))
-    };
-    let rows: Vec<Vec<Cell>> = c
-        .shifts
-        .iter()
-        .map(|s| {
-            let before = error(&c.before.parameters, &s.name);
-            let moved = (s.after - s.before) / before.unwrap_or(f64::NAN);
-            let moved = if moved.is_finite() { format!("{moved:+.1}") } else { "–".to_owned() };
-            vec![
-                Cell::text(&s.name),
-                Cell::Number(with(s.before, before)),
-                Cell::Number(with(s.after, error(&c.after.parameters, &s.name))),
-                Cell::Number(moved),
-            ]
-        })
-        .collect();
-    if rows.is_empty() {
-        return String::new();
-    }
-    table(&["parameter", "declared model", "with effects", "moved / std error before"], &rows)
 }
 
 fn bounds(c: &Closing) -> String {

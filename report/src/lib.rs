@@ -9,6 +9,7 @@ mod data;
 mod descent;
 mod draw;
 mod examined;
+mod fitted;
 mod folder;
 mod held_out;
 mod html;

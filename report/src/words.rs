@@ -1,6 +1,7 @@
 //! report: numbers and conclusions in words. In: results. Out: short text for people.
 
-use windfall_discover::close::{Closing, EffectLine, HeldOut, Verdict};
+use windfall_discover::NORMAL_95;
+use windfall_discover::close::{Closing, EffectLine, HeldOut, ParameterLine, Verdict};
 
 /// A number in four digits, as short as its size allows.
 ///
@@ -144,7 +145,11 @@ pub(crate) fn no_form_holds(c: &Closing) -> bool {
 pub fn sentence(c: &Closing) -> String {
     match c.verdict {
         Verdict::Consistent => {
-            format!("What the declared model leaves is noise: no effect of the {} weighed is needed.", c.candidates.len())
+            format!(
+                "What the declared model leaves is noise: no effect of the {} weighed is needed.{}",
+                c.candidates.len(),
+                moved_words(c)
+            )
         }
         Verdict::Effect => {
             let names = listed(&c.effects.iter().map(effect_name).collect::<Vec<_>>());
@@ -168,6 +173,19 @@ pub fn sentence(c: &Closing) -> String {
             )
         }
     }
+}
+
+/// Declared parameters without which the model would not leave noise: those that the runs moved beyond their error.
+fn moved_words(c: &Closing) -> String {
+    let far = |p: &&ParameterLine| p.moved().is_some_and(|m| m.abs() > NORMAL_95);
+    let one = |p: &ParameterLine| {
+        let (estimate, half) = with_interval(p.estimate, p.std_error.map(|s| NORMAL_95 * s));
+        let half = half.map_or_else(String::new, |h| format!(" ± {h}"));
+        format!("{} at {estimate}{half} where the file has {}", p.name, number(p.declared.unwrap_or(f64::NAN)))
+    };
+    let all: Vec<String> = c.after.parameters.iter().filter(far).map(one).collect();
+    // Tunnel runs are fitted from starting values, of which nothing is believed.
+    if all.is_empty() || !c.is_of_tracks() { String::new() } else { format!(" It needs {}.", listed(&all)) }
 }
 
 fn effect_name(e: &EffectLine) -> String {

@@ -10,7 +10,7 @@ use crate::own::{self, Own};
 use crate::plant::{Declared, read_declared};
 use crate::point::{Asked, Down, read_own_track};
 use crate::point_body::{self, InputSource, RunOwn};
-use crate::scenario::{declared_effects, run_exists, used};
+use crate::scenario::{declared_effects, not_overdrawn, run_exists, used};
 use crate::table::{Source, Table, number};
 use crate::wind_tunnel;
 use std::collections::{BTreeMap, HashMap};
@@ -95,6 +95,15 @@ pub fn read_campaign_with_warnings(path: &Path) -> Result<(Campaign, Vec<String>
     if let Some([_, density_kg_m3]) = campaign.tunnel_means() {
         let declared = campaign.knowledge.effects.iter_mut().map(|(effect, values)| (*effect, values.as_mut_slice()));
         effects::act(&mut campaign.plant.clone(), declared, density_kg_m3);
+    }
+    let mut with_effects = campaign.plant.clone();
+    campaign.knowledge.effects.iter().for_each(|(e, values)| (e.apply)(&mut with_effects, values));
+    for (e, _) in &campaign.knowledge.effects {
+        let in_run = |(i, run): (usize, &Run)| with_effects.for_run(i, &run.inputs);
+        let mut plants = campaign.runs.iter().enumerate().map(in_run);
+        if let Some(plant) = plants.find(|plant| e.overdrawn(&campaign.inputs, plant).is_some()) {
+            not_overdrawn(&source, e, &campaign.inputs, &plant);
+        }
     }
     source.finish(Some((campaign, warnings)))
 }

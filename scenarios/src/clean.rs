@@ -4,7 +4,8 @@
 //! The local fit is a polynomial through the neighbours of a sample, without the sample; its error is scaled to that of one sample,
 //! so that Gaussian noise gives errors of its own standard deviation in the middle and at the ends of a run. Before a sample is removed its
 //! neighbours are fitted again without those that do not lie on one curve with the most of them: next to a spike at an end of a run a sound
-//! sample is farther from its fit than the spike.
+//! sample is farther from its fit than the spike. Spikes go alone or in pairs: what more neighbouring samples share, a step or a pulse, is a signal
+//! whatever its size, and stays.
 
 /// Neighbours of a sample that a spike is judged by.
 const NEIGHBOURS: usize = 10;
@@ -20,6 +21,11 @@ const POSSIBLE: f64 = 1e12;
 const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
 /// Samples on each side of a dropout that bridge it, and the degree of the bridge.
 const BRIDGE: (usize, usize) = (10, 5);
+
+/// Samples from which on a departure is shared by neighbours: a tracker's slip and its repetition are two.
+const SHARED: usize = 3;
+/// Share of a departure below which the difference between neighbours joins them.
+const JOINED: f64 = 0.5;
 
 /// A sample that was removed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -192,6 +198,7 @@ fn sizes(part: &[Option<f64>]) -> Vec<f64> {
 /// the smallest standard deviation that the instrument can have. Times increase; `interval_s` is the usual step.
 pub(crate) fn remove_spikes(t: &[f64], x: &mut [f64], interval_s: f64, floor: f64) -> Vec<Spike> {
     let reach_s = 2.0 * NEIGHBOURS as f64 * interval_s;
+    let recorded = x.to_vec();
     let mut removed = impossible(x);
     let error = |x: &[f64], i: usize| if x[i].is_finite() { error_of(t, x, i, x[i], reach_s).map(|e| e.0) } else { None };
     let errors: Vec<Option<f64>> = (0..x.len()).map(|i| error(x, i)).collect();
@@ -204,6 +211,10 @@ pub(crate) fn remove_spikes(t: &[f64], x: &mut [f64], interval_s: f64, floor: f6
         let among_sound = scales.ratio_of(place, robust_error_of(t, x, place, scales.at(place), reach_s));
         if among_sound.is_some_and(|ratio| ratio <= SIGMAS) {
             worst.put(place, among_sound);
+            continue;
+        }
+        if is_shared(&recorded, place, ratio * scales.at(place)) {
+            worst.put(place, None);
             continue;
         }
         removed.push((place, x[place]));
@@ -271,6 +282,15 @@ fn impossible(x: &mut [f64]) -> Vec<(usize, f64)> {
     let all: Vec<(usize, f64)> = x.iter().copied().enumerate().filter(|(_, v)| v.abs() > POSSIBLE).collect();
     all.iter().for_each(|(i, _)| x[*i] = f64::NAN);
     all
+}
+
+/// Whether neighbours have a sample's departure from the local fit as well: whether it is joined to [`SHARED`] samples with itself, one after
+/// the other, by differences that are small beside the departure. A spike differs from the samples on both of its sides by all of it.
+fn is_shared(x: &[f64], place: usize, departure: f64) -> bool {
+    let joined = |k: &usize| (x[*k] - x[*k - 1]).abs() < JOINED * departure.abs();
+    let after = (place + 1..x.len()).take_while(joined).take(SHARED).count();
+    let before = (1..=place).rev().take_while(joined).take(SHARED).count();
+    1 + before + after >= SHARED
 }
 
 /// Neighbours of a cluster of spikes may have been taken for spikes while the cluster stood: those come back.
@@ -387,6 +407,22 @@ mod tests {
                 assert_eq!(spikes.iter().map(|s| s.index).collect::<Vec<_>>(), expected, "{bad:?} {sign}");
             }
         }
+    }
+
+    /// A step, a pulse of 0.4 s and a slip of three samples are shared by neighbours: nothing is removed. Two samples that slip together go.
+    #[test]
+    fn law_what_neighbours_share_stays() {
+        let t: Vec<f64> = (0..400).map(|i| f64::from(i) / 80.0).collect();
+        let noise = |i: usize| 1e-3 * (12.9898 * i as f64).sin();
+        let with = |signal: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            t.iter().enumerate().map(|(i, t)| 10.0 * t - 4.9 * t * t + signal(*t) + noise(i)).collect()
+        };
+        let step = |t: f64| if t > 2.503 { 66.0 } else { 0.0 };
+        let pulse = |t: f64| if (t - 2.5).abs() < 0.2 { -100.0 * (7.85 * (t - 2.5)).cos() } else { 0.0 };
+        let slip = |t: f64| if (2.49..2.53).contains(&t) { 5.0 } else { 0.0 };
+        let pair = |t: f64| if (2.49..2.52).contains(&t) { 5.0 } else { 0.0 };
+        let count = |signal: &dyn Fn(f64) -> f64| remove_spikes(&t, &mut with(signal), 1.0 / 80.0, 1e-3).len();
+        assert_eq!([count(&step), count(&pulse), count(&slip), count(&pair)], [0, 0, 0, 2]);
     }
 
     /// Of ten points on a cubic three may lie anywhere: the others are told.

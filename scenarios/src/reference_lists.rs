@@ -81,7 +81,10 @@ fn parameter(text: &mut String, p: &Parameter) {
         Role::Run => "number of a run, from 0",
         Role::Reference => "speed at which strengths are stated; the trim speed where it is 0 or left out",
     };
-    let range = allowed_range([p.low, p.high], "-").replace("must be a finite number", "finite");
+    let mut range = allowed_range([p.lowest(), p.high], "-").replace("must be a finite number", "finite");
+    if p.net.is_some() {
+        range += "; not below zero in all";
+    }
     let _ = writeln!(text, "| `{}` | {} | {range} | {kind} |", p.name, p.unit);
 }
 

@@ -113,6 +113,9 @@ fn parse(path: &Path, text: &str, input: &str) -> Result<ScenarioFile, ReadError
             .zip(&mut values)
             .filter_map(|(e, v)| Some((effects::find(&e.family, Acts::Lander)?, v.as_mut_slice())));
         effects::act_in_flights(&mut plant, found, &flights);
+        for e in &effects {
+            effects::find(&e.family, Acts::Lander).iter().for_each(|effect| not_overdrawn(&source, effect, &[], &plant));
+        }
         let families = effects.iter().map(|e| e.family.clone()).collect();
         ScenarioFile {
             scenario: Scenario { name, plant, effects: families, flights, seed },
@@ -185,7 +188,7 @@ fn effect_values(t: &Table<'_>, table: &DeTable<'_>, parameters: &[effects::Para
         t.unknown(key, value, &names);
     }
     let one = |p: &effects::Parameter| match table.get(p.name.as_str()) {
-        Some(at) => match number(at).filter(|x| x.is_finite() && *x >= p.low && *x <= p.high) {
+        Some(at) => match number(at).filter(|x| x.is_finite() && *x >= p.lowest() && *x <= p.high) {
             Some(x) => x,
             None => {
                 let value = t.source.snippet(at.span());
@@ -193,7 +196,7 @@ fn effect_values(t: &Table<'_>, table: &DeTable<'_>, parameters: &[effects::Para
                     Some(at.span()),
                     t.full(&p.name),
                     value,
-                    allowed_range([p.low, p.high], p.unit),
+                    allowed_range([p.lowest(), p.high], p.unit),
                     "a plausible value",
                 );
                 f64::NAN
@@ -207,7 +210,7 @@ fn effect_values(t: &Table<'_>, table: &DeTable<'_>, parameters: &[effects::Para
         None => {
             let what = format!(
                 "is missing ({}); only strengths and shapes whose absence is zero may be left out",
-                allowed_range([p.low, p.high], p.unit)
+                allowed_range([p.lowest(), p.high], p.unit)
             );
             t.source.fault(t.at(&p.name), t.full(&p.name), "", what, format!("{} = {}", p.name, p.null));
             f64::NAN
@@ -230,6 +233,16 @@ pub(crate) fn run_exists(source: &Source<'_>, family: &str, p: &effects::Paramet
     if value.is_finite() && (value.fract() != 0.0 || value >= runs as f64) {
         let allowed = format!("must be the number of a {what}, 0 to {}", runs.saturating_sub(1));
         source.fault(None, format!("[effects.{family}] {}", p.name), value.to_string(), allowed, format!("{} = 0", p.name));
+    }
+}
+
+/// An effect may take away what is declared of an amount (drag, friction, apparent mass), and no more.
+pub(crate) fn not_overdrawn(source: &Source<'_>, effect: &Effect, inputs: &[String], plant: &Plant) {
+    if let Some((p, in_all)) = effect.overdrawn(inputs, plant) {
+        let unit = if p.unit == "-" { String::new() } else { format!(" {}", p.unit) };
+        let allowed = format!("takes away more than is declared: {in_all:.6}{unit} are left, and none is the least");
+        let key = format!("[effects.{}] {}", effect.family, p.name);
+        source.fault(None, key, "", allowed, "a change that leaves zero or more with all other effects in");
     }
 }
 

@@ -80,8 +80,8 @@ impl Scenario {
                 wrong(format!("has no parameter {name}; parameters: {}", known.join(", ")))
             })?;
             let (p, value) = (&parameters[i], *value);
-            if !(p.low..=p.high).contains(&value) {
-                return Err(wrong(format!("{name} = {value} {}: allowed: {} to {}", p.unit, p.low, p.high)));
+            if !(p.lowest()..=p.high).contains(&value) {
+                return Err(wrong(format!("{name} = {value} {}: allowed: {} to {}", p.unit, p.lowest(), p.high)));
             }
             values[i].1 = value;
         }

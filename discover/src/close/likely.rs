@@ -72,6 +72,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         bounds: bounds(&found),
         unexplained,
         shifts: Shift::between(parameters(campaign, before), parameters(campaign, after)),
+        instead: Vec::new(),
         before: side_before,
         after: side_after,
         effects,
@@ -179,7 +180,7 @@ fn effect_line(
             let random = found.random_ranges.iter().find(|range| range.place == (k, i));
             let std = random.map(|range| range.std).or_else(|| fit.std_error(Id::Member(k, i)));
             let value = random.map_or(m.values[i], |range| range.value);
-            let line = ParameterLine::new("", &p.name, value, std.unwrap_or(f64::NAN), p.unit);
+            let line = ParameterLine::of_effect(p, value, std.unwrap_or(f64::NAN), p.is_at_end(value));
             ParameterLine { ci95: random.map(|range| range.ci95).or(line.ci95), ..line }
         })
         .collect();
@@ -189,6 +190,7 @@ fn effect_line(
     EffectLine {
         family: family.to_owned(),
         parameters,
+        flown: Vec::new(),
         p_value: p_of(k, m, found),
         probability: Some(probability),
         rivals: rivals(&found.sets, family),
@@ -364,9 +366,8 @@ fn parameters(campaign: &Campaign, fit: &Fit) -> Vec<ParameterLine> {
     (0..structure.parameters.len())
         .filter(|&i| campaign.declared[i])
         .map(|i| {
-            let coefficient = structure.contributions.iter().find(|c| c.parameter == i).map_or("", |c| c.coefficient.name());
             let std = fit.std_error(Id::Declared(i)).unwrap_or(f64::NAN);
-            ParameterLine::new(coefficient, &structure.parameters[i], fit.model.declared[i], std, "-")
+            ParameterLine::of_declared(campaign, i, fit.model.declared[i], std)
         })
         .collect()
 }

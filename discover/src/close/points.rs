@@ -17,7 +17,10 @@ use windfall_model::{Acts, Campaign, Measured, Plant, Use};
 use windfall_pid::{NORMAL_95, StopReason};
 use windfall_replay::ReplayError;
 
+mod amounts;
 mod contest;
+mod flown;
+mod instead;
 mod own_push;
 mod settings;
 
@@ -81,6 +84,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         bounds: bounds(&found, &settings),
         unexplained,
         shifts: Shift::between(parameter_lines(campaign, start), parameter_lines(campaign, best)),
+        instead: instead::of(&found),
         before: side(&own, start, held.as_ref()),
         after: side(&own, best, held.as_ref()),
         wind_tunnel: Vec::new(),
@@ -125,9 +129,10 @@ fn effect_line(
         parameters: settings
             .outward(fit, place)
             .into_iter()
-            .zip(&instance.parameters)
-            .map(|((value, std), p)| ParameterLine::new("", &p.name, value, std, p.unit))
+            .zip(instance.parameters.iter().zip(&instance.values))
+            .map(|((value, std), (p, v))| ParameterLine::of_effect(p, value, std, p.is_at_end(*v)))
             .collect(),
+        flown: flown::coefficients(found, settings, place),
         p_value: chance(found, k),
         probability: Some(found.weighed().iter().filter(|(s, _)| s.has(effect)).map(|(_, p)| p).sum::<f64>().min(1.0)),
         rivals: rivals(found, k),
@@ -148,7 +153,7 @@ fn effect_line(
 fn chance(found: &TrackContest<'_>, k: usize) -> f64 {
     let Some(without) = found.without(k) else { return f64::NAN };
     let (fit, place) = (&found.best.fit, found.best.place(k));
-    let n = fit.free.iter().filter(|f| matches!(f, Free::Effect(e, _) if *e == place)).count();
+    let n = contest::numbers_of(fit, place);
     let gain = 2.0 * (fit.log_likelihood - without.fit.log_likelihood) * found.factor(n);
     p_value(gain, n, found.families.len())
 }
@@ -185,7 +190,7 @@ fn candidates(found: &TrackContest<'_>) -> Vec<CandidateLine> {
         .singles
         .iter()
         .map(|s| {
-            let n = s.fit.free.len() - found.declared.fit.free.len();
+            let n = contest::numbers_of(&s.fit, s.place(0));
             let score = 2.0 * (s.fit.log_likelihood - found.declared.fit.log_likelihood) * found.factor(n);
             CandidateLine {
                 family: found.family_name(s.families[0]),
@@ -333,8 +338,7 @@ fn parameter_lines(campaign: &Campaign, fit: &TrackFit) -> Vec<ParameterLine> {
         .filter(|&i| campaign.declared[i])
         .map(|i| {
             let f = Free::Declared(i);
-            let coefficient = structure.contributions.iter().find(|c| c.parameter == i).map_or("", |c| c.coefficient.name());
-            ParameterLine::new(coefficient, &structure.parameters[i], fit.hypothesis.get(f), fit.std_error(f), "-")
+            ParameterLine::of_declared(campaign, i, fit.hypothesis.get(f), fit.std_error(f))
         })
         .collect()
 }

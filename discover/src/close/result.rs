@@ -1,10 +1,10 @@
 //! discover: the result of closing, in the words of the contract's close.json. In: numbers. Out: serialisable rows.
 
 use crate::DiscoverError;
+use super::fitted::{FittedInstead, FlownCoefficient, ParameterLine};
 use crate::residual::ChannelResidual;
 use serde::{Deserialize, Serialize};
 use windfall_model::{Measured, Pivot};
-use windfall_pid::{ci95, relative_percent};
 use windfall_replay::{HoldOut, Statistic, TrajectoryError};
 
 /// What closing concludes.
@@ -43,40 +43,6 @@ pub struct Residuals {
     pub per_channel: Vec<ChannelResidual>,
 }
 
-/// One estimated number.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ParameterLine {
-    /// Coefficient; empty for effects.
-    pub coefficient: String,
-    /// Name.
-    pub name: String,
-    /// Estimate.
-    pub estimate: f64,
-    /// Standard error; none when the data do not give one.
-    pub std_error: Option<f64>,
-    /// 95 % interval.
-    pub ci95: Option<[f64; 2]>,
-    /// Relative standard error, %.
-    pub rse_percent: Option<f64>,
-    /// Unit.
-    pub unit: String,
-}
-
-impl ParameterLine {
-    pub(crate) fn new(coefficient: &str, name: &str, estimate: f64, std_error: f64, unit: &str) -> Self {
-        let std_error = std_error.is_finite().then_some(std_error);
-        Self {
-            coefficient: coefficient.to_owned(),
-            name: name.to_owned(),
-            estimate,
-            std_error,
-            ci95: std_error.map(|s| ci95(estimate, s)),
-            rse_percent: std_error.and_then(|s| relative_percent(s, estimate)),
-            unit: unit.to_owned(),
-        }
-    }
-}
-
 /// An effect that was added.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EffectLine {
@@ -84,6 +50,9 @@ pub struct EffectLine {
     pub family: String,
     /// Its numbers.
     pub parameters: Vec<ParameterLine>,
+    /// Coefficients of it that follow settings of the runs, at the settings flown; `parameters` has them at settings of zero, with slopes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub flown: Vec<FlownCoefficient>,
     /// Chance of such a find anywhere in the catalogue from noise alone.
     pub p_value: f64,
     /// Probability that it is part of the set, given the data and the catalogue.
@@ -110,6 +79,14 @@ pub struct EffectLine {
     pub source: String,
     /// Additional run that would separate it from its rivals.
     pub separate_by: String,
+}
+
+impl EffectLine {
+    /// Its numbers but coefficients at settings of zero, which are shown at the settings flown.
+    pub fn shown_parameters(&self) -> impl Iterator<Item = &ParameterLine> {
+        let at_zero = |p: &&ParameterLine| self.flown.iter().any(|f| f.name == p.name.trim_end_matches("_constant"));
+        self.parameters.iter().filter(move |p| !at_zero(p))
+    }
 }
 
 /// Whether the form of a named effect holds against generic alternatives.
@@ -374,6 +351,9 @@ pub struct Closing {
     pub unexplained: Vec<Unexplained>,
     /// How declared parameters moved.
     pub shifts: Vec<Shift>,
+    /// Declared parameters that the runs moved beyond their error, with what would do as well.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub instead: Vec<FittedInstead>,
     /// With the declared model.
     pub before: After,
     /// With the effects added.
@@ -395,6 +375,11 @@ impl Closing {
     /// A closing that was read from a file, which does not hold them.
     pub(super) fn plants(&self) -> Result<&super::Sides, DiscoverError> {
         self.sides.as_ref().ok_or_else(|| DiscoverError::NoSides { campaign: self.campaign.clone() })
+    }
+    /// Whether it is of tracks, and not of tunnel runs: these have innovations.
+    #[must_use]
+    pub fn is_of_tracks(&self) -> bool {
+        self.innovations.is_empty()
     }
     /// What is to be said of how runs were taken and how the search ended, a text each.
     #[must_use]

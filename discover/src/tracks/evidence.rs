@@ -77,7 +77,10 @@ impl TrackEvidence {
         let tracks = indices
             .par_iter()
             .map(|&i| match &campaign.runs[i].data {
-                Data::Point(record) => Track::new(record, &campaign.runs[i].inputs, i, around, pushed),
+                Data::Point(record) => {
+                    let track = Track::new(record, &campaign.runs[i].inputs, i, around, pushed);
+                    track.map_err(|fault| fault.of_run(campaign, i))
+                }
                 Data::Tunnel(_) => Err(DiscoverError::NotPoint { run: campaign.runs[i].name.clone() }),
             })
             .collect::<Result<Vec<_>, _>>()?;

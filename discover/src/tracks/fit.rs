@@ -14,8 +14,10 @@ use windfall_likelihood::{NearFit, averaged};
 use windfall_model::{Plant, Role};
 use windfall_pid::StopReason;
 
-/// Iterations of the joint fit.
-const ITERATIONS: usize = 8;
+/// Most iterations of the joint fit: quadratic ones need five, those from far off with halved steps more.
+const ITERATIONS: usize = 25;
+/// Most halvings of a step: a first step is a thousand times too long at the most.
+const HALVINGS: usize = 10;
 /// Starting variance of the unmodelled residual, in units of its component (a hundredth of the noise floor).
 const GENERIC_START: f64 = 1e-2;
 
@@ -59,7 +61,8 @@ struct Undetermined(Free);
 
 /// Where one iteration has taken the free numbers.
 enum Moved {
-    Further,
+    /// The residual there.
+    Further(Residual),
     Settled,
     /// The normal equations have no solution, and nothing that could be held is to blame.
     NotExcited,
@@ -73,9 +76,7 @@ impl Problem<'_> {
         let moved: Vec<(Plant, f64)> = free
             .iter()
             .map(|f| {
-                let step = h.step(*f);
-                let mut moved = h.clone();
-                moved.set(*f, h.get(*f) + step);
+                let (moved, step) = h.moved(*f);
                 (moved.plant(self.base), step)
             })
             .collect();
@@ -130,17 +131,17 @@ impl Problem<'_> {
             residual: Vec::new(),
             stop: StopReason::Iterations,
         };
+        let mut z = self.evidence.residual(&h.plant(self.base));
+        if z.iter().any(|x| !x.is_finite()) {
+            fit.stop = StopReason::NotFinite;
+            return Ok(fit);
+        }
         for iteration in 0..ITERATIONS {
-            let z = self.evidence.residual(&h.plant(self.base));
-            if z.iter().any(|x| !x.is_finite()) {
-                fit.stop = StopReason::NotFinite;
-                return Ok(fit);
-            }
             if shapes && iteration < 2 {
                 self.fit_sizes(&mut h, &z, Effort::QUICK);
             }
             match self.iterate(&mut h, &free, &z, &mut fit.covariance)? {
-                Moved::Further => {}
+                Moved::Further(there) => z = there,
                 Moved::Settled => {
                     fit.stop = StopReason::Converged;
                     break;
@@ -159,7 +160,8 @@ impl Problem<'_> {
         Ok(fit)
     }
 
-    /// One Gauss-Newton step of the free numbers from a model whose residual is `z`.
+    /// One Gauss-Newton step of the free numbers from a model whose residual is `z`, halved until the weighed squares fall: the best numbers of
+    /// runs that differ much may lie where a straight line from here leads out of what can be flown.
     fn iterate(
         &self,
         h: &mut TrackModel,
@@ -174,7 +176,8 @@ impl Problem<'_> {
         if !unseen.is_empty() {
             return Ok(Moved::Unseen(unseen));
         }
-        let mut normal = Whitening::new(&sigma).map(|w| {
+        let whitening = Whitening::new(&sigma);
+        let mut normal = whitening.as_ref().map(|w| {
             let white: Vec<Residual> = columns.iter().map(|a| w.whiten(a)).collect();
             NormalEquations::new(&w.whiten(z), &white)
         });
@@ -189,10 +192,25 @@ impl Problem<'_> {
             };
         };
         covariance.clone_from(&(&step.covariance * self.evidence.inflation()));
-        let moved = apply(h, free, &step.delta);
-        let worst =
-            (0..free.len()).map(|i| moved[i].abs() / step.covariance[(i, i)].max(f64::MIN_POSITIVE).sqrt()).fold(0.0, f64::max);
-        Ok(if worst < 0.01 { Moved::Settled } else { Moved::Further })
+        let squares = |h: &TrackModel, z: &[f64]| {
+            let of_data = whitening.as_ref().map_or(f64::NAN, |w| w.whiten(z).iter().map(|x| x * x).sum::<f64>());
+            of_data - 2.0 * h.log_prior()
+        };
+        let before = squares(&*h, z);
+        for halving in 0..=HALVINGS {
+            let mut there = h.clone();
+            let moved = apply(&mut there, free, &(&step.delta * 0.5_f64.powi(halving as i32)));
+            let size = |i: usize| moved[i].abs() / step.covariance[(i, i)].max(f64::MIN_POSITIVE).sqrt();
+            let settled = (0..free.len()).map(size).fold(0.0, f64::max) < 0.01;
+            let at = self.evidence.residual(&there.plant(self.base));
+            // NaN of a flight that fails is no fall.
+            let falls = squares(&there, &at) < before;
+            if falls || (settled && at.iter().all(|x| x.is_finite())) {
+                *h = there;
+                return Ok(if settled { Moved::Settled } else { Moved::Further(at) });
+            }
+        }
+        Ok(Moved::Settled)
     }
 
     /// Fits sizes of the unmodelled residual to `z`; returns log-likelihood and covariance.

@@ -91,6 +91,13 @@ impl TrackModel {
             Free::Effect(e, i) => self.effects[e].values[i] = value,
         }
     }
+    /// The same with one free number moved by a step for differences, and the step.
+    pub(crate) fn moved(&self, f: Free) -> (Self, f64) {
+        let step = self.step(f);
+        let mut moved = self.clone();
+        moved.set(f, self.get(f) + step);
+        (moved, step)
+    }
     /// Numbers that enter the mean: declared parameters, strengths, and shapes when asked for.
     pub(super) fn free(&self, declared: &[bool], shapes: bool) -> Vec<Free> {
         let mut free: Vec<Free> = (0..self.declared.len()).filter(|&i| declared[i]).map(Free::Declared).collect();

@@ -111,11 +111,10 @@ impl Track {
             improve(&mut inverse, &step, &(&g - &next));
             g = next;
         }
-        let nonlinear = matches!(self.kind(), Measured::Angle | Measured::Pose) || own.point.atmosphere.is_some();
-        if nonlinear { self.estimated_by_newton(&own) } else { None }
+        self.estimated_by_newton(&own)
     }
 
-    /// The same by Newton's method with a Jacobian at every step, for swings and long climbs that Broyden's does not follow. Where a flight is no
+    /// The same by Newton's method with a Jacobian at every step, for swings, long climbs and falls by much more drag that Broyden's does not follow. Where a flight is no
     /// smooth function of its start - a table has kinks - steps come to go to and fro; that is an answer where they are far below the noise.
     fn estimated_by_newton(&self, own: &Plant) -> Option<(DVector<f64>, DVector<f64>)> {
         let mut theta = self.start.clone();

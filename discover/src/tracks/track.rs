@@ -9,11 +9,13 @@ use super::pose::{self, Poses};
 use crate::DiscoverError;
 use nalgebra::{DMatrix, DVector};
 use windfall_model::frames::Vec3;
-use windfall_model::{Measured, Plant, PointRecord};
+use windfall_model::{Acts, Campaign, Measured, Plant, PointRecord};
 use windfall_sim::{PointState, fly_point_states};
 
 /// Smallest sensor noise assumed, in the unit of what was measured: simulated tracks may be free of it.
 pub(super) const FLOOR: f64 = 1e-6;
+/// Fewest samples of a track: an initial state takes two per axis.
+pub(super) const FEWEST: usize = 4;
 /// Most samples of a track; longer records are averaged.
 const MOST: usize = 256;
 /// Steps for differences by the initial state and by pushes: of velocities a tenth of a millimetre at the end, of pushes a tenth of a m/s²;
@@ -21,6 +23,31 @@ const MOST: usize = 256;
 pub(super) const STATE_STEP: f64 = 1e-4;
 const PUSH_STEP: f64 = 0.1;
 const POSE_PUSH_STEP: f64 = 1e-3;
+
+/// Why a run gives no track.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum TrackFault {
+    /// Too few samples for an initial state.
+    Short { samples: usize },
+    /// The declared model cannot follow it.
+    NotFlown,
+}
+
+impl TrackFault {
+    /// With the run's name and the numbers that its flight depends on.
+    pub(super) fn of_run(self, campaign: &Campaign, run: usize) -> DiscoverError {
+        let numbers = match campaign.body() {
+            Acts::FreeFlight => "mass, inertia, reference area, coefficients, air density, thrusts",
+            Acts::Pivot => "mass, arm, inertia, friction",
+            _ => "mass, diameter, air density, CD",
+        };
+        let run = campaign.runs[run].name.clone();
+        match self {
+            Self::Short { samples } => DiscoverError::ShortTrack { run, samples, needed: FEWEST },
+            Self::NotFlown => DiscoverError::NotFlown { run, numbers },
+        }
+    }
+}
 
 /// One run ready for any plant.
 pub(super) struct Track {
@@ -73,18 +100,18 @@ impl Track {
         index: usize,
         around: &Plant,
         pushed: bool,
-    ) -> Result<Self, DiscoverError> {
+    ) -> Result<Self, TrackFault> {
         let rigid = record.measured == Measured::Pose;
         let present = |a: &usize| if rigid && *a > 2 { true } else { record.channel(*a).is_some() };
         let axes: Vec<usize> = (0..6).filter(present).collect();
         let samples = record.t_s.len();
-        if axes.is_empty() || samples < 4 {
-            return Err(DiscoverError::ShortTrack { run: index, samples: if axes.is_empty() { 0 } else { samples }, needed: 4 });
+        if axes.is_empty() || samples < FEWEST {
+            return Err(TrackFault::Short { samples: if axes.is_empty() { 0 } else { samples } });
         }
         let group = if rigid { 1 } else { samples.div_ceil(MOST) };
         let whole = record;
         let (record, scatter_s2) = if rigid { averaged(&pose::thinned(record), 1) } else { averaged(record, group) };
-        let poses = if rigid { Some(Poses::of(whole, &record).ok_or(DiscoverError::NotFlown { run: index })?) } else { None };
+        let poses = if rigid { Some(Poses::of(whole, &record).ok_or(TrackFault::NotFlown)?) } else { None };
         let n = record.t_s.len();
         let t0 = record.t_s[0];
         let mixed = record.measured == Measured::PositionAndForce;
@@ -120,9 +147,9 @@ impl Track {
         };
         if let Some(poses) = &track.poses {
             let own = track.own(around);
-            track.given = !track.keeps_its_start(poses, &own).ok_or(DiscoverError::NotFlown { run: index })?;
+            track.given = !track.keeps_its_start(poses, &own).ok_or(TrackFault::NotFlown)?;
         }
-        track.lay(around).ok_or(DiscoverError::NotFlown { run: index })?;
+        track.lay(around).ok_or(TrackFault::NotFlown)?;
         Ok(track)
     }
 
@@ -251,7 +278,10 @@ impl Track {
 
     /// States at the samples from an initial state.
     pub(super) fn states(&self, own: &Plant, theta: &DVector<f64>) -> Option<Vec<PointState>> {
-        let (p, v) = self.state(theta);
+        let (p, mut v) = self.state(theta);
+        if self.motions() == 1 {
+            v[1] = v[0].abs() * own.point.slope_squared.max(0.0).sqrt();
+        }
         let ticks = 1.0 + own.sensors.time_base;
         let t_s: Vec<f64> = self.t_s.iter().map(|t| t / ticks).collect();
         fly_point_states(own, &t_s, self.recorded_inputs(), p, v).ok()

@@ -31,6 +31,12 @@ fn recover_dry_friction_of_a_pendulum() {
     assert!(families(&closing).contains(&"pivot-friction"), "{:?}", families(&closing));
     let [before, after] = held(&closing, |h| h.trajectory.and_then(|t| t.attitude_rms_deg));
     assert!(after < 0.5 * before, "{before} {after} deg");
+    // Friction in all is not negative, and taking all of it away is said.
+    let declared = c.plant.point.pivot.expect("an arm").viscous_n_m_s;
+    for viscous in closing.effects.iter().filter(|e| e.family == "viscous-friction").map(|e| &e.parameters[0]) {
+        let in_all = declared + viscous.estimate;
+        assert!(in_all > -1e-12 * declared && viscous.at_end == (in_all < 1e-9 * declared), "{viscous:?}");
+    }
 }
 
 /// Coasts of five rockets by their own tables of drag, believed to a tenth: nothing that all lack is named, and the tables are right on
@@ -66,6 +72,35 @@ fn recover_nothing_from_one_rocket_alone() {
         assert_eq!(closing.verdict, Verdict::Consistent, "{rocket}");
         assert!(closing.after.parameters[0].std_error.is_some_and(|s| s > 0.01), "{rocket}");
     }
+}
+
+/// Of one coast, a factor on the table that the runs moved is printed beside what the file has, and numbers that do as well in its place: mass and
+/// density stand beside it in the equation of motion. A path aslant, which only adds drag, does not do for a factor below one.
+#[test]
+fn recover_what_would_do_in_place_of_a_factor() {
+    let closing = closed(&measured("rocket-coasts/andromeda.toml"));
+    let scale = &closing.after.parameters[0];
+    assert_eq!((scale.declared, scale.declared_std), (Some(1.0), None));
+    assert!(scale.moved().is_some_and(|m| m < -5.0), "{scale:?}");
+    let [found] = closing.instead.as_slice() else { panic!("one parameter moved: {:?}", closing.instead) };
+    let keys: Vec<&str> = found.instead.iter().map(|i| i.key.as_str()).collect();
+    assert!(["vehicle.mass_kg", "environment.air_density_kg_m3"].iter().all(|k| keys.contains(k)), "{keys:?}");
+    assert!(!keys.contains(&"path"), "{keys:?}");
+    // Drag over mass is what is seen: the same to the fit's own tolerance, a hundredth of its error.
+    let mass = found.instead.iter().find(|i| i.key == "vehicle.mass_kg").expect("is there");
+    let error = scale.std_error.expect("seen") / scale.estimate;
+    assert!((mass.declared / mass.estimate / scale.estimate - 1.0).abs() < 0.5 * error, "{mass:?}");
+}
+
+/// A table that is too high, held as it stands: drag takes a part of it away, and no more than there is.
+#[test]
+fn recover_drag_below_a_table_that_is_held() {
+    let mut c = measured("rocket-coasts/andromeda.toml");
+    c.declared = vec![false];
+    let closing = closed(&c);
+    let drag = closing.effects.iter().find(|e| e.family == "drag");
+    let rival = closing.effects.iter().any(|e| e.rivals.iter().any(|r| r == "drag"));
+    assert!(rival || drag.is_some_and(|d| d.parameters[0].estimate < 0.0), "{:?}", families(&closing));
 }
 
 /// A coast with air brakes: what follows the brakes is named; the flight whose brakes stuck against their command is not predicted by it.

@@ -237,6 +237,66 @@ fn recover_planted_lift_per_input_and_drag() {
     assert!((rms / 0.002 - (1.0_f64 - 6.0 / 240.0).sqrt()).abs() < 4.0 / (2.0 * 1440.0_f64).sqrt(), "{rms}");
 }
 
+/// A ball with declared drag a third too high, held: less drag is named, and its amount in all is what was planted.
+#[test]
+fn recover_drag_that_is_less_than_declared() {
+    let mut plant = ball().expect("a campaign file of one ball");
+    plant.aero.values = vec![0.6];
+    let mut truth = plant.clone();
+    truth.aero.values = vec![0.45];
+    let mut c = planted(&plant, &truth, &[0.0; 8], [true; 3], 11);
+    c.inputs.clear();
+    c.runs.iter_mut().for_each(|r| r.inputs.clear());
+    c.declared = vec![false];
+    let r = close(&c, &Options::default()).expect("flies");
+    let drag = r.effects.iter().find(|e| e.family == "drag").unwrap_or_else(|| panic!("named: {:?}", r.effects));
+    let cd = &drag.parameters[0];
+    // 3 standard errors: one in 370, seed fixed.
+    assert!((cd.estimate + 0.15).abs() < 3.0 * cd.std_error.expect("free") && !cd.at_end, "{cd:?}");
+}
+
+/// Drag that a setting raises by a factor of six is stated at the settings flown, not at settings of zero, and in all is never negative.
+#[test]
+fn recover_drag_at_the_settings_flown() {
+    let plant = ball().expect("a campaign file of one ball");
+    let mut truth = plant.clone();
+    truth.aero.values = vec![0.0];
+    truth.point.drag_per_input = vec![0.4];
+    let c = planted(&plant, &truth, &[1.0, 6.0, 1.0, 6.0, 3.0, 4.0, 2.0, 5.0], [true; 3], 12);
+    let r = close(&c, &Options::default()).expect("flies");
+    let drag = r.effects.iter().find(|e| e.family == "drag").unwrap_or_else(|| panic!("named: {:?}", r.effects));
+    let in_all = drag.flown.iter().find(|f| f.in_all).expect("an amount");
+    for (value, planted) in [(&in_all.least, 0.4), (&in_all.most, 2.4)] {
+        // 3 standard errors: one in 370, seed fixed.
+        assert!((value.estimate - planted).abs() < 3.0 * value.std_error, "{value:?}");
+    }
+    assert!(drag.shown_parameters().all(|p| p.name != "CD"), "{:?}", drag.parameters);
+}
+
+/// Falls of 8 s under a parachute whose area the setting raises by six: the first fit, of one coefficient for all, leads far from where the
+/// flights were laid, and comes to its end.
+#[test]
+fn recover_drag_of_falls_that_differ_by_six() {
+    let mut plant = ball().expect("a campaign file of one ball");
+    (plant.vehicle.mass_kg, plant.vehicle.diameter_m, plant.sensors.position_std_m) = (1.0, 0.3, 0.01);
+    plant.aero.values = vec![0.8];
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+    let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
+    let mut c = planted(&plant, &plant, &[1.0, 6.0, 1.0, 6.0, 1.0, 6.0], [true, false, false], 5);
+    for run in &mut c.runs {
+        let mut truth = plant.clone();
+        truth.aero.values = vec![0.8 * run.inputs[0]];
+        let t_s: Vec<f64> = (0..160).map(|i| 0.05 * f64::from(i)).collect();
+        let flown = fly_point(&truth, 1.19, &t_s, [0.0; 3], [0.1 * draw(), 0.0, 0.0]).expect("falls");
+        let down = flown.iter().map(|p| p[0] + 0.01 * draw()).collect();
+        run.data = Data::Point(PointRecord { t_s, position_m: [Some(down), None, None], ..PointRecord::default() });
+    }
+    let r = close(&c, &Options::default()).expect("the declared model fits");
+    let drag = r.effects.iter().find(|e| e.family == "drag").unwrap_or_else(|| panic!("named: {:?}", r.effects));
+    let slope = drag.parameters.iter().find(|p| p.name == "CD_per_spin").expect("follows the setting");
+    assert!((slope.estimate - 0.8).abs() < 3.0 * slope.std_error.expect("free"), "{slope:?}");
+}
+
 #[test]
 fn law_residual_forgets_the_initial_state_and_unmeasured_axes() {
     let plant = ball().expect("a campaign file of one ball");

@@ -10,9 +10,9 @@ pub(super) static EFFECT: Effect = Effect {
     separate_by: "a perturbed run with larger vertical acceleration (step of tunnel speed) at the same attitude",
     parameters: |_| {
         vec![
-            Parameter::positive("axial_kg", "kg", 0.3),
-            Parameter::positive("radial_kg", "kg", 0.3),
-            Parameter::positive("transverse_kg_m2", "kg m2", 0.01),
+            Parameter::amount("axial_kg", "kg", 0.3, |p| p.vehicle.apparent.axial_kg),
+            Parameter::amount("radial_kg", "kg", 0.3, |p| p.vehicle.apparent.radial_kg),
+            Parameter::amount("transverse_kg_m2", "kg m2", 0.01, |p| p.vehicle.apparent.transverse_kg_m2),
             Parameter::shape("unturned", "-", 0.0, 1.0, 0.0, &[0.0, 1.0]),
             Parameter::shape("in_gusts", "-", 0.0, 1.0, 0.0, &[0.0, 1.0]),
         ]

@@ -31,6 +31,24 @@ pub enum Role {
     Reference,
 }
 
+/// How much a plant has already of what a strength adds to. The sum of both is never negative.
+#[derive(Clone, Copy)]
+pub struct Net(pub fn(&Plant) -> f64);
+
+/// Two are the same when they are the same function.
+impl PartialEq for Net {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::fn_addr_eq(self.0, other.0)
+    }
+}
+
+/// Without the address, which differs from one run of the program to the next.
+impl std::fmt::Debug for Net {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Net")
+    }
+}
+
 /// One parameter of an effect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
@@ -38,7 +56,7 @@ pub struct Parameter {
     pub name: String,
     /// SI unit, `-` for none.
     pub unit: &'static str,
-    /// Smallest plausible value (allowed in scenarios, inclusive).
+    /// Smallest plausible value (allowed in scenarios, inclusive); of an amount beside a plant that has none of it.
     pub low: f64,
     /// Largest value that is allowed and looked for.
     pub high: f64,
@@ -50,6 +68,8 @@ pub struct Parameter {
     pub role: Role,
     /// Step of a strength for differences: small against what matters, large against rounding.
     pub step: f64,
+    /// Of an amount that is never negative in all (drag, friction, apparent mass): what the plant has of it already.
+    pub net: Option<Net>,
 }
 
 impl Parameter {
@@ -57,6 +77,28 @@ impl Parameter {
     #[must_use]
     pub fn beyond(&self, value: f64) -> f64 {
         (self.low - value).max(value - self.high).max(0.0) / (self.high - self.low)
+    }
+    /// Smallest value that any plant allows: of an amount all that a plant could have of it.
+    #[must_use]
+    pub fn lowest(&self) -> f64 {
+        if self.net.is_some() { -self.high } else { self.low }
+    }
+    /// The same parameter beside this plant: an amount may take away what the plant has of it, and no more.
+    #[must_use]
+    pub fn beside(mut self, plant: &Plant) -> Self {
+        if let Some(Net(of)) = self.net {
+            self.low = (-of(plant)).clamp(-self.high, 0.0);
+        }
+        self
+    }
+    /// Whether an estimate lies at an end of its range, where that says something: not at null, and not at a number that is tried.
+    #[must_use]
+    pub fn is_at_end(&self, value: f64) -> bool {
+        let searched = self.role == Role::Strength || self.is_graded();
+        // Rounding of sums.
+        let at = |x: f64| (value - x).abs() <= 1e-9 * (self.high - self.low);
+        let is_form = self.parts_forms() && at(0.0);
+        searched && !is_form && !at(self.null) && (at(self.low) || at(self.high))
     }
     /// Whether it is a shape that can be changed a little: not a whole number.
     #[must_use]
@@ -78,6 +120,7 @@ impl Parameter {
             null: 0.0,
             role: Role::Strength,
             step: 1e-3 * limit.min(1e3),
+            net: None,
         }
     }
     /// A strength that is never negative.
@@ -88,21 +131,16 @@ impl Parameter {
     fn allowed_to(self, high: f64) -> Self {
         Self { high, ..self }
     }
+    /// A change of an amount that is never negative in all: it may take away what the plant has of it.
+    fn amount(name: &str, unit: &'static str, limit: f64, of: fn(&Plant) -> f64) -> Self {
+        Self { net: Some(Net(of)), ..Self::positive(name, unit, limit) }
+    }
     fn shape(name: &str, unit: &'static str, low: f64, high: f64, null: f64, tried: &'static [f64]) -> Self {
-        Self { name: name.to_owned(), unit, low, high, usual: high, null, role: Role::Shape(tried), step: 0.0 }
+        Self { low, high, usual: high, null, role: Role::Shape(tried), step: 0.0, ..Self::strength(name, unit, 0.0) }
     }
     /// Tunnel speed at which strengths are stated; null is near the SAGE model's trim in the tunnel.
     fn reference() -> Self {
-        Self {
-            name: "at_m_s".to_owned(),
-            unit: "m/s",
-            low: 0.0,
-            high: 1e3,
-            usual: 1e3,
-            null: 7.5,
-            role: Role::Reference,
-            step: 0.0,
-        }
+        Self { low: 0.0, high: 1e3, usual: 1e3, null: 7.5, role: Role::Reference, step: 0.0, ..Self::strength("at_m_s", "m/s", 0.0) }
     }
     /// Value where a file leaves it out, where it may: null; zero of a speed at which strengths are stated, which stands for the trim speed.
     #[must_use]
@@ -132,6 +170,16 @@ pub struct Effect {
     pub apply: fn(&mut Plant, &[f64]),
     /// Additional run that would separate this effect from one that looks the same, in words.
     pub separate_by: &'static str,
+}
+
+impl Effect {
+    /// The first of its amounts that a plant with it has less than none of, with how much in all.
+    #[must_use]
+    pub fn overdrawn(&self, inputs: &[String], plant: &Plant) -> Option<(Parameter, f64)> {
+        let in_all = |p: Parameter| p.net.map(|Net(of)| of(plant)).map(|x| (p, x));
+        // Rounding of what takes all of it away.
+        (self.parameters)(inputs).into_iter().filter_map(in_all).find(|(p, x)| *x < -1e-12 * p.high)
+    }
 }
 
 /// Two are the same when family and bodies are.

@@ -9,7 +9,10 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Coulomb friction, made smooth at rest: Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30, 1994",
     separate_by: "the same roll without tether (drop test), or with a freshly oiled swivel",
     parameters: |_| {
-        vec![Parameter::positive("torque_n_m", "N m", 0.1), Parameter::shape("slip_rad_s", "rad/s", 0.005, 0.5, 0.05, &[0.05])]
+        vec![
+            Parameter::amount("torque_n_m", "N m", 0.1, |p| p.tether.as_ref().map_or(0.0, |t| t.swivel_n_m)),
+            Parameter::shape("slip_rad_s", "rad/s", 0.005, 0.5, 0.05, &[0.05]),
+        ]
     },
     apply: |plant, v| {
         if let Some(t) = &mut plant.tether {

@@ -14,15 +14,15 @@ __all__ = [
     "ChannelResidual", "Check", "Closing", "ClosingSummary", "CoefficientChoice", "CoefficientFit", "Compatibility",
     "ConfusionLine", "ConstantLine", "Correlation", "Count", "CriterionChoice", "Curve", "DataSet", "Deciding", "DependenceLine",
     "Descent", "DescentEnds", "DescentModel", "DescentReason", "DrawnParameter", "EffectBound", "EffectLine", "Estimate",
-    "Estimated", "Explanation", "FailureKind", "FigureOver", "FigureSeparation", "FlownParameter", "Form", "FormCheck",
-    "FoundEffect", "FoundNumber", "HeightLine", "Held", "HeldOut", "HeldOutTrajectory", "Identifiability", "Identification",
-    "InnovationLine", "InnovationShape", "InstrumentError", "Instruments", "LandingScatter", "Many", "NextRun", "NoiseLine",
-    "NumberLine", "OutcomeParameter", "ParameterLine", "ParameterShare", "ParameterSummary", "Plan", "PlanOption",
-    "PooledParameter", "Pressure", "Quantile", "Rate", "Record", "RecoveredDraw", "RecoveryLine", "ReliabilityPoint", "Residuals",
-    "Resimulation", "Result", "RunComparison", "Screened", "Separated", "Separation", "SetLine", "ShapeReport", "Sharpened",
-    "Shift", "SimulatedHistory", "Statistic", "StatisticsClosing", "StatisticsOptions", "SteadyFall", "Structure", "Study",
-    "Tally", "TargetPlan", "TermEstimate", "TouchDownLine", "TrajectoryError", "Unexplained", "VariedLine", "Verification",
-    "WindTunnelLine", "WindTunnelModel", "WordLine",
+    "Estimated", "Explanation", "FailureKind", "FigureOver", "FigureSeparation", "FittedInstead", "FlownCoefficient",
+    "FlownParameter", "FlownValue", "Form", "FormCheck", "HeightLine", "Held", "HeldOut", "HeldOutTrajectory", "Identifiability",
+    "Identification", "InnovationLine", "InnovationShape", "Instead", "InstrumentError", "Instruments", "LandingScatter", "Many",
+    "NextRun", "NoiseLine", "NumberLine", "OutcomeParameter", "ParameterLine", "ParameterShare", "ParameterSummary", "Plan",
+    "PlanOption", "PooledParameter", "Pressure", "Quantile", "Rate", "Record", "RecoveredDraw", "RecoveryLine",
+    "ReliabilityPoint", "Residuals", "Resimulation", "Result", "RunComparison", "Screened", "Separated", "Separation", "SetLine",
+    "ShapeReport", "Sharpened", "Shift", "SimulatedHistory", "Statistic", "StatisticsClosing", "StatisticsOptions", "SteadyFall",
+    "Structure", "Study", "Tally", "TargetPlan", "TermEstimate", "TouchDownLine", "TrajectoryError", "Unexplained", "VariedLine",
+    "Verification", "WindTunnelLine", "WindTunnelModel", "WordLine",
 ]
 
 
@@ -364,6 +364,26 @@ class ParameterLine(Record):
     ci95: list[float] | None
     rse_percent: float | None
     unit: str
+    at_end: bool
+    declared: float | None
+    declared_std: float | None
+
+
+class FlownValue(Record):
+    """A coefficient at the settings of one run."""
+
+    run: str
+    estimate: float
+    std_error: float
+
+
+class FlownCoefficient(Record):
+    """A coefficient that follows settings of the runs, at settings that were flown."""
+
+    name: str
+    in_all: bool
+    least: FlownValue
+    most: FlownValue
 
 
 class FormCheck(Record):
@@ -385,6 +405,7 @@ class EffectLine(Record):
 
     family: str
     parameters: list[ParameterLine]
+    flown: list[FlownCoefficient]
     p_value: float
     probability: float | None
     rivals: list[str]
@@ -428,6 +449,24 @@ class Shift(Record):
     before: float
     after: float
     std_error_after: float
+
+
+class Instead(Record):
+    """A number that would do as well as a declared parameter that was moved."""
+
+    key: str
+    meaning: str
+    declared: float
+    estimate: float
+    unit: str
+    lost: float
+
+
+class FittedInstead(Record):
+    """A declared parameter that the runs moved, and other numbers that would do as well in its place."""
+
+    parameter: str
+    instead: list[Instead]
 
 
 class HeldOutTrajectory(Record):
@@ -476,6 +515,7 @@ class Closing(Result):
     bounds: list[EffectBound]
     unexplained: list[Unexplained]
     shifts: list[Shift]
+    instead: list[FittedInstead]
     before: After
     after: After
     wind_tunnel: list[WindTunnelLine]

@@ -1,13 +1,13 @@
 //! discover: the contest of sets of effects on tracks. In: tracks, a declared model. Out: the set that the runs speak for, and all next to it.
 
 use super::settings::Settings;
-use super::{catalogue, declared, problem, settled_fit};
+use super::{amounts, catalogue, declared, problem, settled_fit};
 use crate::DiscoverError;
 use crate::tracks::{EffectInstance, Free, Problem, TrackEvidence, TrackFit, TrackModel};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use windfall_likelihood::{CONTRADICTED, UNFLOWN, log_mean};
-use windfall_model::{Campaign, Effect, Measured, Role};
+use windfall_model::{Campaign, Effect, Measured, Parameter, Role};
 
 /// Log odds by which a larger set must beat a smaller one: gains are held back already by what few runs know of their scatter
 /// ([`TrackContest::factor`]), and 1 in 100 campaigns without an effect get one all the same (`law_few_false_names` of the tests).
@@ -89,6 +89,11 @@ impl<'a> TrackContest<'a> {
         problem(self.campaign, &self.evidence)
     }
 
+    /// An effect at null beside the runs.
+    pub(super) fn null(&self, effect: &'static Effect) -> EffectInstance {
+        self.settings.null(effect, self.campaign)
+    }
+
     pub(super) fn family_name(&self, place: usize) -> String {
         self.families[place].family.to_owned()
     }
@@ -159,10 +164,10 @@ impl<'a> TrackContest<'a> {
     /// An effect where its fit starts: at null; of specific forces a strength that is never negative at a quarter of the most that a body
     /// can have, for without drag the initial velocity is not seen, and a step from there leads anywhere.
     fn started(&self, effect: &'static Effect) -> EffectInstance {
-        let mut instance = self.settings.null(effect, self.campaign);
+        let mut instance = self.null(effect);
         if self.campaign.measured() == Measured::SpecificForce {
             for (p, v) in instance.parameters.iter().zip(&mut instance.values) {
-                if p.role == Role::Strength && p.low.total_cmp(&0.0).is_eq() {
+                if p.role == Role::Strength && p.low == 0.0 {
                     *v = 0.25 * p.high;
                 }
             }
@@ -171,7 +176,7 @@ impl<'a> TrackContest<'a> {
     }
 
     /// A set fitted in full, from the values that its members have in `near`. A strength that would leave what a body can have is held at
-    /// null; `None` where a family has none left.
+    /// null, one that would take away more than there is at all that there is; `None` where a family has none left.
     fn fitted(&self, set: &[usize], near: &TrackModel) -> Option<ScoredSet> {
         let mut h = declared(self.campaign, self.settings, near.generic.len());
         h.generic.clone_from(&near.generic);
@@ -190,7 +195,7 @@ impl<'a> TrackContest<'a> {
                 let e = &fit.hypothesis.effects[k];
                 let (p, v) = (&e.parameters[i], e.values[i]);
                 let held = !fit.free.contains(&Free::Effect(k, i));
-                p.role == Role::Strength && held && (v - p.null).abs() > 1e-12
+                p.role == Role::Strength && held && (v - p.null).abs() > 1e-12 && !takes_all(p, v)
             };
             let places = (own..h.effects.len()).flat_map(|k| (0..h.effects[k].values.len()).map(move |i| (k, i)));
             if let Some((k, i)) = places.clone().find(edge) {
@@ -199,8 +204,9 @@ impl<'a> TrackContest<'a> {
                 h.effects[k].values[i] = h.effects[k].parameters[i].null;
                 continue;
             }
-            let lives = |k: usize| fit.free.iter().any(|f| matches!(f, Free::Effect(e, _) if *e == k));
-            return (own..h.effects.len()).all(lives).then(|| {
+            let lives = |k: usize| numbers_of(&fit, k) > 0;
+            let sound = |k: usize| !amounts::is_overdrawn(self.campaign, self.settings.runs(), &fit, k);
+            return (own..h.effects.len()).all(|k| lives(k) && sound(k)).then(|| {
                 let score = self.score(&fit, set.len());
                 ScoredSet { families: set.to_vec(), fit, score }
             });
@@ -218,7 +224,7 @@ impl<'a> TrackContest<'a> {
         });
         let all: Vec<f64> = each.collect();
         let mean = log_mean(&all);
-        let added = fit.free.len().saturating_sub(self.declared.fit.free.len());
+        let added: usize = (own..fit.hypothesis.effects.len()).map(|k| numbers_of(fit, k)).sum();
         let gain = (fit.log_likelihood - self.declared.fit.log_likelihood) * self.factor(added);
         gain + mean - families as f64 * (self.families.len() as f64).ln() + self.predicted(fit)
     }
@@ -290,6 +296,18 @@ impl<'a> TrackContest<'a> {
             && self.predicted(&more.fit) >= self.predicted(&less.fit) - CONTRADICTED
             && self.evidence.tells(&less.fit.residual, &more.fit.residual)
     }
+}
+
+/// Whether a strength takes away all that there is of an amount.
+fn takes_all(p: &Parameter, value: f64) -> bool {
+    p.net.is_some() && value < p.null && p.is_at_end(value)
+}
+
+/// How many numbers an effect of a fit has: those that were fitted, and amounts that it takes away whole.
+pub(super) fn numbers_of(fit: &TrackFit, k: usize) -> usize {
+    let e = &fit.hypothesis.effects[k];
+    let counts = |i: usize| fit.free.contains(&Free::Effect(k, i)) || takes_all(&e.parameters[i], e.values[i]);
+    (0..e.values.len()).filter(|i| counts(*i)).count()
 }
 
 /// Whether a set differs from another by one family more, less, or other, or not at all.

@@ -11,6 +11,7 @@ use windfall_model::{Campaign, Data, Effect, Measured, Parameter, Role, Run};
 
 /// Means of the inputs of the runs to identify on, and what makes them uncorrelated with unit scatter.
 pub(super) struct Settings {
+    runs: Vec<usize>,
     names: Vec<String>,
     mean: DVector<f64>,
     /// Standard settings are this times inputs about their mean; directions in which no run differs are left out (zero).
@@ -36,7 +37,7 @@ impl Settings {
         // Inputs that drive the declared model itself stay as they are.
         let k = if campaign.measured() == Measured::Pose { 0 } else { campaign.inputs.len() };
         if k == 0 {
-            return Self { names: Vec::new(), mean: DVector::zeros(0), to_standard: DMatrix::zeros(0, 0) };
+            return Self { runs: runs.to_vec(), names: Vec::new(), mean: DVector::zeros(0), to_standard: DMatrix::zeros(0, 0) };
         }
         // A run whose inputs were recorded row by row counts as much as one whose inputs are constant.
         let rows = if runs.iter().any(|&r| !recorded(&campaign.runs[r]).is_empty()) { ROWS } else { 1 };
@@ -61,7 +62,12 @@ impl Settings {
         let eigen = correlation.symmetric_eigen();
         let length = |i: usize| if eigen.eigenvalues[i] > SAME { eigen.eigenvalues[i].powf(-0.5) } else { 0.0 };
         let to_standard = DMatrix::from_fn(k, k, |i, j| length(i) * eigen.eigenvectors[(j, i)] * scatter[j]);
-        Self { names: campaign.inputs.clone(), mean, to_standard }
+        Self { runs: runs.to_vec(), names: campaign.inputs.clone(), mean, to_standard }
+    }
+
+    /// The runs that they are of.
+    pub(super) fn runs(&self) -> &[usize] {
+        &self.runs
     }
 
     /// The campaign with its runs' inputs in standard units.
@@ -100,10 +106,20 @@ impl Settings {
         Some((constant, input))
     }
 
+    /// A parameter beside what the runs have of its amount at the mean of their settings: it takes away no more than any of them has.
+    fn beside_runs(&self, p: &Parameter, campaign: &Campaign) -> Parameter {
+        let low = |run: &usize| match &campaign.runs[*run].data {
+            Data::Point(record) => p.clone().beside(&record.plant(&campaign.plant, *run, &[])).low,
+            Data::Tunnel(_) => p.low,
+        };
+        let low = self.runs.iter().map(low).max_by(f64::total_cmp).unwrap_or(p.low);
+        Parameter { low, ..p.clone() }
+    }
+
     /// An effect at null, every strength within what a body can have at the settings flown.
     pub(super) fn null(&self, effect: &'static Effect, campaign: &Campaign) -> EffectInstance {
         let mut instance = EffectInstance::null(effect, &campaign.inputs);
-        let plain = (effect.parameters)(&[]);
+        let plain: Vec<Parameter> = (effect.parameters)(&[]).iter().map(|p| self.beside_runs(p, campaign)).collect();
         let range = |name: &str| plain.iter().find(|p| p.name == name).map(|p| (p.low, p.high));
         let ranges: Vec<Option<(f64, f64)>> = (0..instance.parameters.len())
             .map(|i| match self.partner(&instance.parameters, i) {
@@ -144,6 +160,19 @@ impl Settings {
             }
         }
         to
+    }
+
+    /// Coefficients of an effect that follow settings: the place of the part that does not, and of each slope with its input.
+    pub(super) fn followers(&self, parameters: &[Parameter]) -> Vec<(usize, Vec<(usize, usize)>)> {
+        let mut all: Vec<(usize, Vec<(usize, usize)>)> = Vec::new();
+        for i in 0..parameters.len() {
+            let Some((constant, input)) = self.partner(parameters, i) else { continue };
+            match all.iter_mut().find(|(c, _)| *c == constant) {
+                Some((_, slopes)) => slopes.push((i, input)),
+                None => all.push((constant, vec![(i, input)])),
+            }
+        }
+        all
     }
 
     /// Values and standard errors of a fit's effect in the campaign's own units; an error is infinite where a number was not free.
