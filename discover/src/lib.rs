@@ -14,7 +14,7 @@ pub use error::DiscoverError;
 pub use identify::{Identified, IdentifyOrder, Tie, identify};
 pub use wind_tunnel::{WindTunnelLine, WindTunnelModel};
 // What `Identified` is made of.
-pub use windfall_pid::compatibility::{Compatibility, InstrumentError, Instruments, Pressure};
+pub use windfall_pid::compatibility::{Agreement, Compatibility, InstrumentError, Instruments, NotExamined, Pressure};
 pub use windfall_pid::{
     Correlation, DataSet, Estimate, FoundEffect, FoundNumber, Identifiability, Identification, NORMAL_95, Refused, ci95,
 };

@@ -1,12 +1,14 @@
 //! pid: which method is right for the data at hand. In: a campaign. Out: its identification, and why that method was taken.
 
-use crate::StopReason;
+use crate::compatibility::{Compatibility, NotExamined, join, pressure};
 use crate::error::PidError;
 use crate::identification::Identification;
 use crate::identify::{Method, identify_by};
-use crate::output_error::{EstimateOptions, NOT_NOISE};
+use crate::not_noise::NotNoise;
+use crate::output_error::EstimateOptions;
 use crate::plant::{PROCESS_NOISE, TURBULENCE};
-use windfall_model::{CHANNELS, Campaign, POSE};
+use crate::StopReason;
+use windfall_model::Campaign;
 
 /// Identifies by output error where its residual is noise; by filter error where process noise explains what output error leaves; by
 /// equation error where neither follows the runs or the plant has what they do not integrate. [`Identification::reason`] says which
@@ -16,7 +18,10 @@ use windfall_model::{CHANNELS, Campaign, POSE};
 /// As [`crate::output_error::identify`]; where the declared model cannot even fly through the record, that reason.
 pub fn identify_chosen(campaign: &Campaign, options: &EstimateOptions) -> Result<Identification, PidError> {
     let first = match identify_by(campaign, Method::OutputError, options) {
-        Ok(found) if left(&found).is_empty() => return Ok(because(found, "its residual is noise in every channel".to_owned())),
+        Ok(found) if left(&found).is_noise_of_pose() => {
+            let reason = format!("over all runs its residual is {}", left(&found).clause());
+            return Ok(because(found, reason));
+        }
         Err(PidError::NotIntegrable { what }) => {
             return equation_error(
                 campaign,
@@ -29,22 +34,26 @@ pub fn identify_chosen(campaign: &Campaign, options: &EstimateOptions) -> Result
     };
     match (first, identify_by(campaign, Method::FilterError, options)) {
         (first, Ok(mut second)) if driven(&second) => {
-            second.compatibility = first.as_ref().ok().and_then(|f| f.compatibility.clone());
-            Ok(by_filter(&first.map_or_else(|e| e.to_string(), |f| left(&f)), second))
+            second.compatibility = first.as_ref().map_or_else(|_| no_answer(campaign, options), |f| f.compatibility.clone());
+            Ok(by_filter(&first.map_or_else(|e| e.to_string(), |f| format!("its residual is {}", left(&f).clause())), second))
         }
         (Ok(first), Ok(_)) => {
-            let reason = format!("its residual is not noise ({}), and filter error finds no turbulence in it", left(&first));
+            let reason = format!("its residual is {}, and filter error finds no turbulence in it", left(&first).clause());
             Ok(because(first, reason))
         }
         (Ok(first), Err(e)) => {
-            let reason = format!("its residual is not noise ({}), and filter error does not end ({e})", left(&first));
+            let reason = format!("its residual is {}, and filter error does not end ({e})", left(&first).clause());
             Ok(because(first, reason))
         }
-        (Err(e), Ok(second)) => Ok(by_filter(&e.to_string(), second)),
+        (Err(e), Ok(mut second)) => {
+            second.compatibility = no_answer(campaign, options);
+            Ok(by_filter(&e.to_string(), second))
+        }
         (Err(_), Err(e)) if !searched(&e) => Err(e),
         (Err(one), Err(other)) => {
             let mut found =
                 equation_error(campaign, options, "no trajectory of the declared model follows these runs".to_owned())?;
+            found.compatibility = no_answer(campaign, options);
             found.warnings.push(format!(
                 "the residual is not noise: the declared model lacks something that output error ({one}) and filter error ({other}) \
                  cannot make up for; intervals say nothing of bias: try windfall close"
@@ -61,7 +70,7 @@ fn equation_error(campaign: &Campaign, options: &EstimateOptions, reason: String
 /// Filter error's result, with what output error left.
 fn by_filter(left: &str, mut found: Identification) -> Identification {
     found.warnings.push(format!(
-        "output error's residual is not noise ({left}); filter error takes what is left for process noise, turbulence first: whether it \
+        "output error leaves more than noise ({left}); filter error takes what is left for process noise, turbulence first: whether it \
          is that or another effect, windfall close tells"
     ));
     because(found, "output error leaves more than noise, and process noise takes up what it leaves".to_owned())
@@ -77,12 +86,14 @@ fn because(mut found: Identification, reason: String) -> Identification {
     found
 }
 
-/// Channels of all runs together whose residual is not noise, in words; nothing where all are. The pose tests the declared model, the
-/// tunnel speed the smoothness that it is taken to have.
-fn left(found: &Identification) -> String {
-    let fits = found.of_all_runs().map_or(&[][..], |d| &d.fits);
-    let bad = fits.iter().take(POSE).filter(|f| f.residual_whiteness_p < NOT_NOISE / CHANNELS as f64);
-    bad.map(|f| format!("{}: p = {:.1e}", f.coefficient, f.residual_whiteness_p)).collect::<Vec<_>>().join(", ")
+/// Channels of all runs together whose residual is not noise.
+fn left(found: &Identification) -> NotNoise {
+    NotNoise::of(found.of_all_runs().map_or(&[][..], |d| &d.fits))
+}
+
+/// The instruments where output error was tried and gave no answer.
+fn no_answer(campaign: &Campaign, options: &EstimateOptions) -> Option<Compatibility> {
+    options.compatibility.then(|| join(pressure(campaign), Err(NotExamined::NoAnswer)))
 }
 
 /// True where gusts or random moments were found.

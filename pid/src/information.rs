@@ -20,6 +20,19 @@ pub struct Identifiability {
     pub expected: Vec<(String, f64)>,
 }
 
+impl Identifiability {
+    /// Parameters that stand in no set that the runs cannot separate and in no pair whose errors go together: the runs tell each of these
+    /// apart from all others.
+    #[must_use]
+    pub fn told_apart(&self) -> usize {
+        let pairs = self.correlations.iter().flat_map(|c| [&c.first, &c.second]);
+        let mut others: Vec<&String> = self.inseparable.iter().flatten().chain(pairs).collect();
+        others.sort();
+        others.dedup();
+        self.free.saturating_sub(others.len()).min(self.rank)
+    }
+}
+
 /// Two parameters whose errors go together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Correlation {

@@ -21,6 +21,7 @@ mod identify;
 mod information;
 mod instrument;
 mod interval;
+mod not_noise;
 pub mod output_error;
 pub mod plan;
 mod plant;

@@ -3,7 +3,9 @@
 
 use crate::html::{Cell, escape, table};
 use crate::words::{p_value, with_interval};
-use windfall_discover::{Compatibility, Correlation, DataSet, Identifiability, InstrumentError, Instruments, Pressure};
+use windfall_discover::{
+    Compatibility, Correlation, DataSet, Identifiability, InstrumentError, Instruments, NotExamined, Pressure,
+};
 
 /// Lines for people: pressure against speed, then what trajectories tell.
 #[must_use]
@@ -11,9 +13,18 @@ pub fn agreement(c: &Compatibility) -> Vec<String> {
     let mut all: Vec<String> = c.pressure.iter().map(|p| pressure_agreement(p, 0.5 * c.false_alarm_rate)).collect();
     match &c.instruments {
         Some(i) => instruments(i, 0.5 * c.false_alarm_rate, &mut all),
-        None => all.push("instruments by trajectories: not examined (output error gave no answer)".to_owned()),
+        None => all.push(format!("instruments by trajectories: not examined{}", c.not_examined.map_or("", why))),
     }
     all
+}
+
+/// Why trajectories were not examined.
+fn why(reason: NotExamined) -> &'static str {
+    match reason {
+        NotExamined::NotAsked => " (that is a part of output error, which was not run)",
+        NotExamined::NoAnswer => " (output error gave no answer)",
+        NotExamined::NoAnswerWithErrors => " (output error gave no answer with the instruments' errors as unknowns)",
+    }
 }
 
 /// Tunnel speed against dynamic pressure, in a line; they disagree where the chance of as much is below `limit`.
@@ -100,12 +111,22 @@ pub(crate) fn agreement_section(c: &Compatibility) -> String {
     if rows.is_empty() { lines } else { lines + &table(&["error, the others free", "found", "± 95 %", "unit"], &rows) }
 }
 
+/// A correlation in four places, or in as many as tell it from one.
+fn below_one(r: f64) -> String {
+    let from_one = (1.0 - r.abs()).max(1e-12);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "4 to 13")]
+    let places = (1.0 - from_one.log10().floor()).clamp(4.0, 13.0) as usize;
+    format!("{r:+.places$}")
+}
+
 /// What the runs can tell of the declared parameters, in lines.
 #[must_use]
 pub fn identifiable(seen: &Identifiability) -> Vec<String> {
+    let Identifiability { free, rank, condition, .. } = *seen;
+    let all = if rank == free { String::new() } else { format!(" and determine {rank} combinations of them") };
     let first =
-        format!("these runs tell {} of {} parameters apart (condition number {:.3e})", seen.rank, seen.free, seen.condition);
-    let pair = |c: &Correlation| format!("  {} and {}: errors correlated by {:+.4}", c.first, c.second, c.correlation);
+        format!("these runs tell {} of {free} parameters apart{all} (condition number {condition:.3e})", seen.told_apart());
+    let pair = |c: &Correlation| format!("  {} and {}: errors correlated by {}", c.first, c.second, below_one(c.correlation));
     let set = |s: &Vec<String>| {
         format!("  not separable by these runs: {}: hold one, or add a run that excites them apart", s.join(", "))
     };
@@ -134,6 +155,7 @@ pub(crate) fn told(seen: &Identifiability, set: &DataSet) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use windfall_discover::Agreement;
 
     #[test]
     fn law_what_runs_tell_is_said_in_lines_and_escaped() {
@@ -147,17 +169,58 @@ mod tests {
         };
         let lines = identifiable(&seen);
         assert_eq!(lines.len(), 3);
-        assert_eq!(lines[0], "these runs tell 2 of 3 parameters apart (condition number 4.297e2)");
+        assert_eq!(
+            lines[0],
+            "these runs tell 0 of 3 parameters apart and determine 2 combinations of them (condition number 4.297e2)"
+        );
         let set: DataSet = serde_json::from_value(serde_json::json!({
             "name": "combined", "runs": ["a"], "n_samples": 10, "condition_number": 1.0, "fits": [],
             "parameters": [], "covariance": [], "held": []
         }))
         .expect("a data set");
         let page = told(&seen, &set);
-        for text in ["<td>CA_T0</td>", "9.286e-5", "&lt;Cl_p&gt;: errors correlated by -1.0000", "Cm_1, Cn_1: hold one"] {
+        for text in ["<td>CA_T0</td>", "9.286e-5", "&lt;Cl_p&gt;: errors correlated by -0.999970", "Cm_1, Cn_1: hold one"] {
             assert!(page.contains(text), "{text}: {page}");
         }
         assert!(!page.contains("[\"CA_T0\""), "a list of pairs is no text to read");
+    }
+
+    fn compatibility(verdict: Agreement, instruments: Option<Instruments>, not_examined: Option<NotExamined>) -> Compatibility {
+        Compatibility { verdict, false_alarm_rate: 0.01, pressure: None, instruments, not_examined }
+    }
+
+    /// Only where output error was run can it have given no answer.
+    #[test]
+    fn exact_why_instruments_were_not_examined() {
+        for (reason, said) in [
+            (None, "not examined"),
+            (Some(NotExamined::NotAsked), "not examined (that is a part of output error, which was not run)"),
+            (Some(NotExamined::NoAnswer), "not examined (output error gave no answer)"),
+        ] {
+            let lines = agreement(&compatibility(Agreement::Undecided, None, reason));
+            assert_eq!(lines, [format!("instruments by trajectories: {said}")]);
+        }
+    }
+
+    /// A parameter that stands in a line of those hardly told apart is not among those that are.
+    #[test]
+    fn law_what_is_told_apart_is_in_no_line_below() {
+        let pair = |first: &str, second: &str, correlation: f64| Correlation {
+            first: first.to_owned(),
+            second: second.to_owned(),
+            correlation,
+        };
+        let seen = Identifiability {
+            free: 11,
+            rank: 11,
+            condition: 1e4,
+            correlations: vec![pair("Cl_0", "Cl_p", -0.999_999_7), pair("Cm_1", "Cm_2", 0.93), pair("Cl_0", "CA_T0", 0.91)],
+            inseparable: vec![vec!["Cl_0".to_owned(), "Cl_p".to_owned()]],
+            expected: Vec::new(),
+        };
+        let lines = identifiable(&seen);
+        assert_eq!(lines[0], "these runs tell 6 of 11 parameters apart (condition number 1.000e4)");
+        assert!(lines[1].ends_with("errors correlated by -0.99999970") && lines[2].ends_with("+0.9300"), "{lines:?}");
     }
 
     #[test]
@@ -179,9 +242,7 @@ mod tests {
             correlations: Vec::new(),
             residual: Vec::new(),
         };
-        let verdict = serde_json::from_value(serde_json::json!("inconsistent")).expect("a verdict");
-        let page =
-            agreement_section(&Compatibility { verdict, false_alarm_rate: 0.01, pressure: None, instruments: Some(instruments) });
+        let page = agreement_section(&compatibility(Agreement::Inconsistent, Some(instruments), None));
         for text in [
             "pose and V_W disagree",
             "wind_delay_s = 0.0500 ± 0.0020 accounts for it",

@@ -55,15 +55,30 @@ pub struct Compatibility {
     pub false_alarm_rate: f64,
     /// Dynamic pressure against tunnel speed; none where no run has it.
     pub pressure: Option<Pressure>,
-    /// The instruments' errors, all estimated together and with the declared parameters; none where output error does not end.
+    /// The instruments' errors, all estimated together and with the declared parameters; none where they were not examined.
     pub instruments: Option<Instruments>,
+    /// Why the trajectories were not examined; none where they were.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub not_examined: Option<NotExamined>,
+}
+
+/// Why the instruments were not examined by trajectories.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NotExamined {
+    /// Output error, which the examination is part of, was not run.
+    NotAsked,
+    /// Output error gave no answer.
+    NoAnswer,
+    /// Output error gave one, and none with the instruments' errors as unknowns beside the parameters.
+    NoAnswerWithErrors,
 }
 
 impl Compatibility {
     /// Of dynamic pressure alone.
     #[must_use]
     pub fn of_pressure(pressure: Pressure) -> Self {
-        join(Some(pressure), None)
+        join(Some(pressure), Err(NotExamined::NotAsked))
     }
 }
 
@@ -149,14 +164,16 @@ pub fn compatibility(campaign: &Campaign) -> Result<Compatibility, PidError> {
     let unknowns = unknowns(campaign, &crate::output_error::EstimateOptions::default())?;
     let nominals = runs.iter().map(|r| r.smoothed.clone()).collect();
     let solved = match crate::output_error::solve(&runs, unknowns, nominals, ITERATIONS) {
-        Outcome::Solved(solved) => Some(solved),
-        _ => None,
+        Outcome::Solved(solved) => instruments(&runs, &solved).ok_or(NotExamined::NoAnswerWithErrors),
+        _ => Err(NotExamined::NoAnswer),
     };
-    Ok(join(pressure(campaign), solved.and_then(|s| instruments(&runs, &s))))
+    Ok(join(pressure(campaign), solved))
 }
 
 /// Both tests as one verdict.
-pub(crate) fn join(pressure: Option<Pressure>, instruments: Option<Instruments>) -> Compatibility {
+pub(crate) fn join(pressure: Option<Pressure>, examined: Result<Instruments, NotExamined>) -> Compatibility {
+    let not_examined = examined.as_ref().err().copied();
+    let instruments = examined.ok();
     let each = 0.5 * FALSE_ALARM_RATE;
     let verdict = match &instruments {
         _ if pressure.as_ref().is_some_and(|p| p.p_value < each) => Agreement::Inconsistent,
@@ -164,7 +181,7 @@ pub(crate) fn join(pressure: Option<Pressure>, instruments: Option<Instruments>)
         Some(i) if i.residual.is_empty() => Agreement::Consistent,
         _ => Agreement::Undecided,
     };
-    Compatibility { verdict, false_alarm_rate: FALSE_ALARM_RATE, pressure, instruments }
+    Compatibility { verdict, false_alarm_rate: FALSE_ALARM_RATE, pressure, instruments, not_examined }
 }
 
 /// Errors of the instruments beside a solution's parameters. `None` where the search with them does not end.

@@ -6,7 +6,8 @@
 //! Knapp and Carter 1976). A q_W that was computed from V_W shares its noise and says nothing of it: only ρ is tested then.
 
 use crate::interval::{NORMAL_95, ci95};
-use crate::output_error::{Liveliness, NOT_NOISE, liveliness, low_frequency_p};
+use crate::not_noise::NOT_NOISE;
+use crate::output_error::{Liveliness, liveliness, low_frequency_p};
 use nalgebra::{Matrix2, Matrix3, RowVector3, Vector2, Vector3};
 use realfft::RealFftPlanner;
 use serde::{Deserialize, Serialize};

@@ -93,7 +93,7 @@ fn exact_verdict_on_both_sides_of_the_level() {
         p_value,
         whiteness_p: 1.0,
     };
-    let verdict = |p: Option<f64>, i: Option<Instruments>| join(p.map(pressure), i).verdict;
+    let verdict = |p: Option<f64>, i: Option<Instruments>| join(p.map(pressure), i.ok_or(NotExamined::NoAnswer)).verdict;
     assert_eq!([0.0049, 0.0051].map(|p| verdict(None, Some(of(p, &[])))), [Agreement::Inconsistent, Agreement::Consistent]);
     assert_eq!([0.0049, 0.0051].map(|p| verdict(Some(p), Some(of(0.5, &[])))), [Agreement::Inconsistent, Agreement::Consistent]);
     assert_eq!(verdict(Some(0.0051), Some(of(0.0, &["z_m"]))), Agreement::Undecided);

@@ -6,11 +6,12 @@ use super::likelihood::LocalLikelihood;
 use super::point::{RANDOM, SCALE_PRIOR, SIZES, SearchPoint};
 use crate::identification::{CoefficientFit, DataSet, Estimate, Held, in_unit_of};
 use crate::interval::{NORMAL_95, relative_percent};
-use crate::output_error::{NOT_NOISE, aligned, estimates, low_frequency_p, spread};
+use crate::not_noise::NotNoise;
+use crate::output_error::{aligned, estimates, low_frequency_p, spread};
 use crate::plant::{Gust, PROCESS_NOISE, START_SCALE_M, TURBULENCE};
 use nalgebra::DMatrix;
 use realfft::RealFftPlanner;
-use windfall_model::{CHANNEL_NAMES, CHANNELS, Campaign, POSE};
+use windfall_model::{CHANNEL_NAMES, CHANNELS, Campaign};
 
 /// Coefficient and name of what drives the runs at random.
 const NAMES: [(&str, &str); RANDOM] = [
@@ -56,17 +57,13 @@ pub(super) fn data_set(
 ) -> DataSet {
     report_random(name, point, covariance, warnings);
     let fits = channel_fits(filters, now);
+    let left = NotNoise::of(&fits);
     // The innovations of the tunnel speed test the smoothness that it is taken to have, not the declared model.
-    let bad: Vec<&str> = fits[..POSE]
-        .iter()
-        .filter(|f| f.residual_whiteness_p < NOT_NOISE / CHANNELS as f64)
-        .map(|f| f.coefficient.as_str())
-        .collect();
-    if !bad.is_empty() {
+    if !left.is_noise_of_pose() {
         warnings.push(format!(
-            "data set {name}: the residual is not noise in {}, turbulence allowed for: the declared model lacks another effect; intervals \
-             say nothing of its bias: try windfall close",
-            bad.join(", ")
+            "data set {name}: the residual is {}, turbulence allowed for: the declared model lacks another effect; intervals say nothing \
+             of its bias: try windfall close",
+            left.clause()
         ));
     }
     let mut parameters = estimates(campaign, &point.unknowns, covariance, covariance);

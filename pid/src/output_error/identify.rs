@@ -5,16 +5,14 @@ use super::residual::{ChannelFit, channel_fits, coloured};
 use super::run::{Nominal, PreparedRun};
 use super::unknowns::{EstimateOptions, unknowns};
 use crate::PidError;
-use crate::compatibility;
+use crate::compatibility::{self, NotExamined};
 use crate::identifiability::{examine, of_runs};
 use crate::identification::{ALL_RUNS, CoefficientFit, DataSet, Estimate, Identification, in_unit_of};
 use crate::interval::{ci95, relative_percent};
+use crate::not_noise::{NotNoise, is_noise};
 use crate::{Method, SearchKind};
 use nalgebra::DMatrix;
 use windfall_model::{Campaign, Coefficient, Data, Plant, Unknowns, Use};
-
-/// Probability below which a residual is not taken for noise, all channels together.
-pub(crate) const NOT_NOISE: f64 = 0.01;
 
 /// Identifies a campaign's declared parameters by output error.
 ///
@@ -37,9 +35,10 @@ pub fn identify(campaign: &Campaign, options: &EstimateOptions) -> Result<Identi
     } else {
         of_runs(&runs, &free)
     };
-    let compatibility = options
-        .compatibility
-        .then(|| compatibility::join(compatibility::pressure(campaign), compatibility::instruments(&runs, &combined.1)));
+    let compatibility = options.compatibility.then(|| {
+        let examined = compatibility::instruments(&runs, &combined.1).ok_or(NotExamined::NoAnswerWithErrors);
+        compatibility::join(compatibility::pressure(campaign), examined)
+    });
     let mut data_sets = Vec::new();
     let alone = if options.combined_only { Vec::new() } else { kinds(&plants) };
     for (kind, members) in alone {
@@ -149,14 +148,16 @@ impl SetWork<'_, '_> {
 
     fn report(&self, name: &str, runs: &[PreparedRun<'_>], solved: &Solved, warnings: &mut Vec<String>) -> DataSet {
         let fits = channel_fits(runs, solved);
-        let coloured = not_noise(&fits);
-        let covariance = if coloured.is_empty() {
+        let fits: Vec<CoefficientFit> = fits.into_iter().map(fit).collect();
+        let left = NotNoise::of(&fits);
+        let covariance = if left.is_none() {
             solved.solution.covariance.clone()
         } else {
             warnings.push(format!(
-                "data set {name}: the residual is not noise in {}: the declared model lacks something (turbulence or another effect); \
-                 intervals are widened for the residual's colour but say nothing of bias: try --method filter-error, and windfall close",
-                coloured.join(", ")
+                "data set {name}: the residual is {}: {}; intervals are widened for the residual's colour but say nothing of bias: try \
+                 --method filter-error, and windfall close",
+                left.clause(),
+                left.meaning()
             ));
             self::coloured(runs, solved).unwrap_or_else(|| solved.solution.covariance.clone())
         };
@@ -168,7 +169,7 @@ impl SetWork<'_, '_> {
             covariance: aligned(self.campaign, &solved.unknowns, &covariance, &parameters),
             curves: Vec::new(),
             parameters,
-            fits: fits.into_iter().map(fit).collect(),
+            fits,
             condition_number: solved.solution.condition,
             n_samples: runs.iter().map(|r| r.record.len()).sum(),
             held: Vec::new(),
@@ -180,7 +181,7 @@ impl SetWork<'_, '_> {
 
 /// Channels whose residual is not noise, with their probability.
 pub(crate) fn not_noise(fits: &[ChannelFit]) -> Vec<String> {
-    let bad = fits.iter().filter(|f| f.whiteness_p < NOT_NOISE / fits.len() as f64);
+    let bad = fits.iter().filter(|f| !is_noise(f.whiteness_p));
     bad.map(|f| format!("{} (p = {:.1e})", f.channel, f.whiteness_p)).collect()
 }
 

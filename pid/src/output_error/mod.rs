@@ -17,7 +17,7 @@ mod speed;
 mod unknowns;
 
 pub use identify::identify;
-pub(crate) use identify::{NOT_NOISE, aligned, estimates, kinds, not_noise, ready, run_plants};
+pub(crate) use identify::{aligned, estimates, kinds, not_noise, ready, run_plants};
 pub(crate) use instruments::KINDS;
 pub use problem::Solution;
 pub(crate) use problem::{Glance, Outcome, Solved, one_step, sensitivities, solve, solve_from};

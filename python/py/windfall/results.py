@@ -89,6 +89,7 @@ class Compatibility(Record):
     false_alarm_rate: float
     pressure: Pressure | None
     instruments: Instruments | None
+    not_examined: Literal["not-asked", "no-answer", "no-answer-with-errors"] | None
 
 
 class Estimate(Record):
