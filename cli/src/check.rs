@@ -34,7 +34,10 @@ pub(crate) fn run(args: &CheckArgs, session: &mut Session<'_>) -> Result<bool, F
         Checked::Planet(file) => (file.scenario.name.clone(), crate::planet::summary(&file.scenario)),
     };
     let summary = [summary, windfall::looked_at(file, &checked)?].concat();
-    let understood = Understood { kind: checked.kind(), name, summary, warnings: checked.warnings() };
+    // The columns are in the summary.
+    let said = |w: &String| ["columns not used: ", "columns that hold no plain numbers: "].iter().any(|s| w.contains(s));
+    let warnings = checked.warnings().into_iter().filter(|w| !said(w)).collect();
+    let understood = Understood { kind: checked.kind(), name, summary, warnings };
     session.warn_all(&understood.warnings);
     session.show(&understood, || {
         let mut text = format!("{} {}\n", understood.kind, understood.name);

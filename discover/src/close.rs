@@ -23,6 +23,7 @@ mod points;
 mod pose_rates;
 mod poses;
 mod result;
+mod roll_zero;
 mod sets;
 mod settings;
 mod sides;

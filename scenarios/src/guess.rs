@@ -1,6 +1,7 @@
 //! scenarios: a first campaign file for run files. In: the runs' columns. Out: commented TOML in which every guess is marked as one,
 //! what no record tells is left as `nan` (which the reader refuses with what is allowed), and every column that is left out is named.
 
+mod agree;
 mod axes;
 mod draft;
 mod fall;
@@ -12,8 +13,9 @@ mod vectors;
 use crate::columns::{Columns, fault, some_of};
 use crate::error::ReadError;
 use crate::formats::{read_columns, stem};
+use agree::agree;
 use axes::{AxesGuess, flying, mean, nearness, of_angles, of_quaternion, upright};
-use fall::falls;
+use fall::{falls, far};
 use sheet::{Clock, Found, Refused, Sheet};
 use std::path::{Path, PathBuf};
 use still::{Still, still};
@@ -95,6 +97,7 @@ pub fn draft_campaign(files: &[PathBuf], kind: Option<DraftKind>) -> Result<Draf
     for (file, sheet, columns) in &sheets {
         guesses.push(Guess::new(file, sheet, columns)?);
     }
+    agree(&mut guesses, &sheets);
     let Some(first) = guesses.first() else {
         return Err(one_fault(Path::new(""), None, "file", "", "is missing: a campaign has runs", "windfall init mine run.csv"));
     };
@@ -197,6 +200,7 @@ impl Guess {
         refused.extend(not);
         let mut attitude = quaternion.map(Attitude::Quaternion).or(euler.map(Attitude::Euler));
         let turns = attitude.as_mut().map_or_else(Vec::new, |a| settled(sheet, a));
+        let position = position.map(|p| if air.is_empty() { far(sheet, &clock, p) } else { p });
         let falls = position.as_ref().and_then(|p| falls(sheet, &clock, &p.found));
         Ok(Self { clock, position, attitude, air, force, angle, refused, turns, falls })
     }
@@ -204,13 +208,14 @@ impl Guess {
     /// The kind of campaign, and what speaks for it.
     fn kind(&self) -> (DraftKind, String) {
         let guess = |kind, why: &str| (kind, format!("GUESS: {why}; --kind says another"));
-        match (&self.position, &self.attitude, &self.angle) {
+        let three = self.position.as_ref().is_some_and(|p| p.found.len() == 3);
+        match (&self.position, self.attitude.as_ref().filter(|_| three), &self.angle) {
             (None, None, Some(_)) if self.force.is_empty() => guess(DraftKind::Pivot, "the file has an angle and no position"),
             (Some(_), Some(_), _) if !self.air.is_empty() => {
                 guess(DraftKind::Tunnel, "the file has an attitude and the tunnel's air")
             }
             (Some(_), Some(_), _) => guess(DraftKind::FreeFlight, "the file has an attitude and no tunnel speed"),
-            (Some(_), None, _) => guess(DraftKind::Point, "the file has no angles and no quaternion"),
+            (Some(_), None, _) => guess(DraftKind::Point, "the file has no attitude beside a position along three axes"),
             (None, ..) => guess(DraftKind::Point, "the file has an acceleration and no position"),
         }
     }

@@ -17,6 +17,8 @@ use windfall_model::{CHANNEL_NAMES, POSE, Record, Recording, RunChannel, Sensors
 pub const SHORTEST_PIECE_S: f64 = 1.0;
 /// Fewest samples of a run or piece.
 pub const FEWEST_SAMPLES: usize = 30;
+/// Longest sample interval of a run with attitude in a tunnel, s: a model swings once in a second or so (chosen).
+const LONGEST_STEP_S: f64 = 1.0;
 /// More spikes than this fraction of the samples are no spikes.
 const MOST_SPIKES: f64 = 0.05;
 /// Specific forces along the file's axes.
@@ -124,6 +126,13 @@ fn of_window(
     refuse_unusable(path, &columns, |n| is_of_tunnel(n), "a tunnel campaign", "remove the column, or give it another name")?;
     let t = times(path, &mut columns, window_s, &mut notes)?;
     let grid = Grid::of(path, t, &columns.lines, &mut notes)?;
+    if grid.interval_s > LONGEST_STEP_S {
+        let what =
+            format!("must be at most {LONGEST_STEP_S} s from sample to sample: between two of them a model turns and swings");
+        let remedy = "seconds; [columns] t_s = { unit = \"ms\" } where they are milliseconds";
+        let value = format!("{:.6} s (step)", grid.interval_s);
+        return Err(ReadError::Faults(vec![fault(path, None, "t_s", &value, &what, remedy)]));
+    }
     note_unused(&columns, is_of_tunnel, &mut notes);
     let all = names_of(Who::TunnelRun).filter(|n| *n != "t_s").chain(names_of(Who::TunnelRunMay));
     let mut channels: Vec<(&str, Vec<f64>)> = all.filter_map(|n| columns.get(n).map(|c| (n, grid.spread(c)))).collect();

@@ -125,6 +125,38 @@ fn law_check_prints_what_it_understood() {
     assert!(done(&["check", &text(&dir.path().join("run.csv"))]).out.contains("2251 samples"));
 }
 
+/// A flight as a laboratory would write it becomes a campaign; the last of the files is held out, and nothing is dropped in silence.
+#[test]
+fn law_init_takes_the_files_of_a_laboratory() {
+    let dir = folder();
+    done(&["simulate", "sage-combined", "--out", &text(&dir.path().join("flown"))]);
+    let mut files = Vec::new();
+    for name in ["perturbed-1", "perturbed-2"] {
+        let run = std::fs::read_to_string(dir.path().join(format!("flown/{name}.csv"))).expect("flown");
+        let (head, rows) = run.split_once('\n').expect("a header");
+        let head = head.replace("VW_m_s", "tunnel_speed_mps").replace("qW_Pa", "p_radps");
+        let file = dir.path().join(format!("{name}.csv"));
+        std::fs::write(&file, format!("{head}\n{rows}")).expect("writable");
+        files.push(text(&file));
+    }
+    let mine = text(&dir.path().join("mine"));
+    let drafted = done(&["init", &mine, &files[0], &files[1]]).out;
+    for words in [
+        "VW_m_s = { name = \"tunnel_speed_mps\", unit = \"m/s\" }",
+        "p_radps: radps is no unit of a static pressure",
+        "use = \"hold-out\"",
+        "NOT TOLD",
+    ] {
+        assert!(drafted.contains(words), "{words} in {drafted}");
+    }
+    assert!(dir.path().join("mine/campaign.toml").is_file());
+    let free = text(&dir.path().join("free"));
+    done(&["init", &free, &files[0], "--kind", "free-flight"]);
+    assert!(dir.path().join("free/body.toml").is_file());
+    let refused = windfall(&["init", &text(&dir.path().join("no")), &files[0], "--kind", "pivot"]);
+    assert!(refused.code == 2 && refused.err.contains("angle"), "{}", refused.err);
+}
+
 #[test]
 fn law_completions_are_scripts() {
     for shell in ["bash", "zsh", "fish"] {

@@ -70,6 +70,17 @@ fn law_other_columns_are_the_same_campaign() {
     let path = text(&theirs.join("campaign.toml"));
     let checked = done(&["check", &path]);
     assert!(checked.err.contains("semicolons") || checked.out.contains("semicolons"), "{} {}", checked.out, checked.err);
+    for words in [
+        "t_s from time in ms",
+        "X_m from x in mm",
+        "ps_Pa from p in kPa",
+        "tunnel X (down), Y, Z are the room's -z, y, x",
+        "quaternion with the real part q0 and the parts q1, q2, q3, body to world",
+        "physics: looked at",
+        "pitch and yaw",
+    ] {
+        assert!(checked.out.contains(words), "{words} in {}", checked.out);
+    }
     let (a, b) = (estimates(&ours), estimates(&theirs));
     assert!(!a.is_empty() && a.len() == b.len());
     for (x, y) in a.iter().zip(&b) {

@@ -6,7 +6,7 @@ use crate::scenario::is_bundled;
 use crate::{Campaign, Drawing, Result, Scenario};
 use serde::Serialize;
 use std::path::Path;
-use windfall_pid::plausible::looked;
+use windfall_pid::plausible::{closure, looked};
 use windfall_scenarios::{
     FileKind, Piece, columns_of_campaign, columns_of_run, kind_of, read_bundled, read_free, read_record_pieces, read_structure,
     sensors_of_table_a3,
@@ -100,9 +100,34 @@ pub fn check(word: &Path) -> Result<Checked> {
 pub fn looked_at(word: &Path, checked: &Checked) -> Result<Vec<String>> {
     match checked {
         Checked::Run(_) => Ok(columns_of_run(word)?),
-        Checked::Campaign(_) => Ok(columns_of_campaign(word)?),
+        Checked::Campaign(campaign) => {
+            let mut lines = columns_of_campaign(word)?;
+            lines.push(physics(campaign));
+            Ok(lines)
+        }
         _ => Ok(Vec::new()),
     }
+}
+
+fn physics(campaign: &Campaign) -> String {
+    let all = closure(&campaign.data);
+    if all.is_empty() {
+        return "physics: not looked at before a fit (bodies without attitude, in free flight or on a pivot)".to_owned();
+    }
+    let one = |c: &windfall_pid::plausible::Closure| {
+        format!(
+            "{:.0} % of the {} ({:.3} of {:.3} {})",
+            100.0 * c.left / c.signal.max(f64::MIN_POSITIVE),
+            c.group,
+            c.left,
+            c.signal,
+            c.unit
+        )
+    };
+    format!(
+        "physics: looked at, no gross fault; the declared structure, fitted to all runs, leaves of the accelerations {}",
+        all.iter().map(one).collect::<Vec<_>>().join(", ")
+    )
 }
 
 /// The content of `verify.json`.

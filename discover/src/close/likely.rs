@@ -40,7 +40,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
     let (side_before, side_after) = (of(before, &plants[0]), of(after, &plants[1]));
     let held_out_gain = held_out_gain(&side_before, &side_after).filter(|_| after.model.members.iter().any(|m| !m.declared));
     unexplained.extend(held_out_gain.and_then(|gain| against_held_out(gain, &found)));
-    let effects: Vec<EffectLine> = after
+    let mut effects: Vec<EffectLine> = after
         .model
         .members
         .iter()
@@ -48,6 +48,9 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         .filter(|(_, m)| !m.declared && !found.stand_ins.contains(&m.effect.family) && !contradicted.contains(&m.effect.family))
         .map(|(k, m)| effect_line(k, m, &found, &engine, &unexplained, held_out_gain))
         .collect();
+    for e in &mut effects {
+        e.rivals.extend(super::roll_zero::rivals(campaign, &engine, &indices, &found, &e.family));
+    }
     let verdict = match (effects.is_empty(), unexplained.is_empty()) {
         (false, _) => Verdict::Effect,
         (true, false) => Verdict::Unexplained,

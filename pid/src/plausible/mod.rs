@@ -14,6 +14,7 @@ mod aligned;
 mod balance;
 mod change;
 mod clocks;
+mod closure;
 mod constants;
 mod contest;
 mod frames;
@@ -23,6 +24,8 @@ mod line;
 mod motion;
 mod size;
 mod twice;
+
+pub use closure::{Closure, closure};
 
 use crate::PidError;
 use clocks::Clocks;

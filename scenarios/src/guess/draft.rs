@@ -3,6 +3,7 @@
 use super::sheet::Found;
 use super::{Attitude, Draft, DraftKind, Reading};
 use crate::formats::stem;
+use crate::run_columns::RUN_COLUMNS;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -134,12 +135,13 @@ fn pivot(out: &mut String) {
 
 /// `[columns]` of one file; axes as `told` has them, which may be another file's that tells more.
 fn columns(out: &mut String, kind: DraftKind, table: &str, r: &Reading, told: &Reading) {
-    let differ: Vec<&Found> = r.columns.iter().filter(|f| f.name != f.ours).collect();
+    let plain = |f: &&Found| f.name == f.ours && f.unit == unit_of_ours(f.ours) && !f.why.contains('?');
+    let differ: Vec<&Found> = r.columns.iter().filter(|f| !plain(f)).collect();
     let lacks: Vec<(&str, &str)> = [("VW_m_s", "nan"), ("ps_Pa", "101325.0"), ("Ts_K", "293.15")]
         .into_iter()
         .filter(|(ours, _)| kind == DraftKind::Tunnel && !r.columns.iter().any(|f| f.ours == *ours))
         .collect();
-    if !differ.is_empty() || !lacks.is_empty() || table != "columns" || matches!(r.attitude, Some(Attitude::Quaternion(_))) {
+    if !differ.is_empty() || !lacks.is_empty() || table != "columns" {
         let _ = writeln!(out, "\n[{table}]");
     }
     for f in differ {
@@ -174,13 +176,17 @@ fn columns(out: &mut String, kind: DraftKind, table: &str, r: &Reading, told: &R
         Attitude::Euler(e) if e.names != ["Rx_deg", "Ry_deg", "Rz_deg"] => {
             let _ = writeln!(
                 out,
-                "\n[{table}.attitude]\neuler = {:?}\nsequence = \"{}\"   # GUESS\nunit = \"{}\"   # {}\nrotates = \"body-to-world\"   # \
+                "\n[{table}.attitude]\neuler = {:?}\nsequence = \"{}\"   # GUESS: by the names; xyz and zyx are the usual ones, and check says how well either closes\nunit = \"{}\"   # {}\nrotates = \"body-to-world\"   # \
                  GUESS; or world-to-body",
                 e.names, e.sequence, e.unit, e.why
             );
         }
         Attitude::Euler(_) => {}
     }
+}
+
+fn unit_of_ours(ours: &str) -> &'static str {
+    RUN_COLUMNS.iter().find(|c| c.name == ours).map_or("", |c| c.quantity.ours().word)
 }
 
 /// Every column of a file that nothing reads, with what speaks against it.
@@ -193,8 +199,15 @@ fn left_out(out: &mut String, whose: &str, r: &Reading) {
     if !plain.is_empty() {
         *out += &comment("  ", &plain.join(", "));
     }
+    let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
     for l in r.left_out.iter().filter(|l| !l.why.is_empty()) {
-        *out += &comment("  ", &format!("{}: {}", l.name, l.why));
+        match reasons.iter_mut().find(|(why, _)| *why == l.why) {
+            Some((_, names)) => names.push(&l.name),
+            None => reasons.push((&l.why, vec![&l.name])),
+        }
+    }
+    for (why, names) in reasons {
+        *out += &comment("  ", &format!("{}: {why}", names.join(", ")));
     }
 }
 

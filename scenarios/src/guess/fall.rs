@@ -1,6 +1,23 @@
 //! scenarios: which way a record falls. In: its time and positions. Out: the axis that is down, with the acceleration along it.
 
-use super::sheet::{Clock, Found, Sheet, seconds};
+use super::sheet::{Clock, Found, Sheet, median, seconds};
+use super::vectors::Position;
+
+/// Median speed above which positions without a unit are in mm: 0.1 m/s or 100 m/s.
+const FAST: f64 = 100.0;
+
+/// Positions without a unit of a body that is not in a tunnel: those that span more than a tunnel are in m where the body is no faster than
+/// one that flies.
+pub(super) fn far(sheet: &Sheet<'_>, clock: &Clock, mut position: Position) -> Position {
+    let Some(t) = sheet.get(&clock.found.name).map(|t| seconds(t, &clock.found.unit)) else { return position };
+    let series: Vec<&[f64]> = position.found.iter().filter_map(|f| sheet.get(&f.name)).collect();
+    let speed = |i: usize| series.iter().map(|s| (s[i] - s[i - 1]).powi(2)).sum::<f64>().sqrt() / (t[i] - t[i - 1]);
+    let middle = median(&(1..t.len()).map(speed).filter(|v| *v > 0.0).collect::<Vec<_>>());
+    for f in position.found.iter_mut().filter(|f| f.why.starts_with("GUESS") && f.unit == "mm" && middle < FAST) {
+        (f.unit, f.why) = ("m".to_owned(), format!("GUESS: it moves by {middle:.4} a second"));
+    }
+    position
+}
 
 /// The accelerations of a fall, m/s2: g, and what drag takes off or adds.
 const FALL_M_S2: [f64; 2] = [5.0, 15.0];

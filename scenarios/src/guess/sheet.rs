@@ -271,7 +271,9 @@ pub(super) fn time(sheet: &Sheet<'_>) -> (Option<Clock>, Vec<Refused>) {
         for name in &c.readings {
             let is = |w: &String| TIMES.contains(&w.as_str()) || OF_TIMES.contains(&w.as_str());
             let place = TIMES.iter().position(|k| name.words.iter().any(|w| w == k)).filter(|_| name.words.iter().all(is));
-            let Some(place) = place else { continue };
+            // A unit of time says it in any language, where the numbers go on as a time does.
+            let by_unit = matches!(name.unit, Some(Said::Known(Q::Time, _))).then_some(TIMES.len());
+            let Some(place) = place.or(by_unit) else { continue };
             match clock(c, name.unit.as_ref()) {
                 Ok(found) => {
                     all.push((c.name.trim().starts_with('T') && name.words[0] == "t", place, at, found));
