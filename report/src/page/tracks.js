@@ -73,7 +73,8 @@
     let [low, high] = [Infinity, -Infinity];
     const [x, ...all] = u.data;
     for (let i = 0; interior && i < x.length; i += 1) {
-      if (x[i] < interior[0] || x[i] > interior[1] || x[i] < u.scales.x.min || x[i] > u.scales.x.max) continue;
+      // Before the first drawing the span has no ends yet.
+      if (x[i] < Math.max(interior[0], u.scales.x.min ?? -Infinity) || x[i] > Math.min(interior[1], u.scales.x.max ?? Infinity)) continue;
       for (const y of all) if (y[i] != null) { low = Math.min(low, y[i]); high = Math.max(high, y[i]); }
     }
     return low > high ? uPlot.rangeNum(least ?? 0, most ?? 1, 0.1, true) : uPlot.rangeNum(low, high, 0.1, true);
