@@ -340,7 +340,7 @@ impl DataSetWork<'_> {
         let here = format!("data set {}, coefficient {}", self.name, group.label());
         if let Some(d) = fit.driven {
             warnings.push(format!(
-                "{here}: the residual has {:.1} times the power of the instruments' noise: something else moves the body as well, gusts or                  what the model lacks; estimated by what the body did {} diameters of flow before, which is less precise: try --method                  filter-error, or windfall close",
+                "{here}: the residual has {:.1} times the power of the instruments' noise: something else moves the body as well, gusts or what the model lacks; estimated by what the body did {} diameters of flow before, which is less precise: try --method filter-error, or windfall close",
                 d.ratio, d.lag
             ));
         }
@@ -358,12 +358,12 @@ impl Refusal {
     fn words(self) -> String {
         match self {
             Self::Noise { signal_to_noise } if signal_to_noise > 0.0 => format!(
-                "its regressor is mostly the instruments' noise (signal-to-noise ratio {signal_to_noise:.2}); use --method output-error, or                  a run with larger angles or rates"
+                "its regressor is mostly the instruments' noise (signal-to-noise ratio {signal_to_noise:.2}); use --method output-error, or a run with larger angles or rates"
             ),
-            Self::Noise { .. } => "its regressor is no more than the instruments' noise; use --method output-error, or a run with larger                                    angles or rates"
+            Self::Noise { .. } => "its regressor is no more than the instruments' noise; use --method output-error, or a run with larger angles or rates"
                 .to_owned(),
             Self::Weak { strength } => format!(
-                "what moves the body is also in the residual, and the motion before tells too little of its regressor (F = {strength:.1},                  10 needed); use --method filter-error, or a longer run or one with larger angles or rates"
+                "what moves the body is also in the residual, and the motion before tells too little of its regressor (F = {strength:.1}, 10 needed); use --method filter-error, or a longer run or one with larger angles or rates"
             ),
         }
     }
