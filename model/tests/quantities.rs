@@ -282,6 +282,24 @@ fn exact_ranges_and_steps_of_parameters() {
     }
 }
 
+/// An effect may take away what a pivot has of friction and a ball of drag, and no more: the amount in all is then zero.
+#[test]
+fn law_an_amount_is_not_negative_in_all() {
+    let mut plant = plant();
+    plant.point.pivot = Some(windfall_model::Pivot { arm_m: 0.3, inertia_kg_m2: 0.01, viscous_n_m_s: 2e-4, dry_n_m: 3e-5 });
+    for (family, there) in [("viscous-friction", 2e-4), ("pivot-friction", 3e-5)] {
+        let effect = effects::find(family, Acts::Pivot).expect("of the catalogue");
+        let p = (effect.parameters)(&[])[0].clone().beside(&plant);
+        assert!((p.low + there).abs() < 1e-18 && p.is_at_end(p.low) && !p.is_at_end(0.0), "{p:?}");
+        let with = |value: f64| {
+            let mut moved = plant.clone();
+            (effect.apply)(&mut moved, &[value]);
+            effect.overdrawn(&[], &moved).is_some()
+        };
+        assert!(!with(p.low) && with(p.low - 1e-5), "{family}");
+    }
+}
+
 /// A moment of each harmonic lies across the lateral wind, as that of a body of revolution does.
 #[test]
 fn exact_periodic_moments_lie_across_the_wind() {
