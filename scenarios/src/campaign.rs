@@ -291,9 +291,11 @@ fn read_run(e: &RunEntry, declared: &Declared, down: Option<Down>, inputs: &[Str
 /// Notes of all runs, each once with the names of the runs that have it.
 fn notes_of(runs: &[Run]) -> Vec<String> {
     let mut all: Vec<(Vec<&str>, &String)> = Vec::new();
+    let mut place_of: HashMap<&String, usize> = HashMap::new();
     for run in runs {
         for note in &run.notes {
-            match all.iter_mut().find(|(names, n)| *n == note && !names.contains(&run.name.as_str())) {
+            let place = *place_of.entry(note).or_insert(all.len());
+            match all.get_mut(place) {
                 Some((names, _)) => names.push(&run.name),
                 None => all.push((vec![&run.name], note)),
             }

@@ -1,5 +1,6 @@
 //! scenarios: what can be wrong with a file. In: place, key, value. Out: messages that say what is allowed and what to try.
 
+use std::collections::HashMap;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -41,14 +42,16 @@ impl fmt::Display for Fault {
 /// One sentence for each fault, and one for a fault that several files have.
 fn list(faults: &[Fault]) -> String {
     let mut all: Vec<(&Fault, Vec<String>)> = Vec::new();
+    let mut first_of: HashMap<String, usize> = HashMap::new();
     for f in faults {
-        match all.iter_mut().find(|(first, _)| first.file != f.file && f.is_like(first)) {
-            Some((first, others)) => {
+        let place = *first_of.entry(f.kind()).or_insert(all.len());
+        match all.get_mut(place) {
+            Some((first, others)) if first.file != f.file => {
                 let other = f.file.file_name().map_or_else(|| f.file.display().to_string(), |n| n.to_string_lossy().into_owned());
                 let value = if f.value == first.value { String::new() } else { format!(" ({})", f.value) };
                 others.push(format!("{other}{value}"));
             }
-            None => all.push((f, Vec::new())),
+            _ => all.push((f, Vec::new())),
         }
     }
     let one = |(f, others): &(&Fault, Vec<String>)| {
@@ -58,10 +61,9 @@ fn list(faults: &[Fault]) -> String {
 }
 
 impl Fault {
-    /// Whether another file's fault is the same but for its numbers.
-    fn is_like(&self, other: &Self) -> bool {
-        let words = |s: &str| s.chars().filter(|c| !c.is_ascii_digit()).collect::<String>();
-        self.key == other.key && words(&self.allowed) == words(&other.allowed) && words(&self.remedy) == words(&other.remedy)
+    /// Its words without numbers: those of another file's fault that is the same.
+    fn kind(&self) -> String {
+        format!("{}\n{}\n{}", self.key, self.allowed, self.remedy).chars().filter(|c| !c.is_ascii_digit()).collect()
     }
 }
 

@@ -134,10 +134,10 @@ const POSITION: &str = "position_std_m = 0.01";
 fn exact_unix_times_and_great_heights_are_read() {
     let folder = Folder::new();
     folder.put("run.csv", &falling(1_570_537_893.3, 146_797.0, ("", "")));
-    let window = "window_s = [1570537893.5, 1570537894.2]\n";
+    let window = "window_s = [1570537893.49, 1570537894.21]\n";
     let (campaign, _) = folder.campaign(&point("", POSITION, window)).unwrap_or_else(|e| panic!("{e}"));
     let Data::Point(track) = &campaign.runs[0].data else { panic!("a track") };
-    assert_eq!(track.t_s.len(), 35, "0.2 to 0.9 s of 50 a second, the first one cut by rounding");
+    assert_eq!(track.t_s.len(), 36, "0.2 to 0.9 s of 50 a second, with both ends");
 }
 
 /// A specific force that a campaign cannot use is refused, in a track and beside a model in a tunnel; one that it can use is read.

@@ -13,6 +13,9 @@ const FAMILIES: [&str; 2] = ["inertia", "center-of-mass"];
 /// Nats of log marginal likelihood within which one cannot be told from the other: odds of twenty, those of rivals among families. The roll
 /// zero has no number of its own, so that the numbers of the effect have to pay for themselves.
 const WITHIN: f64 = 2.995_732_273_553_991;
+/// Share of the effect's gain from which on a turn explains the same (chosen): damping that is declared over alpha and beta is not quite the
+/// same about turned axes, which costs some nats of thousands.
+const SAME: f64 = 0.95;
 /// Steps of a fit, as many as that of the declared model alone takes.
 const STEPS: usize = 12;
 
@@ -45,8 +48,8 @@ fn words(quarters: usize) -> String {
     format!("{what} (roll zero off by {} deg)", 90 * quarters)
 }
 
-/// For a family that was found: the turns of the roll zero under which the runs are as likely without it. Turns that change nothing that
-/// is declared are none.
+/// For a family that was found: the turns of the roll zero that explain what it explains. Turns that change nothing that is declared are
+/// none.
 pub(super) fn rivals(campaign: &Campaign, engine: &Engine, indices: &[usize], found: &Discovery, family: &str) -> Vec<String> {
     if !FAMILIES.contains(&family) {
         return Vec::new();
@@ -57,6 +60,8 @@ pub(super) fn rivals(campaign: &Campaign, engine: &Engine, indices: &[usize], fo
     let fitted =
         |campaign: &Campaign, model: &Model, steps: usize| engine.beside(campaign, indices)?.climb(model, true, steps).ok();
     let Some(here) = fitted(campaign, &found.after.model, STEPS) else { return Vec::new() };
+    let bare = fitted(campaign, &without, STEPS).map_or(f64::NEG_INFINITY, |fit| fit.total);
+    let explains = |total: f64| total + WITHIN > here.total || total - bare > SAME * (here.total - bare);
     let mut seen = vec![campaign.plant.clone()];
     let mut all = Vec::new();
     for quarters in 1..4 {
@@ -66,7 +71,7 @@ pub(super) fn rivals(campaign: &Campaign, engine: &Engine, indices: &[usize], fo
         }
         seen.push(plant.clone());
         let other = Campaign { plant, ..campaign.clone() };
-        if fitted(&other, &without, STEPS).is_some_and(|fit| fit.total + WITHIN > here.total) {
+        if fitted(&other, &without, STEPS).is_some_and(|fit| explains(fit.total)) {
             all.push(words(quarters));
         }
     }
