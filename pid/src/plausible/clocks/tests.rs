@@ -74,7 +74,7 @@ fn recover_an_offset_in_gusts() {
 /// No offset is found in runs without one: in calm air, in gusts, without any variation of V_W, in either or both; nor where it is declared.
 #[test]
 fn law_clocks_that_agree_are_not_accused() {
-    for seed in 0..40 {
+    for seed in 0..12 {
         for (gusts, waves) in [(0.0, 1.0), (1.0, 1.0), (0.0, 0.0), (1.0, 0.0), (3.0, 0.3)] {
             let found = offset(&[run(0.0, seed, gusts, waves)], 0.0);
             assert!(found.is_none(), "{seed} {gusts} {waves}: {found:?}");
