@@ -17,7 +17,7 @@ struct Kind {
     entry: &'static [&'static str],
 }
 
-fn kinds() -> [Kind; 15] {
+fn kinds() -> [Kind; 16] {
     fn kind<T: 'static>(annotation: &'static str, entry: &'static [&'static str]) -> Kind {
         Kind { id: TypeId::of::<T>(), annotation: Some(annotation), entry }
     }

@@ -51,7 +51,7 @@ fn law_nothing_is_written_without_out() {
     let campaign = "made/campaign.toml";
     for (words, file) in [
         (&["simulate", "short.toml"][..], "run.csv"),
-        (&["simulate", "glider-throws"], "campaign.toml"),
+        (&["simulate", "glider-throws"], "throw-01.csv"),
         (&["simulate", "venus-descent"], "truth.csv"),
         (&["identify", campaign, "--method", "equation-error"], "identification.json"),
         (&["resimulate", campaign, "--model", "found/identification.json"], "resimulation.json"),
@@ -66,8 +66,11 @@ fn law_nothing_is_written_without_out() {
         assert!(!said(&b.run(&[words, &["--json"]].concat())).contains("nothing is written"), "{words:?}");
     }
     // What is kept while it is made needs a folder, and says so before any work.
-    fs::write(b.path("study.toml"), "[study]\nname = \"s\"\nscenario = \"short.toml\"\ndraws = 2\nseed = 1\n\n[do]\nidentify = [\"thesis\"]\n")
-        .expect("writable");
+    fs::write(
+        b.path("study.toml"),
+        "[study]\nname = \"s\"\nscenario = \"short.toml\"\ndraws = 2\nseed = 1\n\n[do]\nidentify = [\"thesis\"]\n",
+    )
+    .expect("writable");
     let before = b.there();
     for words in [&["study", "study.toml"][..], &["many", "identify", "made"], &["study", "study.toml", "--json", "--resume"]] {
         let ran = b.run(words);
@@ -83,7 +86,10 @@ fn law_a_file_of_another_kind_is_named_in_one_sentence() {
     fs::write(b.path("other.json"), r#"{"a": 1}"#).expect("writable");
     let (run, campaign) = ("made/run.csv", "made/campaign.toml");
     for (words, what) in [
-        (&["close", run][..], "made/run.csv: is a run file, which holds the samples of one run; needed here: a campaign file (.toml)"),
+        (
+            &["close", run][..],
+            "made/run.csv: is a run file, which holds the samples of one run; needed here: a campaign file (.toml)",
+        ),
         (&["close", run], "try: windfall init DIR made/run.csv"),
         (&["identify", run], "is a run file"),
         (&["resimulate", run, "--model", "found/identification.json"], "is a run file"),
@@ -95,7 +101,10 @@ fn law_a_file_of_another_kind_is_named_in_one_sentence() {
         (&["identify", "sage-combined"], "sage-combined: is a bundled scenario; needed here: a campaign file"),
         (&["simulate", campaign], "is a campaign file"),
         (&["study", campaign, "--out", "o"], "is a campaign file"),
-        (&["descend", "venus-dispersions", "--model", "closed.json"], "closed.json: is the result of windfall close; needed here: the result of windfall identify"),
+        (
+            &["descend", "venus-dispersions", "--model", "closed.json"],
+            "closed.json: is the result of windfall close; needed here: the result of windfall identify",
+        ),
         (&["descend", "venus-dispersions", "--model", "other.json"], "other.json: is no result of windfall identify"),
         (&["descend", "venus-dispersions", "--model", campaign], "is no JSON file; needed here: the result of windfall identify"),
         (&["resimulate", campaign, "--model", "closed.json"], "try: windfall identify CAMPAIGN --out DIR"),

@@ -7,8 +7,8 @@ use windfall_model::planet::{
     Air, Atmosphere, AtmosphereTable, Gravity, GustProfile, Planet, Reference, Spheroid, WindTable, Winds,
 };
 use windfall_model::{
-    CoefficientTable, Disturbance, Entry, FreeFlight, PointMass, Record, Setting, Shape, ShapingFilter, StateForm, Thrust, Turbulence,
-    WakeShedding,
+    CoefficientTable, Disturbance, Entry, FreeFlight, PointMass, Record, Setting, Shape, ShapingFilter, StateForm, Thrust,
+    Turbulence, WakeShedding,
 };
 
 #[track_caller]

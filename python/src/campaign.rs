@@ -122,7 +122,13 @@ impl PyCampaign {
     #[pyo3(signature = (identification, request="{}", threads=0))]
     fn resimulate(&self, py: Python<'_>, identification: &str, request: &str, threads: usize) -> PyResult<Told> {
         let found = identification_of("identification", identification).map_err(Raised::from)?;
-        self.ask(py, threads, read(request)?, move |campaign, request| campaign.resimulate(&found, request), printed::resimulation)
+        self.ask(
+            py,
+            threads,
+            read(request)?,
+            move |campaign, request| campaign.resimulate(&found, request),
+            printed::resimulation,
+        )
     }
     /// `close.json`.
     #[pyo3(signature = (request="{}", threads=0))]

@@ -18,7 +18,9 @@ use windfall_pid::smooth::Smoother;
 use windfall_pid::structure::{Choice, choose};
 use windfall_pid::{Identification, Method};
 use windfall_replay::{ReplayError, Resimulation, drawn, resimulate_with_draws};
-use windfall_scenarios::{BUNDLED, BUNDLED_FREE, FileKind, RunColumns, kind_of, must_be, read_campaign_with_warnings, runs_of_columns};
+use windfall_scenarios::{
+    BUNDLED, BUNDLED_FREE, FileKind, RunColumns, kind_of, must_be, read_campaign_with_warnings, runs_of_columns,
+};
 
 /// One vehicle, its declared model, its runs.
 ///

@@ -75,12 +75,11 @@ pub fn explain(request: &Explain) -> Result<String> {
     let text: String = words.iter().map(|w| family(w) + &keys(w)).collect::<String>() + &crate::glossary::explained(&said);
     if text.is_empty() {
         let families: Vec<&str> = CATALOGUE.iter().map(|e| e.family).collect();
-        let what =
-            format!(
-                "{said}: no family of effects, no key and no word of the screen; families: {}; keys: windfall check --keys; words: {} and others",
-                families.join(", "),
-                crate::glossary::some()
-            );
+        let what = format!(
+            "{said}: no family of effects, no key and no word of the screen; families: {}; keys: windfall check --keys; words: {} and others",
+            families.join(", "),
+            crate::glossary::some()
+        );
         return Err(Error::Request(what));
     }
     Ok(text)

@@ -58,5 +58,7 @@ fn is_identification(name: &str, value: &Value) -> Result<()> {
 
 fn other(name: &str, what: &str) -> Error {
     let needed = "needed here: the result of windfall identify, identification.json";
-    Error::Request(format!("{name}: {what}; {needed}; try: windfall identify CAMPAIGN --out DIR writes it, DIR/identification.json"))
+    Error::Request(format!(
+        "{name}: {what}; {needed}; try: windfall identify CAMPAIGN --out DIR writes it, DIR/identification.json"
+    ))
 }

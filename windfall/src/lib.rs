@@ -42,8 +42,8 @@ pub use check::{Checked, Verification, check, looked_at, verify};
 pub use descend::{DescentScenario, put_descents, write_descents};
 pub use error::{Error, ErrorKind, Result};
 pub use explain::{Explain, Init, explain, init};
-pub use found::{identification_of, read_identification};
 pub use folder::{DESCENT_FILES, FIGURE_ENDINGS, FIGURE_WIDTHS_MM, ResultsFolder};
+pub use found::{identification_of, read_identification};
 pub use many::{CampaignDone, Campaigns, Each, Many};
 pub use published::Published;
 pub use requests::{

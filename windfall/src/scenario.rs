@@ -7,8 +7,8 @@ use std::path::Path;
 use windfall_model::effects::{self, Acts};
 use windfall_model::{CATALOGUE, Flight, Run};
 use windfall_scenarios::{
-    EffectValues, FileKind, FileSet, RunLine, ScenarioFile, must_be, read_bundled, read_scenario_file, write_campaign_toml, write_columns_csv,
-    write_record_csv, write_resolved_scenario,
+    EffectValues, FileKind, FileSet, RunLine, ScenarioFile, must_be, read_bundled, read_scenario_file, write_campaign_toml,
+    write_columns_csv, write_record_csv, write_resolved_scenario,
 };
 use windfall_sim::{End, Flown, Seed, Truth, fly};
 

@@ -12,7 +12,8 @@ use std::thread;
 use windfall_model::study::{Cell, CellKind, Column, Row};
 use windfall_replay::ReplayError;
 use windfall_scenarios::{
-    FileKind, FullPart, Identity, Part, Shard, Store, StoreError, must_be, part_bytes, read_json, read_study, write_json_atomically,
+    FileKind, FullPart, Identity, Part, Shard, Store, StoreError, must_be, part_bytes, read_json, read_study,
+    write_json_atomically,
 };
 use windfall_study::{Moments, PreparedStudy, Progress, Summary, run as draw_all, summarise};
 

@@ -1,7 +1,8 @@
 //! cli tests: the pages of the documentation. In: README, CONTRIBUTING and all pages below `docs/`. Out: every command run as it stands, in the order of its
 //! page; recorded output and figures within their last digit.
 //!
-//! What marks a page may have: `page.rs`. `WINDFALL_WRITE_REFERENCE=1` writes what came out into the pages, which are then to be read.
+//! What marks a page may have: `page.rs`. `WINDFALL_WRITE_REFERENCE=1` writes what came out into the pages, which are then to be read;
+//! `WINDFALL_PAGES=howto,many` runs some of them.
 
 #![cfg(unix)]
 
@@ -65,9 +66,16 @@ fn run(pages: &[(String, String)], nightly: bool) -> Vec<String> {
     all
 }
 
+/// Pages that `WINDFALL_PAGES` names by parts of their paths (`howto,many`); all without it.
+fn asked_for() -> Vec<(String, String)> {
+    let asked = std::env::var("WINDFALL_PAGES").unwrap_or_default();
+    let is = |(name, _): &(String, String)| asked.is_empty() || asked.split(',').any(|part| name.contains(part));
+    pages().into_iter().filter(is).collect()
+}
+
 #[test]
 fn frozen_commands_and_figures_of_every_page() {
-    let wrong = run(&pages(), false);
+    let wrong = run(&asked_for(), false);
     assert!(wrong.is_empty(), "\n{}\n", wrong.join("\n\n"));
 }
 
@@ -75,8 +83,9 @@ fn frozen_commands_and_figures_of_every_page() {
 #[test]
 #[ignore = "slow: about a quarter of an hour; nightly"]
 fn frozen_commands_and_figures_of_minutes() {
-    let long = |(_, text): &(String, String)| items(text).iter().any(|i| matches!(&i.what, What::Mark(m) if m.starts_with("nightly")));
-    let wrong = run(&pages().into_iter().filter(long).collect::<Vec<_>>(), true);
+    let long =
+        |(_, text): &(String, String)| items(text).iter().any(|i| matches!(&i.what, What::Mark(m) if m.starts_with("nightly")));
+    let wrong = run(&asked_for().into_iter().filter(long).collect::<Vec<_>>(), true);
     assert!(wrong.is_empty(), "\n{}\n", wrong.join("\n\n"));
 }
 
@@ -129,8 +138,14 @@ fn law_a_wrong_page_is_seen() {
         ("`windfall simulate appendix-c --sead 1`\n", "p.md:1: windfall simulate appendix-c --sead 1: exit code 2"),
         ("`windfall plan FILE --taget X=1%`\n", "p.md:1: windfall plan FILE --taget X=1%: no flag --taget"),
         ("`windfall fly`\n", "no verb fly"),
-        ("```\nwindfall check appendix-c\n```\n<!-- output -->\n```\nscenario appendix-d\n...\n```\n", "p.md:6: windfall check appendix-c: expected"),
-        ("```\nwindfall check appendix-c\n```\n<!-- output -->\n```\n...\n  vehicle: 0.7874 kg, ...\n```\n", "p.md:7: 0.7874 is printed, windfall check appendix-c gives 0.7873"),
+        (
+            "```\nwindfall check appendix-c\n```\n<!-- output -->\n```\nscenario appendix-d\n...\n```\n",
+            "p.md:6: windfall check appendix-c: expected",
+        ),
+        (
+            "```\nwindfall check appendix-c\n```\n<!-- output -->\n```\n...\n  vehicle: 0.7875 kg, ...\n```\n",
+            "p.md:7: 0.7875 is printed, windfall check appendix-c gives 0.7873",
+        ),
         ("```\nwindfall check appendix-c --json --out made\n```\n1.0<!-- = made/none.json#a -->\n", "p.md:4: = made/none.json#a"),
         ("```\ngit clone here\n```\n", "p.md:2: git clone here: is no command of windfall; mark it"),
         ("| a | 1.5 |\n|---|---|\n| b | 2.5 |\n", "p.md:1: a table of figures"),

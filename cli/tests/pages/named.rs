@@ -35,12 +35,11 @@ fn tests(words: &[&str]) -> Option<String> {
         return after("-p").map(str::to_owned);
     }
     let source = all_source(&folder);
-    let values = |flags: &[&str]| -> Vec<&str> {
-        words.windows(2).filter(|w| flags.contains(&w[0])).map(|w| w[1]).collect()
-    };
+    let values = |flags: &[&str]| -> Vec<&str> { words.windows(2).filter(|w| flags.contains(&w[0])).map(|w| w[1]).collect() };
     let (targets, of_flags) = (values(&["--test", "--bench"]), values(&["-p", "--test", "--bench"]));
     let filters = words[2..].iter().filter(|w| !w.starts_with('-') && !of_flags.contains(w));
-    let parts = filters.flat_map(|f| f.split("::")).filter(|p| !p.is_empty() && p.chars().all(|c| c.is_alphanumeric() || c == '_'));
+    let parts =
+        filters.flat_map(|f| f.split("::")).filter(|p| !p.is_empty() && p.chars().all(|c| c.is_alphanumeric() || c == '_'));
     let target = |t: &&&str| -> bool {
         let files = ["tests", "benches"].map(|d| [format!("{d}/{t}.rs"), format!("{d}/{t}/main.rs")]);
         !files.iter().flatten().any(|f| source.iter().any(|(path, _)| path.ends_with(f)))
@@ -92,7 +91,9 @@ pub(crate) fn unknown(command: &str) -> Option<String> {
 #[test]
 fn law_what_a_long_command_names_is_there() {
     assert_eq!(missing("WINDFALL_DRAWS=24 cargo test -p windfall-cli --test pages -- --ignored frozen_commands"), None);
-    for gone in ["cargo test -p windfall-nowhere", "cargo test -p windfall-cli --test nowhere", "just nothing", "scripts/nowhere a"] {
+    for gone in
+        ["cargo test -p windfall-nowhere", "cargo test -p windfall-cli --test nowhere", "just nothing", "scripts/nowhere a"]
+    {
         assert!(missing(gone).is_some(), "{gone}");
     }
     let nowhere = ["no", "such", "test"].join("_");

@@ -133,7 +133,9 @@ pub(crate) fn commands(language: &str, body: &str) -> Vec<String> {
     let joined = body.replace("\\\n", " ");
     let command = |l: &&str| {
         let first = l.split_whitespace().next().unwrap_or("");
-        PROGRAMS.contains(&first) || first.starts_with("scripts/") || (first.contains('=') && first.starts_with(|c: char| c.is_ascii_uppercase()))
+        PROGRAMS.contains(&first)
+            || first.starts_with("scripts/")
+            || (first.contains('=') && first.starts_with(|c: char| c.is_ascii_uppercase()))
     };
     let lines: Vec<&str> = joined.lines().filter(|l| !l.trim().is_empty()).collect();
     let first = lines.first().filter(|l| command(l));
@@ -173,6 +175,8 @@ fn law_pages_are_taken_apart() {
     assert_eq!(commands("", "$ windfall a b\nsays this\n"), ["windfall a b"]);
     assert_eq!(commands("sh", "windfall a && windfall b\n"), ["windfall a", "windfall b"]);
     assert!(commands("", "no command\nwindfall a\n").is_empty() && commands("toml", "windfall a\n").is_empty());
-    assert!(is_mention("windfall close CAMPAIGN.toml") && is_mention("windfall identify --method") && is_mention("windfall plan"));
+    assert!(
+        is_mention("windfall close CAMPAIGN.toml") && is_mention("windfall identify --method") && is_mention("windfall plan")
+    );
     assert!(!is_mention("windfall plan f/campaign.toml --target CA_T0=0.05%") && is_mention("windfall study s --shard i/n"));
 }

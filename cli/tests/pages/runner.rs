@@ -64,7 +64,21 @@ impl<'p> Runner<'p> {
         }
         let (pending, ran) = (Pending::default(), BTreeMap::new());
         let (faults, renewed) = (Vec::new(), Vec::new());
-        Self { name, text, nightly, memory, folder, pending, late: false, made_by: None, level: 0, last: None, ran, faults, renewed }
+        Self {
+            name,
+            text,
+            nightly,
+            memory,
+            folder,
+            pending,
+            late: false,
+            made_by: None,
+            level: 0,
+            last: None,
+            ran,
+            faults,
+            renewed,
+        }
     }
 
     /// What is wrong, and the page renewed.
@@ -312,7 +326,8 @@ impl Memory {
 }
 
 fn run(command: &str, words: &[String], folder: &Path) -> Ran {
-    let ran = Command::new(PROGRAM).args(&words[1..]).current_dir(folder).stdin(Stdio::null()).output().expect("the program starts");
+    let ran =
+        Command::new(PROGRAM).args(&words[1..]).current_dir(folder).stdin(Stdio::null()).output().expect("the program starts");
     let said = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     Ran { command: command.to_owned(), code: ran.status.code().unwrap_or(-1), out: said(&ran.stdout), err: said(&ran.stderr) }
 }

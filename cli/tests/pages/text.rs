@@ -7,7 +7,10 @@ use std::ops::Range;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Token {
     Word(String),
-    Number { value: f64, last: f64 },
+    Number {
+        value: f64,
+        last: f64,
+    },
     /// `...`: something is left out.
     Gap,
 }
@@ -114,7 +117,8 @@ pub(crate) fn pairs<'t>(expected: &'t [Placed], got: &'t [Placed]) -> Option<Vec
     let mut from = 0;
     let parts: Vec<&[Placed]> = expected.split(|p| p.token == Token::Gap).collect();
     for (i, part) in parts.iter().enumerate() {
-        let fits = |at: usize| got.len() >= at + part.len() && part.iter().zip(&got[at..]).all(|(e, g)| alike(&e.token, &g.token));
+        let fits =
+            |at: usize| got.len() >= at + part.len() && part.iter().zip(&got[at..]).all(|(e, g)| alike(&e.token, &g.token));
         let at = match (i == 0, i + 1 == parts.len()) {
             (true, _) => Some(0).filter(|&at| fits(at)),
             (false, true) => got.len().checked_sub(part.len()).filter(|&at| at >= from && fits(at)),
@@ -167,7 +171,9 @@ fn law_numbers_agree_within_their_last_digit_and_words_exactly() {
     assert!(!same("one", "one more") && !same("perturbed-1 1.0", "perturbed-2 1.0"));
     assert_eq!(tokens("[6.66, -1.5e-3]; Cm_2 4·10⁻⁸ 10.").len(), 10);
     assert_eq!(printed("4·10⁻⁸").map(|p| p.0 * 1e8), Some(4.0));
-    for (pattern, value, text) in [("−2.0035", -2.1, "−2.1000"), ("+9.85", 1.0, "+1.00"), ("4·10⁻⁸", 3.2e-7, "3·10⁻⁷"), ("5.5e-8", 6e-8, "6.0e-8")] {
+    for (pattern, value, text) in
+        [("−2.0035", -2.1, "−2.1000"), ("+9.85", 1.0, "+1.00"), ("4·10⁻⁸", 3.2e-7, "3·10⁻⁷"), ("5.5e-8", 6e-8, "6.0e-8")]
+    {
         assert_eq!(written_like(pattern, value), text);
     }
 }
