@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use windfall_likelihood::{Engine, Fit, Id, Member, Model};
 use windfall_model::{Campaign, Constant, Parameter};
 use windfall_pid::bands::add_curves;
+use windfall_pid::bandwidth::{BandwidthLine, bandwidth_lines};
 use windfall_pid::compatibility::{Compatibility, pressure};
 use windfall_pid::output_error::{EstimateOptions, Handling, Prior};
 use windfall_pid::plausible::looked;
@@ -76,6 +77,9 @@ pub struct Identified {
     /// Identified curves at the points of the campaign's wind-tunnel tests.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub wind_tunnel: Vec<WindTunnelLine>,
+    /// Runs and channels that were smoothed or resampled before their export, and the rate at which they are used.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bandwidth: Vec<BandwidthLine>,
 }
 
 impl AsRef<Identification> for Identified {
@@ -123,7 +127,7 @@ pub fn identify(campaign: &Campaign, notes: &[String], request: &IdentifyOrder) 
         found.warnings.push(format!("{} of {} copies gave no answer, the first: {first}", b.failed.len(), b.draws));
     }
     let wind_tunnel = wind_tunnel::of_data_sets(&campaign, &found.data_sets);
-    Ok(Identified { found, bootstrap: copies, wind_tunnel })
+    Ok(Identified { found, bootstrap: copies, wind_tunnel, bandwidth: bandwidth_lines(&campaign) })
 }
 
 /// Name of the likelihood in results.

@@ -85,6 +85,9 @@ const STAMP: &str = "sensors.pose_delay_s";
 const NODE_S: f64 = 0.02;
 /// The same where a search only looks for its start.
 const COARSE_S: f64 = 0.04;
+/// Most samples of a run that is too short to be taken; of one that was thinned to its bandwidth, whose samples say more, twice the numbers of a start.
+const SHORTEST: usize = 60;
+const SHORTEST_THINNED: usize = 24;
 /// What a node costs without columns, in columns.
 const NODE_COST: u64 = 24;
 /// What other random inputs beside a pass cost, in columns.
@@ -188,7 +191,7 @@ impl Engine {
         let records: Vec<(usize, &Record)> = indices
             .iter()
             .filter_map(|&i| match &owned.runs[i].data {
-                Data::Tunnel(r) if r.len() > 60 => Some((i, r)),
+                Data::Tunnel(r) if r.len() > if r.bandwidth.is_empty() { SHORTEST } else { SHORTEST_THINNED } => Some((i, r)),
                 _ => None,
             })
             .collect();

@@ -153,6 +153,7 @@ fn append(record: &mut Record, next: &Record, missing: usize) {
         turns(record.attitude_rad[0].last().copied().unwrap_or(0.0), next.attitude_rad[0].first().copied().unwrap_or(0.0));
     let measured = |r: &Record| (0..r.len()).map(|i| !r.is_measured(i)).collect::<Vec<bool>>();
     let bridged = [measured(record), vec![true; missing], measured(next)].concat();
+    let first_of_next = record.len() + missing;
     let (start_s, rows) = (record.t_s.first().copied().unwrap_or(0.0), bridged.len());
     for (c, (series, more)) in record.channels_mut().into_iter().zip(next.channels()).enumerate() {
         series.extend((0..missing).map(|k| between(c, k)));
@@ -162,6 +163,11 @@ fn append(record: &mut Record, next: &Record, missing: usize) {
         let last = series.last().copied().unwrap_or(0.0);
         series.extend(std::iter::repeat_n(last, missing).chain(more.iter().copied()));
     }
+    // The second record's samples of the tunnel speed are where the first's go on, or all rows are taken for samples.
+    record.wind_rows = record.wind_rows.filter(|w| {
+        let of_next = next.wind_rows.filter(|n| n.every == w.every);
+        of_next.is_some_and(|n| (first_of_next + n.first) % w.every == w.first)
+    });
     record.t_s = (0..rows).map(|i| start_s + i as f64 * dt).collect();
     record.bridged = if bridged.iter().any(|b| *b) { bridged } else { Vec::new() };
 }

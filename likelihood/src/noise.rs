@@ -4,7 +4,7 @@
 //! autoregressive one is fitted there by Whittle's likelihood (Whittle 1953); what is declared is a prior where little is seen.
 
 use crate::spectrum::periodogram;
-use windfall_model::{CHANNELS, PerChannel, Record, Sensors};
+use windfall_model::{CHANNELS, POSE, PerChannel, Record, Sensors};
 
 /// Noise of one channel: variance of its samples' white part, and variance and lag-one correlation of its coloured part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,7 +76,9 @@ pub fn declared(s: &Sensors) -> PerChannel<ChannelNoise> {
 /// where that says much more.
 #[must_use]
 pub(crate) fn learn(records: &[&Record], sensors: &Sensors) -> PerChannel<ChannelNoise> {
-    let prior = declared(sensors);
+    let std = sensors.std_by_channel();
+    let share = |c: usize| records.iter().map(|r| r.noise_share(c)).fold(1.0, f64::min);
+    let prior = std::array::from_fn(|c| ChannelNoise::white(std[c] * share(c).sqrt()));
     let spectra: PerChannel<Vec<Ordinate>> = std::array::from_fn(|c| records.iter().flat_map(|r| spectrum(r, c)).collect());
     if spectra.iter().any(|s| s.iter().filter(|o| o.noise_alone).count() < 50) {
         return prior;
@@ -121,7 +123,12 @@ struct Ordinate {
 
 /// Periodogram of a channel from its first differences, motion's lowest frequencies left out.
 fn spectrum(record: &Record, channel: usize) -> Vec<Ordinate> {
-    let (series, measured) = filled(record, channel);
+    let (mut series, measured) = filled(record, channel);
+    let mut dt = record.interval_s();
+    if let Some(rows) = record.wind_rows.filter(|_| channel == POSE) {
+        series = series.into_iter().skip(rows.first).step_by(rows.every).collect();
+        dt *= rows.every as f64;
+    }
     let n = series.len().saturating_sub(1);
     if n < 64 {
         return Vec::new();
@@ -129,7 +136,7 @@ fn spectrum(record: &Record, channel: usize) -> Vec<Ordinate> {
     let steps: Vec<f64> = series.windows(2).map(|w| w[1] - w[0]).collect();
     let mean = steps.iter().sum::<f64>() / n as f64;
     let Some(seen) = periodogram(steps.iter().map(|s| s - mean)) else { return Vec::new() };
-    let (dt, turn) = (record.interval_s(), std::f64::consts::TAU);
+    let turn = std::f64::consts::TAU;
     let alone = (ABOVE_HZ * dt).clamp(ABOVE_SHARE, 0.3) * turn;
     let least = (WITH_MOTION_HZ * dt).min(0.2) * turn;
     seen.power

@@ -53,8 +53,10 @@ pub(crate) struct Prepared {
 impl Prepared {
     /// Blocks of about `node_s`; `noise` is the tunnel speed's.
     pub(crate) fn new(index: usize, name: &str, record: &Record, gas_constant: f64, node_s: f64, noise: &ChannelNoise) -> Self {
-        let missing = |i: usize| record.bridged.get(i).copied().unwrap_or(false);
         let (series, dt) = (&record.vw_m_s, record.interval_s());
+        let (first, every) = record.wind_rows.map_or((0, 1), |rows| (rows.first, rows.every));
+        let missing = |i: usize| record.bridged.get(first + every * i).copied().unwrap_or(false);
+        let sampled: Vec<f64> = series.iter().skip(first).step_by(every).copied().collect();
         Self {
             index,
             name: name.to_owned(),
@@ -62,7 +64,7 @@ impl Prepared {
             block: 0,
             nodes: Vec::new(),
             start: [[0.0; 2]; POSE],
-            speed: Speed::new(series, dt, noise, &missing),
+            speed: Speed::new(&sampled, every as f64 * dt, noise, &missing).from(first as f64 * dt),
             speed_m_s: record.mean_airspeed_m_s(),
             intensity: Intensity::default(),
         }

@@ -18,6 +18,8 @@ const SETTLED: usize = 50;
 /// A run's tunnel speed.
 #[derive(Clone, Debug)]
 pub(crate) struct Speed {
+    /// Time of the first sample, s.
+    start_s: f64,
     interval_s: f64,
     /// Speed (m/s) and its rate (m/s²) at the samples.
     smoothed: Vec<[f64; 2]>,
@@ -37,13 +39,18 @@ impl Speed {
         let share = measured.iter().flatten().count() as f64 / measured.len().max(1) as f64;
         let r = noise.correlation;
         let density = (noise.white + noise.coloured * (1.0 + r) / (1.0 - r)) * interval_s / share.max(0.01);
-        Self { interval_s, smoothed, density, innovations }
+        Self { start_s: 0.0, interval_s, smoothed, density, innovations }
+    }
+
+    /// The same with its first sample at that time of the record, s.
+    pub(crate) fn from(self, start_s: f64) -> Self {
+        Self { start_s, ..self }
     }
 
     /// Speed and its rate at a time of the record, by Hermite's cubic; beyond the ends the first or last speed.
     pub(crate) fn at(&self, t_s: f64) -> [f64; 2] {
         let (h, last) = (self.interval_s, self.smoothed.len() - 1);
-        let x = t_s / h;
+        let x = (t_s - self.start_s) / h;
         if x <= 0.0 || last == 0 {
             return [self.smoothed[0][0], 0.0];
         }

@@ -1,5 +1,6 @@
 //! model: the run record, what was measured. In: columns in SI and rad. Out: checked series of one length.
 
+use crate::bandwidth::Bandwidth;
 use crate::channel::PerChannel;
 use crate::plant::Plant;
 use crate::point::CoefficientTable;
@@ -34,6 +35,11 @@ pub struct Record {
     pub piece_of: Option<String>,
     /// The recording that this record is a window of, for what looks at a whole signal; none where all of it is here.
     pub recording: Option<Recording>,
+    /// What was done to the channels before they were exported, where that took bandwidth; the samples are those that are left. Empty of a
+    /// record that is used as it was exported.
+    pub bandwidth: Vec<Bandwidth>,
+    /// Rows at which V_W was sampled, where its own rate is below that of the rows; it is interpolated or smoothed between them.
+    pub wind_rows: Option<WindRows>,
 }
 
 /// A recording, and which of its samples a window of it has.
@@ -43,6 +49,15 @@ pub struct Recording {
     pub whole: Arc<Record>,
     /// Those of the window.
     pub rows: Range<usize>,
+}
+
+/// Every `every`-th row from `first` on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WindRows {
+    /// The first row, below `every`.
+    pub first: usize,
+    /// Rows from one sample to the next, 2 or more.
+    pub every: usize,
 }
 
 impl Record {
@@ -92,6 +107,14 @@ impl Record {
         };
         (0..n - apart).map(speed).sum::<f64>() / (n - apart) as f64
     }
+    /// Share of the variance of an instrument's white noise that smoothing and thinning leave to a sample of a channel: the rate that is kept over
+    /// the rate that was sampled. One where nothing was smoothed: the samples of a slower clock are as they were.
+    #[must_use]
+    pub fn noise_share(&self, channel: usize) -> f64 {
+        let own = || self.bandwidth.iter().filter(|b| b.channels.channels().contains(&channel));
+        let sampled_hz = |b: &Bandwidth| own().find_map(|o| o.original_hz).unwrap_or(b.thinned_from_hz);
+        own().filter(|b| b.original_hz.is_none()).map(|b| b.thinned_to_hz / sampled_hz(b)).fold(1.0, f64::min)
+    }
     /// The seven measured motion signals in the order of [`crate::RunChannel`]: X, Y, Z (m), R_x, R_y, R_z (rad), V_W (m/s).
     #[must_use]
     pub fn channels(&self) -> PerChannel<&[f64]> {
@@ -112,15 +135,13 @@ impl Record {
     #[must_use]
     pub fn slow_mut(&mut self) -> [Option<&mut Vec<f64>>; 3] {
         // Every field is named, so that a new one is asked for here.
-        let Self { t_s: _, position_m: _, attitude_rad: _, vw_m_s: _, bridged: _, piece_of: _, recording: _, ps_pa, ts_k, qw_pa } =
-            self;
+        let Self { t_s: _, position_m: _, attitude_rad: _, vw_m_s: _, bridged: _, piece_of: _, recording: _, bandwidth: _, wind_rows: _, ps_pa, ts_k, qw_pa } = self;
         [Some(ps_pa), Some(ts_k), qw_pa.as_mut()]
     }
     /// The same, to be read.
     #[must_use]
     pub fn slow(&self) -> [Option<&[f64]>; 3] {
-        let Self { t_s: _, position_m: _, attitude_rad: _, vw_m_s: _, bridged: _, piece_of: _, recording: _, ps_pa, ts_k, qw_pa } =
-            self;
+        let Self { t_s: _, position_m: _, attitude_rad: _, vw_m_s: _, bridged: _, piece_of: _, recording: _, bandwidth: _, wind_rows: _, ps_pa, ts_k, qw_pa } = self;
         [Some(ps_pa), Some(ts_k), qw_pa.as_deref()]
     }
     /// The samples of `rows`, in their own time.
@@ -137,6 +158,7 @@ impl Record {
         if !part.bridged.is_empty() {
             part.bridged = part.bridged[rows.clone()].to_vec();
         }
+        part.wind_rows = self.wind_rows.map(|w| WindRows { first: (w.first + w.every - rows.start % w.every) % w.every, ..w });
         part
     }
     /// The samples of `rows` as a window: what looks at a whole signal still sees all of it.

@@ -5,6 +5,7 @@
 
 mod angles;
 pub mod bands;
+pub mod bandwidth;
 mod choice;
 pub mod coefficients;
 pub mod compatibility;

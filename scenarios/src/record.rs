@@ -350,10 +350,7 @@ fn piece(
     let attitude_rad = ["Rx_deg", "Ry_deg", "Rz_deg"].map(|n| needed(n).into_iter().map(f64::to_radians).collect());
     let (vw_m_s, ps_pa, ts_k) = (needed("VW_m_s"), needed("ps_Pa"), needed("Ts_K"));
     let qw_pa = take(QW);
-    Piece {
-        record: Record { t_s, position_m, attitude_rad, vw_m_s, ps_pa, ts_k, qw_pa, bridged, piece_of: None, recording: None },
-        notes,
-    }
+    Piece { record: Record { t_s, position_m, attitude_rad, vw_m_s, ps_pa, ts_k, qw_pa, bridged, ..Record::default() }, notes }
 }
 
 /// Which samples of a piece are not as measured in all motion channels; empty when all are.

@@ -2,6 +2,7 @@
 
 mod arrows;
 mod bad_input;
+mod bandwidth;
 mod capsule;
 mod circles;
 mod commands;

@@ -11,6 +11,7 @@ use windfall_discover::close::{
 use windfall_discover::separate::{Separation, separate};
 use windfall_discover::{Identified, identify};
 use windfall_model::Plant;
+use windfall_pid::bandwidth::thin;
 use windfall_pid::compatibility::{Pressure, pressure};
 use windfall_pid::plan::{TestPlan as Targets, plan};
 use windfall_pid::plausible::looked;
@@ -82,7 +83,7 @@ impl Campaign {
         }
         must_be(path, FileKind::Campaign)?;
         let (data, warnings) = read_campaign_with_warnings(path)?;
-        Ok(Self { data, warnings })
+        Ok(Self { data, warnings }.thinned())
     }
     /// Reads a campaign file; or flies a scenario, by file or bundled name, whose effects its campaign does not declare.
     ///
@@ -120,7 +121,12 @@ impl Campaign {
             }
         }
         let (runs, warnings) = runs_of_columns(runs, &self.data.plant)?;
-        Ok(Self { data: windfall_model::Campaign { runs, ..self.data.clone() }, warnings })
+        Ok(Self { data: windfall_model::Campaign { runs, ..self.data.clone() }, warnings }.thinned())
+    }
+    /// The same on the rows that carry what the instruments saw; the warnings say which runs were smoothed or resampled before their export.
+    fn thinned(mut self) -> Self {
+        self.warnings.extend(thin(&mut self.data));
+        self
     }
     /// Runs whose recorders share one clock, as they are identified on.
     fn on_one_clock(&self) -> Result<windfall_model::Campaign> {

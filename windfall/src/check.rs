@@ -6,6 +6,7 @@ use crate::scenario::is_bundled;
 use crate::{Campaign, Drawing, Result, Scenario};
 use serde::Serialize;
 use std::path::Path;
+use windfall_pid::bandwidth::recognised;
 use windfall_pid::plausible::{closure, looked};
 use windfall_scenarios::{
     FileKind, Piece, columns_of_campaign, columns_of_run, kind_of, read_bundled, read_free, read_record_pieces, read_structure,
@@ -78,7 +79,11 @@ pub fn check(word: &Path) -> Result<Checked> {
         return Ok(Checked::Scenario(Box::new(Scenario::find(word)?)));
     }
     Ok(match kind_of(word)? {
-        FileKind::Run => Checked::Run(read_record_pieces(word, &sensors_of_table_a3(), None)?),
+        FileKind::Run => {
+            let mut pieces = read_record_pieces(word, &sensors_of_table_a3(), None)?;
+            pieces.iter_mut().for_each(|p| p.notes.extend(recognised(&p.record, &sensors_of_table_a3())));
+            Checked::Run(pieces)
+        }
         FileKind::Campaign => {
             let mut campaign = Campaign::read(word)?;
             let notes = looked(&campaign.data, false)?.notes();

@@ -12,6 +12,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use windfall_likelihood::{CONTRADICTED, Discovery, Engine, Fit, Id, Lead, Member, discover};
 use windfall_model::{CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, POSE, Plant, Role, Use};
 use windfall_pid::NORMAL_95;
+use windfall_pid::bandwidth::bandwidth_lines;
 use windfall_replay::{ReplayError, hold_out};
 
 /// Gain, in nats beyond its cost, from which a generic alternative says that something is unexplained, and from which a line of the
@@ -63,6 +64,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         verdict,
         joined: engine.joined(campaign),
         record: Vec::new(),
+        bandwidth: bandwidth_lines(campaign),
         unfinished_passes: found.unfinished_passes,
         errors_carry_unexplained: found.errors_carry_missing,
         residual: Residuals { per_channel: channels(before) },

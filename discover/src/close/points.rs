@@ -71,6 +71,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         verdict,
         joined: Vec::new(),
         record: Vec::new(),
+        bandwidth: Vec::new(),
         unfinished_passes: None,
         errors_carry_unexplained: false,
         residual: result::Residuals { per_channel: residual },

@@ -5,6 +5,7 @@ use super::fitted::{FittedInstead, FlownCoefficient, ParameterLine};
 use crate::residual::ChannelResidual;
 use serde::{Deserialize, Serialize};
 use windfall_model::{Measured, Pivot};
+use windfall_pid::bandwidth::BandwidthLine;
 use windfall_replay::{HoldOut, Statistic, TrajectoryError};
 
 /// What closing concludes.
@@ -319,6 +320,9 @@ pub struct Closing {
     /// What the check of the record had to say: a fault that was accepted, clocks that differ. A sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub record: Vec<String>,
+    /// Runs and channels that were smoothed or resampled before their export, and the rate at which they are used.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bandwidth: Vec<BandwidthLine>,
     /// Where the search ended because all the work it may do was done: that, in passes over the runs. A likelier set may not have been tried.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unfinished_passes: Option<f64>,
@@ -394,7 +398,9 @@ impl Closing {
         let carry = "something is unexplained: the errors of the parameters carry how far it may have moved them".to_owned();
         let carry = self.errors_carry_unexplained.then_some(carry);
         let record = self.record.iter().cloned();
-        record.chain(self.joined.iter().map(one_flight)).chain(self.unfinished_passes.map(unfinished)).chain(carry).collect()
+        let bandwidth = windfall_pid::bandwidth::words(&self.bandwidth);
+        let taken = record.chain(bandwidth).chain(self.joined.iter().map(one_flight));
+        taken.chain(self.unfinished_passes.map(unfinished)).chain(carry).collect()
     }
 }
 

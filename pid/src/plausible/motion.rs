@@ -11,6 +11,8 @@ use windfall_model::{Record, RunChannel};
 /// Half-width of a window, s, for place and speed, and for angles; and the least number of samples.
 pub(super) const HALF_S: [f64; 2] = [0.35, 0.2];
 pub(super) const FEWEST: usize = 6;
+/// The same of a record that was thinned to its bandwidth, whose samples have less noise: two more samples than the polynomial has numbers.
+const FEWEST_THINNED: usize = 3;
 /// Interval, s, above which a record's clock cannot be right: its windows are then of so many samples.
 pub(super) const SLOWEST_S: f64 = 0.1;
 const BLIND: [usize; 2] = [50, 30];
@@ -52,9 +54,10 @@ pub(super) fn stride(runs: &[(&str, &Record)]) -> usize {
 
 pub(super) fn of_run(r: &Record, stride: usize) -> Vec<MotionSample> {
     let dt = r.interval_s();
+    let (thinned, least) = (!r.bandwidth.is_empty(), if r.bandwidth.is_empty() { FEWEST } else { FEWEST_THINNED });
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive count of samples")]
-    let half = |k: usize| if dt > SLOWEST_S { BLIND[k] } else { (HALF_S[k] / dt.max(1e-5)).round() as usize };
-    let half = [half(0), half(1)].map(|h| h.max(FEWEST).min((r.len() - 1) / 2));
+    let half = |k: usize| if dt > SLOWEST_S && !thinned { BLIND[k] } else { (HALF_S[k] / dt.max(1e-5)).round() as usize };
+    let half = [half(0), half(1)].map(|h| h.max(least).min((r.len() - 1) / 2));
     let [Some(wide), Some(narrow)] = half.map(|h| weights(h, dt)) else { return Vec::new() };
     let (p, t) = (median(&r.ps_pa), median(&r.ts_k));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive count of samples")]
