@@ -243,7 +243,7 @@ impl<'s> Scene<'s> {
         let steps = (longest / self.interval_s).ceil() as usize;
         let mut constant = vec![0.0; INPUTS * SPEED];
         constant[0] = 1.0;
-        let drive = Drive { states: SPEED, at: vec![constant; 2 * steps + 1] };
+        let drive = Drive { states: SPEED, splits: 1, at: vec![constant; 2 * steps + 1] };
         let parameters = self.unknowns.parameters();
         let none = vec![None; parameters.len()];
         // The same throughout.

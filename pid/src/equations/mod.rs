@@ -25,7 +25,7 @@ use crate::PidError;
 pub use local::{ADDED, Local, MOTION};
 pub use number::{Dual, Scalar};
 use terms::Terms;
-pub(crate) use transition::{Drive, INPUTS, Segment, Transition};
+pub(crate) use transition::{Drive, INPUTS, Segment, Transition, splits};
 use windfall_model::{Plant, VARIABLES, Variable};
 
 /// Number of states: c.m. position (m) and Euler angles (rad), then c.m. velocity in tunnel axes (m/s) and body rates (rad/s).

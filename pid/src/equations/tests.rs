@@ -26,7 +26,7 @@ fn segment<'a>(craft: &'a Craft<'a>, drive: &'a Drive, interval_s: f64, density:
 
 /// A tunnel speed that stays.
 fn steady(steps: usize) -> Drive {
-    Drive { states: 1, at: vec![vec![1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]; 2 * steps + 1] }
+    Drive { states: 1, splits: 1, at: vec![vec![1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]; 2 * steps + 1] }
 }
 
 /// A lander with everything that these equations know, none of it null.
@@ -118,7 +118,7 @@ fn drive() -> Drive {
         m[6 * 4 + 3] = -2.0 * (-2.0 * t).exp();
         m
     };
-    Drive { states: 4, at: (0..=40).map(|i| row(f64::from(i) / 300.0)).collect() }
+    Drive { states: 4, splits: 1, at: (0..=40).map(|i| row(f64::from(i) / 300.0)).collect() }
 }
 
 /// Derivatives of the map against central differences of the map, to the order of the method (differences: rounding 1e-16 of states of
@@ -212,7 +212,7 @@ fn order_four_of_the_integrator() {
             m[3] = 1.0;
             m
         };
-        let drive = Drive { states: 2, at: (0..=2 * steps).map(|i| row(0.5 * h * i as f64)).collect() };
+        let drive = Drive { states: 2, splits: 1, at: (0..=2 * steps).map(|i| row(0.5 * h * i as f64)).collect() };
         let density = vec![1.18; steps];
         let mut out = Transition::default();
         assert!(segment(&craft, &drive, h, &density).fly(STATE, &[7.4, 0.2], &mut out));
@@ -265,4 +265,26 @@ fn exact_unknown_gust_adds_the_mean_of_damping_that_grows_with_the_angle() {
     let added = (rate([0.0, 0.0, sigma]) - rate([0.0; 3])) / scale;
     let expected = TABLE_5_5[8] * (sigma / vw).powi(2);
     assert!((added / expected - 1.0).abs() < 0.04, "{added} {expected}");
+}
+
+/// Four samples of five parts each end where twenty samples end, with the same slopes, to the rounding of twenty steps.
+#[test]
+fn exact_parts_of_a_sample_are_samples() {
+    let plant = plant();
+    let craft = Craft::new(&plant).expect("integrable");
+    let (fine, inputs) = (drive(), [7.4, 0.2, -1.0, 0.3]);
+    let parted = Drive { splits: 5, ..fine.clone() };
+    let columns: Vec<Option<usize>> = (0..11).map(Some).collect();
+    let of = |drive: &Drive, interval_s: f64, density: &[f64]| {
+        let mut out = Transition::default();
+        let flown = Segment { columns: &columns, free: 11, ..segment(&craft, drive, interval_s, density) };
+        assert!(flown.differentiate(STATE, &inputs, &mut out));
+        (out.states.clone(), out.slopes)
+    };
+    let (all, few) = (of(&fine, 1.0 / 150.0, &[1.18; 20]), of(&parted, 5.0 / 150.0, &[1.18; 4]));
+    assert_eq!((few.0.len(), few.1.len()), (4, 4));
+    for k in 0..4 {
+        let pairs = few.0[k].iter().zip(&all.0[5 * k + 4]).chain(few.1[k].iter().zip(&all.1[5 * k + 4]));
+        assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-11 * (1.0 + b.abs())), "sample {k}");
+    }
 }

@@ -1,13 +1,14 @@
 //! pid: a piece of flight and what it depends on. In: state and inputs at its first sample, parameters. Out: states at its samples,
 //! with their derivatives by the variational equations.
 //!
-//! Fourth-order Runge-Kutta with one step a sample, for the state and for its derivatives, whose matrix is taken at both ends and in the
+//! Fourth-order Runge-Kutta with one step a sample (several, where samples are far apart: [`splits`]), for the state and for its derivatives, whose matrix is taken at both ends and in the
 //! middle of a step (there on the cubic through the ends; Hairer, Norsett and Wanner 1993, II.6): an end is the next step's start, so that
 //! two linearisations a step do. They are the derivatives of the discrete map to the order of the method, not to rounding. The pitch
 //! mode (1 Hz) at 150 Hz turns by 0.04 rad a step: its phase errs by 2e-8 of a turn.
 
 use super::{Craft, Dual, Extra, STATES, Scalar, TunnelAir};
 use pulp::{Arch, Simd, WithSimd};
+use windfall_model::Record;
 
 /// Inputs at one instant: tunnel speed and its rate, gust velocity and its rate.
 pub(crate) const INPUTS: usize = 8;
@@ -20,8 +21,21 @@ const LANES: usize = STATES;
 pub(crate) struct Drive {
     /// Number of input states.
     pub(crate) states: usize,
-    /// M at every half sample of a piece, row-major, [`INPUTS`] rows.
+    /// Parts of a sample interval that are integrated one by one: more than one where samples are too far apart for one step.
+    pub(crate) splits: usize,
+    /// M at every half part of a piece, row-major, [`INPUTS`] rows.
     pub(crate) at: Vec<Vec<f64>>,
+}
+
+/// Longest step over the samples of a record that was thinned to its bandwidth, s: a fiftieth of the pitch mode's period, in which the error of
+/// the Runge-Kutta method is 2e-6 of its frequency.
+const LONGEST_STEP_S: f64 = 0.02;
+
+/// Parts of a sample interval of a record that are integrated one by one.
+pub(crate) fn splits(record: &Record) -> usize {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small positive number")]
+    let parts = (record.interval_s() / LONGEST_STEP_S - 1e-6).ceil() as usize;
+    if record.bandwidth.is_empty() { 1 } else { parts.max(1) }
 }
 
 impl Drive {
@@ -110,14 +124,22 @@ impl Segment<'_> {
         STATES + self.drive.states + self.free
     }
 
-    /// Density at the start of a step or at the next one's; linear between.
-    fn density_at(&self, step: usize, on: usize) -> f64 {
-        self.density[(step + on).min(self.density.len() - 1)]
+    /// Density at the start of a part of a step or at the next one's; linear between samples.
+    fn density_at(&self, part: usize, on: usize) -> f64 {
+        let (splits, last) = (self.drive.splits, self.density.len() - 1);
+        let (step, left) = ((part + on) / splits, (part + on) % splits);
+        let from = self.density[step.min(last)];
+        if left == 0 { from } else { from + left as f64 / splits as f64 * (self.density[(step + 1).min(last)] - from) }
+    }
+
+    /// Length of a part, s.
+    fn part_s(&self) -> f64 {
+        self.interval_s / self.drive.splits as f64
     }
 
     fn air(&self, step: usize, half: usize, inputs: &[f64; INPUTS]) -> TunnelAir {
         TunnelAir {
-            t_s: self.start_s + (step as f64 + 0.5 * half as f64) * self.interval_s,
+            t_s: self.start_s + (step as f64 + 0.5 * half as f64) * self.part_s(),
             density_kg_m3: 0.5 * (self.density_at(step, half / 2) + self.density_at(step, half.div_ceil(2))),
             vw_m_s: inputs[0],
             vw_rate_m_s2: inputs[1],
@@ -140,18 +162,20 @@ impl Segment<'_> {
         let terms = &mut out.work.terms;
         terms.resize(self.craft.terms.acts.len(), 0.0);
         let mut x = x;
-        for step in 0..self.steps {
-            let Some(first) = self.rate(&x, (step, 0), self.drive.inputs(2 * step, s), terms) else { return false };
-            let Some(next) = self.step(&x, step, s, first, terms) else { return false };
+        for part in 0..self.steps * self.drive.splits {
+            let Some(first) = self.rate(&x, (part, 0), self.drive.inputs(2 * part, s), terms) else { return false };
+            let Some(next) = self.step(&x, part, s, first, terms) else { return false };
             x = next;
-            out.states.push(x);
+            if (part + 1).is_multiple_of(self.drive.splits) {
+                out.states.push(x);
+            }
         }
         true
     }
 
     #[inline(always)]
     fn with_slopes(&self, x: [f64; STATES], s: &[f64], out: &mut Transition) -> bool {
-        let (width, h) = (self.width(), self.interval_s);
+        let (width, h) = (self.width(), self.part_s());
         let stride = width.next_multiple_of(UNIT);
         out.states.clear();
         out.slopes.resize(self.steps, Vec::new());
@@ -165,7 +189,7 @@ impl Segment<'_> {
         // In an unresolved gust, whose side changes from step to step, an end is not the next step's start.
         let shared = !self.is_spread();
         let mut x = x;
-        for step in 0..self.steps {
+        for step in 0..self.steps * self.drive.splits {
             let mut next = x;
             // One call for all three: it is long, and copied to wherever it is called from.
             for place in [START, END, MIDDLE] {
@@ -194,8 +218,11 @@ impl Segment<'_> {
             }
             w.instants.swap(START, END);
             x = next;
+            if !(step + 1).is_multiple_of(self.drive.splits) {
+                continue;
+            }
             out.states.push(x);
-            let kept = &mut out.slopes[step];
+            let kept = &mut out.slopes[step / self.drive.splits];
             kept.clear();
             w.slopes.chunks_exact(stride).for_each(|row| kept.extend_from_slice(&row[..width]));
         }
@@ -205,7 +232,7 @@ impl Segment<'_> {
     /// The state a step later, the first stage's rate given; `None` where the flight cannot go on.
     #[inline(always)]
     fn step(&self, x: &[f64; STATES], step: usize, s: &[f64], first: [f64; STATES], terms: &mut [f64]) -> Option<[f64; STATES]> {
-        let h = self.interval_s;
+        let h = self.part_s();
         let (mut k, mut sum) = (first, [0.0; STATES]);
         for (a, half, b) in RK4 {
             if half > 0 {

@@ -10,7 +10,7 @@
 //! the damping C_m,2 α² has C_m,2 × 1.8e-4 = −0.037 of C_m,1 more than at the mean angle, a standard error of it. Rates and slopes are
 //! therefore means over two opposite points of that part (statistical linearisation; Gelb 1974, §6.2).
 
-use crate::equations::{Drive, INPUTS, STATES, Segment, Transition, origin_slopes};
+use crate::equations::{Drive, INPUTS, STATES, Segment, Transition, origin_slopes, splits};
 use crate::output_error::{FreeColumns, PreparedRun, SPEED};
 use nalgebra::{DMatrix, DVector};
 use windfall_model::{CHANNELS, Disturbance, Entry, PerChannel, ShapingFilter, StateForm, Turbulence};
@@ -135,7 +135,7 @@ impl<'r, 'a> Filter<'r, 'a> {
                 _ => None,
             })
             .collect();
-        let h = self.run.interval_s;
+        let (h, parts) = (self.run.interval_s, splits(self.run.record));
         let tau = h * self.piece as f64;
         let mut end = DMatrix::identity(ns, ns);
         end[(0, 1)] = tau;
@@ -162,7 +162,11 @@ impl<'r, 'a> Filter<'r, 'a> {
             }
         }
         Gusts {
-            drive: Drive { states: ns, at: (0..=2 * self.piece).map(|i| inputs_at(0.5 * h * i as f64, ns, &filters)).collect() },
+            drive: Drive {
+                states: ns,
+                splits: parts,
+                at: (0..=2 * self.piece * parts).map(|i| inputs_at(0.5 * h / parts as f64 * i as f64, ns, &filters)).collect(),
+            },
             end,
             root,
             rate,

@@ -10,7 +10,7 @@ use super::instruments::{Errors, KINDS, Known, STATE_OF, VARIABLES, observe, var
 use super::speed::liveliness;
 use super::unknowns::ANGLE_BIASES;
 use crate::PidError;
-use crate::equations::{Craft, Drive, Dual, Extra, INPUTS, STATES, Segment, Transition, TunnelAir, origin, origin_slopes};
+use crate::equations::{Craft, Drive, Dual, Extra, INPUTS, STATES, Segment, Transition, TunnelAir, origin, origin_slopes, splits};
 use crate::smooth::{Smoother, smooth};
 use crate::states::states;
 pub(crate) use linear::Linearised;
@@ -96,6 +96,12 @@ impl FreeColumns {
     }
 }
 
+/// Tunnel speed over the half parts of a piece of so many samples.
+fn drive(piece: usize, splits: usize, interval_s: f64) -> Drive {
+    let half_s = 0.5 * interval_s / splits as f64;
+    Drive { states: SPEED, splits, at: (0..=2 * piece * splits).map(|i| parabola(half_s * i as f64)).collect() }
+}
+
 impl<'a> PreparedRun<'a> {
     pub(crate) fn new(name: &'a str, record: &'a Record, plant: &'a Plant) -> Result<Self, PidError> {
         let craft = Craft::new(plant)?;
@@ -124,7 +130,7 @@ impl<'a> PreparedRun<'a> {
             record,
             interval_s,
             density: record.ps_pa.iter().zip(&record.ts_k).map(|(p, t)| plant.environment.density_kg_m3(*p, *t)).collect(),
-            drive: Drive { states: SPEED, at: (0..=2 * piece).map(|i| parabola(0.5 * interval_s * i as f64)).collect() },
+            drive: drive(piece, splits(record), interval_s),
             piece,
             jump_std: (lively.intensity * piece_s).sqrt().max(1e-12) / scale,
             jerk_root: lively.intensity.sqrt() / scale,
@@ -148,7 +154,7 @@ impl<'a> PreparedRun<'a> {
             record,
             interval_s,
             density: record.ps_pa.iter().zip(&record.ts_k).map(|(p, t)| plant.environment.density_kg_m3(*p, *t)).collect(),
-            drive: Drive { states: SPEED, at: vec![parabola(0.0), parabola(0.5 * interval_s), parabola(interval_s)] },
+            drive: drive(1, splits(record), interval_s),
             piece: 1,
             jump_std: (jerk_root * interval_s.sqrt()).max(1e-12),
             jerk_root,
