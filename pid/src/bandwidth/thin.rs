@@ -112,7 +112,9 @@ pub(super) fn wind_on_own_clock(r: &mut Record) {
 pub(super) fn wind_to_bandwidth(r: &mut Record, smoothing: &Smoothing) {
     let Some(filter) = smoothing.of(ChannelGroup::TunnelSpeed) else { return };
     let rate_hz = 1.0 / r.interval_s();
-    let every = every(rate_hz, filter.half_power_hz());
+    let usable_hz = filter.half_power_hz();
+    // The filter of the pose, whose rows are kept already, is found a little narrower or wider here.
+    let every = if usable_hz * WIDER < 0.5 * rate_hz { every(rate_hz, usable_hz) } else { 1 };
     if every < 2 || r.wind_rows.is_some() {
         return;
     }
