@@ -37,8 +37,8 @@ pub(crate) enum Command {
     Descend(DescendArgs),
     /// Find what the declared model lacks: residual, effect, its numbers, errors before and after
     ///
-    /// Exit code 1 when the residual is beyond noise and no effect of the catalogue accounts for it (verdict "unexplained"); 0 when it
-    /// is noise ("consistent") or was explained ("effect").
+    /// Exit code 1 when something is left that nothing named accounts for, or held-out runs contradict what was identified (verdict
+    /// "unexplained", whatever effects come near); 0 when all that is left is noise, without an effect ("consistent") or with one ("effect").
     Close(CloseArgs),
     /// Many draws around a scenario or campaign: what a test will tell
     ///

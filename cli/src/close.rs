@@ -3,11 +3,12 @@
 
 use crate::args::CloseArgs;
 use crate::session::{Failure, Session};
+use std::cmp::Ordering;
 use std::fmt::Write as _;
 use std::path::Path;
 use windfall::files::{series_text, text_atomically, write_json_atomically};
-use windfall::report::{closing_page, number, p_value, sentence, with_interval};
-use windfall::results::{Closing, EffectLine, HeldOut, NORMAL_95, Verdict, statistics_table};
+use windfall::report::{closing_page, number, p_value, with_interval};
+use windfall::results::{CheckedRuns, Closing, EffectLine, HeldOut, NORMAL_95, Verdict, statistics_table};
 use windfall::{CampaignSource, Close, Fly, Published};
 
 /// Names of the result files; without a campaign there are no figures.
@@ -76,13 +77,14 @@ fn close_statistics(word: &Path, request: &Close, session: &mut Session<'_>) -> 
 /// What is printed of a closing: the result on a screenful.
 #[must_use]
 pub fn words(c: &Closing) -> String {
-    let mut text = format!("{}: {}\n", c.campaign, folded(&sentence(c), c.campaign.len() + 2));
+    let mut text = format!("{}: {}\n", c.campaign, folded(&c.concluded().sentence, c.campaign.len() + 2));
     c.effects.iter().for_each(|e| effect(&mut text, e));
     text += &crate::fitted::lines(c);
     channels(&mut text, c);
     if let (Some(b), Some(a)) = (&c.before.hold_out, &c.after.hold_out) {
         held_out(&mut text, b, a, !c.effects.is_empty());
     }
+    checks(&mut text, c);
     text += &crate::wind_tunnel::lines(&c.wind_tunnel);
     for note in c.notes() {
         let _ = writeln!(text, "\n{}", folded(&note, 0));
@@ -159,6 +161,24 @@ fn channels(text: &mut String, c: &Closing) {
             p_value(a.p_value)
         );
     }
+}
+
+/// How many of the checks run by run pass, and the worst of them.
+fn checks(text: &mut String, c: &Closing) {
+    let (all, failed) = (c.checks.len(), c.checks.iter().filter(|l| !l.ok).count());
+    let Some(worst) = c.checks.iter().min_by(|a, b| (a.ok, a.p_value).partial_cmp(&(b.ok, b.p_value)).unwrap_or(Ordering::Equal))
+    else {
+        return;
+    };
+    let of = if worst.run.is_empty() { String::new() } else { format!(" of {}", worst.run) };
+    let used = if worst.used == CheckedRuns::HoldOut { "held out" } else { "identified on" };
+    let words = format!(
+        "{} of {all} checks of runs and channels pass (1 %, all together); least p = {}: {}{of}, {used}",
+        all - failed,
+        p_value(worst.p_value),
+        worst.what
+    );
+    let _ = writeln!(text, "\n{}", folded(&words, 0));
 }
 
 fn held_out(text: &mut String, b: &HeldOut, a: &HeldOut, added: bool) {

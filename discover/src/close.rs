@@ -12,11 +12,14 @@ use windfall_pid::plausible::looked;
 
 mod balance;
 mod chance;
+mod checks;
 mod figure;
 mod figures;
+mod finding;
 mod fitted;
 mod flown;
 mod innovations;
+mod judged;
 mod lead;
 mod likely;
 mod points;
@@ -42,7 +45,7 @@ pub use figure::{Figure, Role, Series, Topic};
 pub use figures::figures;
 pub use fitted::{FittedInstead, FlownCoefficient, FlownValue, Instead, ParameterLine};
 pub use innovations::{InnovationLine, InnovationShape};
-pub(crate) use likely::LEFT;
+pub use judged::{CheckLine, CheckedRuns, Finding, Level, NotNamed};
 pub use result::{
     After, CandidateLine, Closing, ConstantLine, EffectBound, EffectLine, Form, FormCheck, HeldOut, HeldOutTrajectory, NoiseLine,
     SetLine, Shift, Unexplained, Verdict,
@@ -83,12 +86,12 @@ pub fn close(campaign: &Campaign, options: &Options) -> Result<Closing, Discover
     let looked = looked(campaign, options.accept_record)?;
     let record = looked.notes();
     if campaign.has_tracks() {
-        return Ok(Closing { record, ..points::close(campaign, options)? });
+        return Ok(Closing { record, ..points::close(campaign, options)? }.with_finding());
     }
     let campaign = &looked.with_difference();
     let closing = likely::close(campaign, options)?;
     let wind_tunnel = static_points(campaign, closing.plants()?)?;
-    Ok(Closing { wind_tunnel, record, ..closing })
+    Ok(Closing { wind_tunnel, record, ..closing }.with_finding())
 }
 
 /// The campaign as closing takes it: both recorders on one clock. Figures and tracks of a closing are of these runs.

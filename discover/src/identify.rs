@@ -2,7 +2,6 @@
 //! the program and for Python.
 
 use crate::DiscoverError;
-use crate::close::LEFT;
 use crate::wind_tunnel::{self, WindTunnelLine};
 use serde::{Deserialize, Serialize};
 use windfall_likelihood::{Engine, Fit, Id, Member, Model};
@@ -129,6 +128,10 @@ pub fn identify(campaign: &Campaign, notes: &[String], request: &IdentifyOrder) 
     let wind_tunnel = wind_tunnel::of_data_sets(&campaign, &found.data_sets);
     Ok(Identified { found, bootstrap: copies, wind_tunnel, bandwidth: bandwidth_lines(&campaign) })
 }
+
+/// Mean square of the whitened innovations over what it should be from which a residual is left: twelve standard deviations of a run of a
+/// minute.
+const LEFT: f64 = 1.15;
 
 /// Name of the likelihood in results.
 const LIKELIHOOD: &str = "likelihood";

@@ -9,6 +9,7 @@ pub mod separate;
 pub mod statistics;
 pub mod tracks;
 mod wind_tunnel;
+pub mod words;
 
 pub use error::DiscoverError;
 pub use identify::{Identified, IdentifyOrder, Tie, identify};

@@ -8,6 +8,7 @@
 //! Sources: Klein and Morelli, Aircraft System Identification, 2006, ch. 6; Durbin and Koopman, Time Series Analysis by State Space
 //! Methods, 2012; Bishop, Pattern Recognition and Machine Learning, 2006, §3.5.
 
+mod absolute;
 mod blown;
 mod bursts;
 mod check;
@@ -36,6 +37,7 @@ mod shock;
 mod spectrum;
 mod wind;
 
+pub use absolute::{MeanSquare, NOISE_KNOWN, OtherRuns};
 pub use check::Lead;
 pub use discover::{
     CONTRADICTED, Contest, Discovery, FamilySet, RivalPair, Rivals, UNFLOWN, Unseen, discover, identify, log_odds,
@@ -46,6 +48,6 @@ pub use hum::Hum;
 pub use innovations::Innovations;
 pub use model::{Id, Member, Model, Number};
 pub use noise::{ChannelNoise, declared as declared_noise};
-pub use predictive::{NearFit, averaged};
+pub use predictive::{NearFit, Top, averaged, top};
 pub use random_range::RandomRange;
 pub use search::{Set, Unit, log_mean};

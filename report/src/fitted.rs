@@ -1,9 +1,10 @@
 //! report: declared parameters that a closing fitted, and coefficients at the settings flown. In: a closing. Out: HTML.
 
 use crate::html::{Cell, escape, table};
-use crate::words::{listed, number, with_interval};
+use crate::words::{number, with_interval};
 use std::fmt::Write as _;
 use windfall_discover::NORMAL_95;
+use windfall_discover::words::listed;
 use windfall_discover::close::{Closing, EffectLine, FlownValue, Instead, ParameterLine};
 
 /// Declared parameters: in the file, fitted with the declared model, and with effects; and what would do as well.

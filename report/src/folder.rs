@@ -126,7 +126,7 @@ fn body(title: &str, results: &FolderResults<'_>, plots: &mut Plots) -> String {
     body += &results.coefficients.map_or_else(String::new, |t| one_to_one(t, plots) + &signals("coefficients", t));
     body += &results.flights.map_or_else(String::new, |t| signals("flights", t));
     body += &smoothing(results.smoothing, plots);
-    body + &results.closing.map_or_else(String::new, footer)
+    body + &results.closing.map_or_else(String::new, |_| footer())
 }
 
 #[cfg(test)]

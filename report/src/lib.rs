@@ -3,6 +3,7 @@
 //! Nothing is computed here but ratios of what a result holds and places on paper: a page shows a result, it never adds to it.
 
 mod chart;
+mod checks;
 mod closing;
 mod cut;
 mod data;
@@ -40,4 +41,4 @@ pub use examined::{agreement, identifiable, pressure_agreement};
 pub use folder::{FolderResults, campaign_page, folder_figures, folder_page};
 pub use many::many_page;
 pub use paper::{PaperFigure, WIDTH_MM};
-pub use words::{interval, number, p_value, sentence, with_interval};
+pub use words::{interval, number, p_value, with_interval};

@@ -3,10 +3,10 @@
 use crate::html::{escape, section};
 use crate::legend::{legend, share};
 use crate::plot::{Plot, Plots};
-use crate::words::{listed, no_form_holds, number, plain_key};
+use crate::words::{number, plain_key};
 use std::fmt::Write as _;
 use windfall_discover::close::{
-    ChannelResidual, Closing, Figure, HeldOut, Role, RunTracks, Series, SignalTracks, Topic, TrackSignal, Verdict,
+    ChannelResidual, Closing, EffectLine, Figure, Role, RunTracks, Series, SignalTracks, Topic, TrackSignal,
 };
 
 /// Longest curve of the story's figure, points.
@@ -47,10 +47,13 @@ fn over(r: &ChannelResidual) -> f64 {
 }
 
 fn residual(c: &Closing) -> String {
+    if let Some(words) = &c.declared_departs {
+        return format!("It cannot be flown through these runs: {words}.");
+    }
     let mut beyond: Vec<&ChannelResidual> = c.residual.per_channel.iter().filter(|r| r.p_value < c.false_alarm_rate).collect();
     beyond.sort_by(|a, b| over(b).total_cmp(&over(a)));
     match beyond.first() {
-        None => "What it leaves is noise in every channel.".to_owned(),
+        None => "It leaves no more than the noise's mean square in any channel.".to_owned(),
         Some(most) => format!(
             "It leaves more than noise in {} of {} channels: most in {}, {} times the noise.",
             beyond.len(),
@@ -61,41 +64,16 @@ fn residual(c: &Closing) -> String {
     }
 }
 
+/// The finding's own words, with the probability of what is named.
 fn effect(c: &Closing) -> String {
-    match c.verdict {
-        Verdict::Consistent => "No effect of the catalogue is needed.".to_owned(),
-        Verdict::Unexplained => "No effect of the catalogue accounts for it.".to_owned(),
-        Verdict::Effect => {
-            let one = |e: &windfall_discover::close::EffectLine| {
-                let odds = e.probability.map_or_else(String::new, |p| format!(" (probability {})", share(p)));
-                format!("{}{odds}", e.family)
-            };
-            let names: Vec<String> = c.effects.iter().map(one).collect();
-            let rivals: Vec<&str> = c.effects.iter().flat_map(|e| e.rivals.iter().map(String::as_str)).collect();
-            let or =
-                if rivals.is_empty() { String::new() } else { format!("; these data cannot tell it from {}", listed(&rivals)) };
-            let fails = no_form_holds(c);
-            let how = if fails { "Nearest to it comes" } else { "It traces to" };
-            let form = if fails { ", whose form does not hold" } else { "" };
-            format!("{how} {}{or}{form}.", listed(&names))
-        }
-    }
+    let one = |e: &EffectLine| e.probability.map(|p| format!("{} {}", e.family, share(p)));
+    let all: Vec<String> = c.effects.iter().filter_map(one).collect();
+    let odds = if all.is_empty() { String::new() } else { format!(" Probability given the catalogue: {}.", all.join(", ")) };
+    c.lacks() + &odds
 }
 
 fn after(c: &Closing) -> String {
-    let (Some(b), Some(a)) = (&c.before.hold_out, &c.after.hold_out) else {
-        return "No run is held out, so that no prediction was tested.".to_owned();
-    };
-    let angle = |h: &HeldOut| h.trajectory.and_then(|t| t.attitude_rms_deg);
-    let added = c.verdict == Verdict::Effect;
-    let pair = |what: &str, b: f64, a: f64, unit: &str| {
-        if added { format!("{what} {}{unit} → {}{unit}", number(b), number(a)) } else { format!("{what} {}{unit}", number(b)) }
-    };
-    let attitude = angle(b).zip(angle(a)).map(|(b, a)| pair("attitude", b, a, "°"));
-    let position = b.position_rms_m.zip(a.position_rms_m).map(|(b, a)| pair("position", 1e3 * b, 1e3 * a, " mm"));
-    let all: Vec<String> = attitude.into_iter().chain(position).collect();
-    let what = if added { "declared model → with the effects added" } else { "with the model as it is" };
-    format!("Error on runs held out, rms, {what}: {}.", all.join(", "))
+    c.held_out_errors().unwrap_or_else(|| "No run is held out, so that no prediction was tested.".to_owned())
 }
 
 /// The channel of a held-out run in which the models differ most: measured, before and after.

@@ -13,7 +13,7 @@ fn main() -> windfall::Result<()> {
     campaign.warnings.iter().for_each(|w| println!("warning: {w}"));
 
     let closing = campaign.close(&Close::default())?;
-    println!("{}", windfall::report::sentence(&closing));
+    println!("{}", closing.finding.sentence);
     for e in &closing.effects {
         println!("{}: {}", e.family, e.physics);
         for p in &e.parameters {

@@ -64,7 +64,9 @@ pub mod prelude {
 /// Results by name, in the layout of the JSON files.
 pub mod results {
     pub use crate::campaign::Planned;
-    pub use windfall_discover::close::{Closing, EffectLine, Figure, HeldOut, Instead, SignalTracks, SmoothingTracks, Verdict};
+    pub use windfall_discover::close::{
+        CheckedRuns, Closing, EffectLine, Figure, HeldOut, Instead, SignalTracks, SmoothingTracks, Verdict,
+    };
     pub use windfall_discover::separate::{Deciding, NextRun, Separated, Separation, Sharpened};
     pub use windfall_discover::statistics::{StatisticsClosing, statistics_table};
     pub use windfall_discover::{Identified, WindTunnelLine, WindTunnelModel};

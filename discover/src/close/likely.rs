@@ -1,15 +1,16 @@
 //! discover: closing on the one likelihood of tunnel runs. In: a campaign. Out: the closing, from what the search over sets of effects found.
 
 use super::chance::p_value;
+use super::checks;
 use super::result::{ConstantLine, Form, FormCheck, NoiseLine, Residuals};
-use super::sets::{contradicted, probability, rivals, sets, unsettled};
+use super::sets::{contradicted, not_named, probability, rivals, sets, unsettled};
 use super::{
-    After, CandidateLine, ChannelResidual, Closing, EffectBound, EffectLine, HeldOut, Options, ParameterLine, Shift, Sides,
-    Unexplained, Verdict, runs_of,
+    After, CandidateLine, ChannelResidual, CheckLine, CheckedRuns, Closing, EffectBound, EffectLine, Finding, HeldOut, Options,
+    ParameterLine, Shift, Sides, Unexplained, Verdict, runs_of,
 };
 use crate::DiscoverError;
 use statrs::distribution::{ContinuousCDF, Normal};
-use windfall_likelihood::{CONTRADICTED, Discovery, Engine, Fit, Id, Lead, Member, discover};
+use windfall_likelihood::{Discovery, Engine, Fit, Id, Lead, Member, NOISE_KNOWN, discover};
 use windfall_model::{CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, POSE, Plant, Role, Use};
 use windfall_pid::NORMAL_95;
 use windfall_pid::bandwidth::bandwidth_lines;
@@ -18,10 +19,6 @@ use windfall_replay::{ReplayError, hold_out};
 /// Gain, in nats beyond its cost, from which a generic alternative says that something is unexplained, and from which a line of the
 /// instrument's is listed.
 const LEAD: f64 = 4.0;
-/// How well noise is known from the record, as a share of its variance.
-const NOISE_KNOWN: f64 = 0.03;
-/// Mean square of the whitened innovations over what it should be from which a residual is left, whatever it varies with.
-pub(crate) const LEFT: f64 = 1.15;
 
 /// Closes the loop of a campaign of tunnel runs.
 ///
@@ -40,7 +37,12 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
     let of = |fit, plant| side(campaign, &engine, fit, plant, &held, options);
     let (side_before, side_after) = (of(before, &plants[0]), of(after, &plants[1]));
     let held_out_gain = held_out_gain(&side_before, &side_after).filter(|_| after.model.members.iter().any(|m| !m.declared));
-    unexplained.extend(held_out_gain.and_then(|gain| against_held_out(gain, &found)));
+    let checks = checked(&engine, &found, &held, held_out_gain);
+    if unexplained.is_empty() {
+        unexplained.extend(checks::said(&checks, CheckedRuns::Identify));
+    }
+    unexplained.extend(checks::said(&checks, CheckedRuns::HoldOut));
+    unexplained.extend(checks::said_of_all(&checks, worst_channel(&found)));
     let mut effects: Vec<EffectLine> = after
         .model
         .members
@@ -52,16 +54,17 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
     for e in &mut effects {
         e.rivals.extend(super::roll_zero::rivals(campaign, &engine, &indices, &found, &e.family));
     }
-    let verdict = match (effects.is_empty(), unexplained.is_empty()) {
-        (false, _) => Verdict::Effect,
-        (true, false) => Verdict::Unexplained,
-        (true, true) => Verdict::Consistent,
-    };
     let [plant_before, plant_after] = plants;
     let sides = Some(Sides { before: plant_before, after: (!effects.is_empty()).then_some(plant_after) });
+    let sets = sets(&found.sets);
     Ok(Closing {
         campaign: campaign.name.clone(),
-        verdict,
+        verdict: Verdict::of(&effects, &unexplained),
+        finding: Finding::default(),
+        checks,
+        declared_departs: found.before_fault.clone().err(),
+        noise_is_scatter: false,
+        not_named: not_named(&found, &sets, &effects),
         joined: engine.joined(campaign),
         record: Vec::new(),
         bandwidth: bandwidth_lines(campaign),
@@ -72,7 +75,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         noise: noise(campaign, &engine, &indices, &found),
         innovations: super::innovations::lines(&engine, &before.model, &after.model),
         constants: constants(engine.campaign(), after),
-        sets: sets(&found.sets, &found.stand_ins),
+        sets,
         candidates: candidates(&found),
         bounds: bounds(&found),
         unexplained,
@@ -327,15 +330,6 @@ fn unexplained(found: &Discovery, contradicted: &[&str], engine: &Engine, option
     // Noise alone has a line as strong with probability e^-gain.
     let enough = |l: &&Lead| l.gain > if l.line_hz.is_some() { -options.false_alarm.ln() } else { LEAD };
     let mut all: Vec<Unexplained> = leads.filter(enough).flat_map(words).collect();
-    let left = found.after.chi;
-    if left > LEFT && all.is_empty() {
-        all.push(Unexplained {
-            channel: worst_channel(found).to_owned(),
-            description: format!(
-                "the innovations' mean square is {left:.2} of what noise leaves; no variable or line accounts for it"
-            ),
-        });
-    }
     if !contradicted.is_empty() && all.is_empty() {
         all.push(Unexplained { channel: worst_channel(found).to_owned(), description: unsettled(contradicted) });
     }
@@ -354,16 +348,24 @@ fn held_out_gain(before: &After, after: &After) -> Option<f64> {
     Some(of(after)? - of(before)?)
 }
 
-/// What is said where the effects make held-out runs less likely: what identification made of them is not what acts there.
-fn against_held_out(gain: f64, found: &Discovery) -> Option<Unexplained> {
-    (gain < -CONTRADICTED).then(|| Unexplained {
-        channel: worst_channel(found).to_owned(),
-        description: format!(
-            "varies with run: the held-out runs are less likely with what is named here than without, by {:.0} in log-likelihood; \
-             it is of another form, or does not act in them",
-            -gain
-        ),
-    })
+/// Absolute checks of the model with the effects: every channel of every run identified on and held out, whether held-out runs ask for other
+/// parameters, and whether they are likelier with the effects.
+fn checked(engine: &Engine, found: &Discovery, held: &[usize], held_out_gain: Option<f64>) -> Vec<CheckLine> {
+    let (after, ranges) = (&found.after, &found.random_ranges);
+    let own = engine.mean_squares(&after.model, ranges).unwrap_or_default();
+    let mut all = checks::of_squares(CheckedRuns::Identify, &own);
+    match engine.of_others(after, held, ranges) {
+        Some(Ok(others)) => {
+            all.extend(checks::of_squares(CheckedRuns::HoldOut, &others.squares));
+            all.push(checks::of_all(CheckedRuns::HoldOut, checks::PARAMETERS, others.moved_p_value));
+        }
+        // A model that departs in a run leaves anything but noise there.
+        Some(Err(_)) => all.push(checks::of_all(CheckedRuns::HoldOut, worst_channel(found), 0.0)),
+        None => {}
+    }
+    checks::hold(&mut all);
+    all.extend(held_out_gain.map(checks::of_gain));
+    all
 }
 
 fn parameters(campaign: &Campaign, fit: &Fit) -> Vec<ParameterLine> {

@@ -6,9 +6,11 @@
 //! nothing. Of runs held out nothing is used.
 
 use super::chance::{p_least, p_value, p_value_of_best};
+use super::checks;
+use super::sets::beside;
 use super::{
-    After, CandidateLine, ChannelResidual, Closing, ConstantLine, EffectBound, EffectLine, Form, HeldOut, NoiseLine, Options,
-    ParameterLine, SetLine, Shift, Sides, Verdict, lead, result, runs_of,
+    After, CandidateLine, ChannelResidual, CheckLine, CheckedRuns, Closing, ConstantLine, EffectBound, EffectLine, Finding, Form,
+    HeldOut, NoiseLine, Options, ParameterLine, SetLine, Shift, Sides, Verdict, lead, result, runs_of,
 };
 use crate::DiscoverError;
 use crate::close::result::FormCheck;
@@ -55,20 +57,25 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
     let residual = found.channels(start);
     let left = found.channels(best);
     let mut unexplained = unexplained_of(&left, best);
+    let checks = checked(&found, held.as_ref(), &left, unexplained.is_empty());
+    unexplained.extend(checks::said(&checks, CheckedRuns::HoldOut));
+    let worst = left.iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value)).map_or("", |c| c.channel.as_str());
+    unexplained.extend(checks::said_of_all(&checks, worst));
     let effects: Vec<EffectLine> = (0..found.best.families.len())
         .map(|k| effect_line(&found, &settings, k, unexplained.is_empty(), held.as_ref(), p_least(&left)))
         .collect();
     unexplained.extend(own_push::described(&aside, &left));
-    let verdict = match (effects.is_empty(), unexplained.is_empty()) {
-        (false, _) => Verdict::Effect,
-        (true, false) => Verdict::Unexplained,
-        (true, true) => Verdict::Consistent,
-    };
     let plant = |fit: &TrackFit| outward_plant(campaign, &settings, fit);
     let sides = Some(Sides { before: plant(start), after: (!effects.is_empty()).then(|| plant(best)) });
+    let sets = sets(&found);
     Ok(Closing {
         campaign: campaign.name.clone(),
-        verdict,
+        verdict: Verdict::of(&effects, &unexplained),
+        finding: Finding::default(),
+        checks,
+        declared_departs: None,
+        noise_is_scatter: found.evidence.chance_of_noise(&best.residual).is_some_and(|p| p < checks::LEVEL),
+        not_named: beside(&sets, &effects, |family| own_push::reason(&aside, family)),
         joined: Vec::new(),
         record: Vec::new(),
         bandwidth: Vec::new(),
@@ -79,7 +86,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         residual_after: result::Residuals { per_channel: left },
         innovations: Vec::new(),
         constants: constants(&own, best),
-        sets: sets(&found),
+        sets,
         effects,
         candidates: candidates(&found),
         bounds: bounds(&found, &settings),
@@ -92,6 +99,34 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         false_alarm_rate: options.false_alarm,
         sides,
     })
+}
+
+/// Absolute checks: every channel of the runs identified on as it was judged, every channel of the runs held out, whether those ask for other
+/// parameters, and whether they are likelier with the effects.
+fn checked(
+    found: &TrackContest<'_>,
+    held: Option<&TrackEvidence>,
+    left: &[ChannelResidual],
+    nothing_left: bool,
+) -> Vec<CheckLine> {
+    let mut own = checks::of_channels(CheckedRuns::Identify, left);
+    let least = left.iter().map(|c| c.p_value).fold(1.0, f64::min);
+    own.iter_mut().for_each(|c| c.ok = nothing_left || c.p_value > least);
+    let Some(held) = held else { return own };
+    let (fit, problem) = (&found.best.fit, problem(found.campaign, held));
+    let mut others = match problem.of_others(fit) {
+        Some((z, moved_p_value)) => {
+            let mut all = checks::of_channels(CheckedRuns::HoldOut, &held.channel_residuals(&z, 0));
+            all.push(checks::of_all(CheckedRuns::HoldOut, checks::PARAMETERS, moved_p_value));
+            all
+        }
+        // A model that cannot be flown there leaves anything but noise.
+        None => left.iter().take(1).map(|c| checks::of_all(CheckedRuns::HoldOut, &c.channel, 0.0)).collect(),
+    };
+    checks::hold(&mut others);
+    let gain = problem.predictive(fit) - problem.predictive(&found.declared.fit);
+    others.extend(Some(gain).filter(|g| !g.is_nan() && !found.best.families.is_empty()).map(checks::of_gain));
+    own.into_iter().chain(others).collect()
 }
 
 impl TrackContest<'_> {
@@ -277,7 +312,7 @@ fn side(campaign: &Campaign, fit: &TrackFit, held: Option<&TrackEvidence>) -> Af
         let log_likelihood = Some(problem(campaign, h).predictive(fit));
         let plant = fit.hypothesis.plant(&campaign.plant);
         if campaign.measured() == Measured::Pose {
-            return HeldOut::of_poses(h.pose_rms(&plant), log_likelihood);
+            return HeldOut::of_poses(h.pose_rms(&plant), h.pose_rms_of_noise(&plant), log_likelihood);
         }
         let of_points = HeldOut::of_points(campaign.measured(), h.rms_m(&plant), plant.point.pivot, log_likelihood);
         match campaign.measured() {

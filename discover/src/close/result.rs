@@ -1,7 +1,8 @@
 //! discover: the result of closing, in the words of the contract's close.json. In: numbers. Out: serialisable rows.
 
-use crate::DiscoverError;
 use super::fitted::{FittedInstead, FlownCoefficient, ParameterLine};
+use super::judged::{CheckLine, Finding, NotNamed};
+use crate::DiscoverError;
 use crate::residual::ChannelResidual;
 use serde::{Deserialize, Serialize};
 use windfall_model::{Measured, Pivot};
@@ -19,13 +20,22 @@ use windfall_replay::{HoldOut, Statistic, TrajectoryError};
 pub enum Verdict {
     /// Nothing beyond noise.
     Consistent,
-    /// An effect of the catalogue was found and added.
+    /// An effect of the catalogue was found, its form holds and every check passes.
     Effect,
-    /// A residual beyond noise that no effect of the catalogue accounts for.
+    /// Something is left, or held-out runs contradict what was identified; effects that come near are listed all the same.
     Unexplained,
 }
 
 impl Verdict {
+    /// Of what was named and what is left: an effect only where nothing is left.
+    pub(crate) fn of(effects: &[EffectLine], unexplained: &[Unexplained]) -> Self {
+        match (effects.is_empty(), unexplained.is_empty()) {
+            (_, false) => Self::Unexplained,
+            (false, true) => Self::Effect,
+            (true, true) => Self::Consistent,
+        }
+    }
+
     /// As in files.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -162,7 +172,7 @@ pub struct CandidateLine {
     pub family: String,
     /// Twice the gain of log-likelihood by one step.
     pub score: f64,
-    /// Chance of it, corrected for the forms tried.
+    /// Chance of it from noise alone, corrected for the number of families (Šidák 1967).
     pub p_value: f64,
 }
 
@@ -245,6 +255,9 @@ pub struct HeldOut {
     pub specific_moment_rms: Option<[f64; 3]>,
     /// Re-simulated trajectory against the measured one; none where a run cannot be flown.
     pub trajectory: Option<HeldOutTrajectory>,
+    /// What sensors' noise alone makes of `trajectory`, where a run is flown from its first samples: their noise grows along the flight.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trajectory_of_noise: Option<HeldOutTrajectory>,
     /// Position error of point masses, m.
     pub position_rms_m: Option<f64>,
     /// Table 5.6's statistics.
@@ -260,16 +273,22 @@ impl HeldOut {
             specific_moment_rms: Some(h.specific_moment_rms),
             position_rms_m: Some(h.trajectory.position_rms_m),
             trajectory: Some(HeldOutTrajectory::of_tunnel(&h.trajectory)),
+            trajectory_of_noise: None,
             statistics: h.statistics,
             log_likelihood,
         }
     }
     /// Of poses of a rigid body: rms of the distance of positions, m, and of the angle of attitudes, rad.
-    pub(crate) fn of_poses([position_m, attitude_rad]: [f64; 2], log_likelihood: Option<f64>) -> Self {
+    pub(crate) fn of_poses([position_m, attitude_rad]: [f64; 2], of_noise: [f64; 2], log_likelihood: Option<f64>) -> Self {
         let mut held = Self::of_points(Measured::Pose, position_m, None, log_likelihood);
         if let Some(t) = held.trajectory.as_mut() {
             t.attitude_rms_deg = Some(attitude_rad.to_degrees()).filter(|x| x.is_finite());
         }
+        held.trajectory_of_noise = of_noise.iter().all(|x| x.is_finite()).then(|| HeldOutTrajectory {
+            attitude_rms_deg: Some(of_noise[1].to_degrees()),
+            position_rms_m: of_noise[0],
+            rate_rms_deg_s: None,
+        });
         held
     }
     /// Of a body without attitude: `rms` in the unit of what was measured. On a pivot the mass centre's error along its path is the
@@ -286,6 +305,7 @@ impl HeldOut {
             specific_force_rms: rms.filter(|_| measured == Measured::SpecificForce).map(|x| [x, 0.0, 0.0]),
             specific_moment_rms: None,
             trajectory: position_m.map(|m| HeldOutTrajectory { attitude_rms_deg, position_rms_m: m, rate_rms_deg_s: None }),
+            trajectory_of_noise: None,
             position_rms_m: position_m,
             statistics: Vec::new(),
             log_likelihood,
@@ -312,8 +332,20 @@ pub struct After {
 pub struct Closing {
     /// Campaign.
     pub campaign: String,
-    /// Conclusion.
+    /// Conclusion: `effect` only where every form holds and every check passes.
     pub verdict: Verdict,
+    /// The conclusion in words.
+    #[serde(default)]
+    pub finding: Finding,
+    /// Absolute checks of runs identified on and held out.
+    #[serde(default)]
+    pub checks: Vec<CheckLine>,
+    /// Why the declared model alone cannot be followed, where it cannot: `before` is then as `after`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub declared_departs: Option<String>,
+    /// Whether noise is what runs scatter by, which may be more than the sensors': of poses, whose checks ask for what repeats.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub noise_is_scatter: bool,
     /// Runs that were taken as one flight, since one goes on where the other ended: their names, a text for each flight.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub joined: Vec<String>,
@@ -342,9 +374,12 @@ pub struct Closing {
     /// Constants found beside constants declared.
     #[serde(default)]
     pub constants: Vec<ConstantLine>,
-    /// Sets of effects, most probable first.
+    /// Sets of effects with all that is in them, most probable first.
     #[serde(default)]
     pub sets: Vec<SetLine>,
+    /// Families of the most probable set that are not among `effects`, with the reason.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_named: Vec<NotNamed>,
     /// Effects in the order added.
     pub effects: Vec<EffectLine>,
     /// Every family as weighed against the declared model.
@@ -365,7 +400,7 @@ pub struct Closing {
     /// Static coefficients at the points of the campaign's wind-tunnel tests, `before` and `after`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub wind_tunnel: Vec<crate::WindTunnelLine>,
-    /// Stated chance of naming an effect in a campaign without one, per round.
+    /// Level of the tests for lines in spectra and, of tracks, for what is left of the runs identified on.
     pub false_alarm_rate: f64,
     /// The plants that the figures of `before` and `after` are of; none of a closing that was read from a file.
     #[serde(skip)]
@@ -384,23 +419,6 @@ impl Closing {
     #[must_use]
     pub fn is_of_tracks(&self) -> bool {
         self.innovations.is_empty()
-    }
-    /// What is to be said of how runs were taken and how the search ended, a text each.
-    #[must_use]
-    pub fn notes(&self) -> Vec<String> {
-        let one_flight = |runs: &String| format!("{runs}: taken as one flight, each goes on where the one before it ended");
-        let unfinished = |passes: f64| {
-            format!(
-                "the search ended unfinished, after {passes:.0} passes over the runs, all that it may do: a likelier set may not have been \
-                 tried; with fewer runs or shorter ones it may come to its end"
-            )
-        };
-        let carry = "something is unexplained: the errors of the parameters carry how far it may have moved them".to_owned();
-        let carry = self.errors_carry_unexplained.then_some(carry);
-        let record = self.record.iter().cloned();
-        let bandwidth = windfall_pid::bandwidth::words(&self.bandwidth);
-        let taken = record.chain(bandwidth).chain(self.joined.iter().map(one_flight));
-        taken.chain(self.unfinished_passes.map(unfinished)).chain(carry).collect()
     }
 }
 

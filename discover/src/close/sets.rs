@@ -1,22 +1,49 @@
 //! discover: the sets of effects that a search ended with. In: what it found. Out: sets and effects with their probabilities, rivals, and what those contradict.
 
-use super::result::SetLine;
+use super::judged::NotNamed;
+use super::result::{EffectLine, SetLine};
+use crate::words::listed;
 use windfall_likelihood::{Discovery, FamilySet};
 
-/// Sets with their probabilities, down to a thousandth; what only stands for something else is in none.
-pub(super) fn sets(sets: &[FamilySet], stand_ins: &[&str]) -> Vec<SetLine> {
-    let mut all: Vec<SetLine> = Vec::new();
-    for (set, probability) in sets.iter().zip(weights(sets)) {
-        let named = set.families.iter().filter(|f| !stand_ins.contains(f));
-        let families: Vec<String> = named.map(|f| (*f).to_owned()).collect();
-        match all.iter_mut().find(|line| line.families == families) {
-            Some(line) => line.probability += probability,
-            None => all.push(SetLine { families, probability }),
+/// Sets with all that is in them and their probabilities, down to a thousandth.
+pub(super) fn sets(sets: &[FamilySet]) -> Vec<SetLine> {
+    let line = |(set, probability): (&FamilySet, f64)| SetLine {
+        families: set.families.iter().map(|f| (*f).to_owned()).collect(),
+        probability,
+    };
+    sets.iter().zip(weights(sets)).filter(|(_, p)| *p > 1e-3).map(line).collect()
+}
+
+/// Families of the most probable set that are not named, each with the reason.
+pub(super) fn not_named(found: &Discovery, sets: &[SetLine], effects: &[EffectLine]) -> Vec<NotNamed> {
+    let reason = |family: &str| {
+        let in_fit = found.after.model.members.iter().any(|m| m.effect.family == family);
+        if found.stand_ins.contains(&family) {
+            let what: Vec<String> = found.faint.iter().map(|l| format!("{} over {}", l.channel, l.variable)).collect();
+            return format!(
+                "gusts weaker than any tunnel's, or of a band as narrow as a tone, stand for something else ({})",
+                listed(&what)
+            );
         }
-    }
-    all.iter_mut().for_each(|line| line.probability = line.probability.min(1.0));
-    all.retain(|line| line.probability > 1e-3);
-    all
+        if in_fit {
+            return format!("the search ended before any set stayed, and sets with it are less likely than one in {RIVAL}");
+        }
+        format!(
+            "the model that was fitted is without it: a set without it is within {RIVAL} to one as likely, or the search ended before"
+        )
+    };
+    beside(sets, effects, reason)
+}
+
+/// Families of the most probable set that are not named, by what a reason is given for.
+pub(super) fn beside(sets: &[SetLine], effects: &[EffectLine], reason: impl Fn(&str) -> String) -> Vec<NotNamed> {
+    let of = |family: &String| NotNamed {
+        family: family.clone(),
+        probability: sets.iter().filter(|s| s.families.contains(family)).map(|s| s.probability).sum(),
+        reason: reason(family),
+    };
+    let is_named = |family: &&String| effects.iter().any(|e| e.family == **family);
+    sets.first().into_iter().flat_map(|s| &s.families).filter(|f| !is_named(f)).map(of).collect()
 }
 
 /// Probability of each set.
@@ -97,18 +124,24 @@ mod tests {
         FamilySet { families: families.to_vec(), gain, fit }
     }
 
-    /// Gains of hundreds of nats have probabilities too. Sets that differ by what only stands for something else are one.
+    /// Gains of hundreds of nats have probabilities too. Every family of the most probable set is named or has a reason, and probabilities
+    /// are of what is listed.
     #[test]
-    fn exact_sets_that_are_named_alike() {
-        let all = [set(&["magnus"], 900.0, 0.0), set(&["magnus", "turbulence"], 898.0, 0.0), set(&["mass"], 897.0, 0.0)];
+    fn exact_every_member_is_named_or_has_a_reason() {
+        let all = [set(&["magnus", "turbulence"], 900.0, 0.0), set(&["magnus"], 898.0, 0.0), set(&["turbulence"], 897.0, 0.0)];
         let weights = [1.0, (-2.0_f64).exp(), (-3.0_f64).exp()];
         let sum: f64 = weights.iter().sum();
-        let lines = sets(&all, &["turbulence"]);
-        let expected = [("magnus", (weights[0] + weights[1]) / sum), ("mass", weights[2] / sum)];
-        assert_eq!(lines.len(), 2);
-        for (line, (family, probability)) in lines.iter().zip(expected) {
-            assert!(line.families == [family] && (line.probability - probability).abs() < 1e-12, "{line:?}");
+        let lines = sets(&all);
+        let expected = [vec!["magnus", "turbulence"], vec!["magnus"], vec!["turbulence"]];
+        assert_eq!(lines.len(), 3);
+        for ((line, families), weight) in lines.iter().zip(expected).zip(weights) {
+            assert!(line.families == families && (line.probability - weight / sum).abs() < 1e-12, "{line:?}");
         }
+        let left = beside(&lines, &[], str::to_uppercase);
+        let found: Vec<(&str, &str)> = left.iter().map(|n| (n.family.as_str(), n.reason.as_str())).collect();
+        assert_eq!(found, [("magnus", "MAGNUS"), ("turbulence", "TURBULENCE")]);
+        assert!((left[1].probability - (1.0 + weights[2]) / sum).abs() < 1e-12, "{left:?}");
+        assert!((probability(&all, "magnus") - left[0].probability).abs() < 1e-12);
     }
 
     /// ln 20 is 2.996: a family takes another's place within it by plausibility or by fit alone, and in the best set's company

@@ -24,6 +24,7 @@ use crate::DiscoverError;
 use crate::residual::{ChannelResidual, LeadTable};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 use windfall_model::{Campaign, Data, Measured, Plant};
 
 /// Runs from which the scatter of slow forces between runs is part of the unmodelled residual; fewer cannot tell it from an
@@ -50,7 +51,7 @@ pub struct TrackResidual {
 
 /// Evidence of tracks.
 pub struct TrackEvidence {
-    tracks: Vec<Track>,
+    pub(super) tracks: Vec<Track>,
     pub(super) kind: Measured,
     /// Of one sample of each channel, as stated, in the unit of residuals.
     variances: [f64; 6],
@@ -317,6 +318,17 @@ impl TrackEvidence {
         let values = DMatrix::from_fn(runs, used / 6, |r, k| z[r * BIN + 6 * k + channel]);
         let inputs = DMatrix::from_fn(runs, self.inputs.len(), |r, k| self.tracks[r].inputs[k]);
         scatter::judge(self.kind.names()[channel], &values, &inputs, fitted)
+    }
+    /// Probability of as large slow numbers of poses from sensors' noise alone; none of other tracks, whose channels are judged against it.
+    pub(crate) fn chance_of_noise(&self, z: &[f64]) -> Option<f64> {
+        let used = self.slow_numbers()?;
+        let square = |(noise, z): (&Cov, &[f64])| {
+            let own = DMatrix::from_fn(used, used, |i, k| noise[(i, k)]);
+            let z = DVector::from_column_slice(&z[..used]);
+            own.cholesky().map_or(f64::INFINITY, |c| z.dot(&c.solve(&z)))
+        };
+        let sum: f64 = self.noise.iter().zip(z.chunks_exact(BIN)).map(square).sum();
+        Some(ChiSquared::new((used * self.noise.len()) as f64).map_or(1.0, |c| c.sf(sum)))
     }
     /// Residual in time beside what it may vary with.
     pub(crate) fn lead_table(&self, plant: &Plant) -> LeadTable {

@@ -10,7 +10,7 @@ use super::normal::NormalEquations;
 use super::scatter;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use windfall_likelihood::{NearFit, averaged};
+use windfall_likelihood::{NearFit, Top, top};
 use windfall_model::{Plant, Role};
 use windfall_pid::StopReason;
 
@@ -237,6 +237,20 @@ impl Problem<'_> {
     /// unmodelled residual are as fitted.
     #[must_use]
     pub fn predictive(&self, fit: &TrackFit) -> f64 {
+        self.top_near(fit).map_or(f64::NEG_INFINITY, |top| top.log_mean)
+    }
+
+    /// Residual of this evidence where the free numbers of a fit to other runs move within what it leaves of them, and the probability that
+    /// they are asked to move as far. `None` where the fit's model cannot be flown.
+    pub(crate) fn of_others(&self, fit: &TrackFit) -> Option<(Residual, f64)> {
+        let top = self.top_near(fit)?;
+        let mut h = fit.hypothesis.clone();
+        fit.free.iter().zip(top.off.iter()).for_each(|(f, by)| h.set(*f, h.get(*f) + by));
+        let z = self.evidence.residual(&h.plant(self.base));
+        z.iter().all(|x| x.is_finite()).then_some((z, top.p_value))
+    }
+
+    fn top_near(&self, fit: &TrackFit) -> Option<Top> {
         let at = |off: &DVector<f64>| {
             let mut h = fit.hypothesis.clone();
             fit.free.iter().zip(off.iter()).for_each(|(f, by)| h.set(*f, h.get(*f) + by));
@@ -246,7 +260,7 @@ impl Problem<'_> {
             let (score, information) = NormalEquations::new(&whitening.whiten(&z), &white).parts();
             Some(NearFit { off: off.clone(), log_likelihood: whitening.log_likelihood(&z), slopes: -score, information })
         };
-        averaged(&fit.covariance, at).unwrap_or(f64::NEG_INFINITY)
+        top(&fit.covariance, at)
     }
 
     /// What whitens this evidence with every size as it stands.

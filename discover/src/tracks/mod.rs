@@ -12,6 +12,7 @@ mod model;
 mod normal;
 mod pose;
 mod pose_flown;
+mod pose_noise;
 mod scatter;
 mod start;
 mod track;

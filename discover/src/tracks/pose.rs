@@ -13,7 +13,7 @@
 //! Records are thinned and not averaged: those that their makers have smoothed gain nothing by a mean, and white noise costs what a
 //! sample in so many has.
 
-use nalgebra::{DMatrix, DVector, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix2, Rotation3, UnitQuaternion, Vector3};
 use windfall_model::PointRecord;
 use windfall_model::frames::{Body, Rotation, Tunnel};
 
@@ -37,6 +37,8 @@ pub(super) struct Poses {
     pub(super) step_s: f64,
     /// Position and rotation vector at the first sample, and their rates.
     first: [[f64; 6]; 2],
+    /// Covariance of a channel's value and rate at the first sample, over the variance of a sample's noise.
+    first_of_noise: Matrix2<f64>,
 }
 
 impl Poses {
@@ -46,8 +48,8 @@ impl Poses {
         let interval_s = (whole.t_s.last()? - whole.t_s.first()?) / last.max(1) as f64;
         let r_tunnel_body = thin.attitude.iter().map(|q| Rotation::from_quaternion(*q)).collect();
         let whole_too = whole.attitude.len() == whole.t_s.len() && thin.attitude.len() == thin.t_s.len();
-        let first = if whole_too { first_of(whole)? } else { return None };
-        Some(Self { r_tunnel_body, step_s: STEP * interval_s, first })
+        let (first, first_of_noise) = if whole_too { first_of(whole)? } else { return None };
+        Some(Self { r_tunnel_body, step_s: STEP * interval_s, first, first_of_noise })
     }
 
     /// The record's initial state, rates times the duration.
@@ -57,12 +59,23 @@ impl Poses {
     }
 }
 
+impl Poses {
+    /// Covariance of a channel's place and rate times the duration in [`Poses::start`], over the variance of a sample's noise.
+    pub(super) fn start_of_noise(&self, duration_s: f64) -> Matrix2<f64> {
+        let scale = Matrix2::new(1.0, 0.0, 0.0, duration_s);
+        scale * self.first_of_noise * scale
+    }
+}
+
 /// Values and rates, at the first sample, of cubics through the first samples: of positions, and of rotation vectors from the first attitude.
-fn first_of(record: &PointRecord) -> Option<[[f64; 6]; 2]> {
+fn first_of(record: &PointRecord) -> Option<([[f64; 6]; 2], Matrix2<f64>)> {
     let all = record.t_s.len();
     let n = (FIRST * kept_of(all) + 1).max(FEWEST).min(all);
     let span = record.t_s[n - 1] - record.t_s[0];
-    let svd = DMatrix::from_fn(n, 4, |i, k| ((record.t_s[i] - record.t_s[0]) / span).powi(k as i32)).svd(true, true);
+    let powers = DMatrix::from_fn(n, 4, |i, k| ((record.t_s[i] - record.t_s[0]) / span).powi(k as i32));
+    let inverse = powers.tr_mul(&powers).try_inverse()?;
+    let of_noise = Matrix2::from_fn(|i, k| inverse[(i, k)] / span.powi((i + k) as i32));
+    let svd = powers.svd(true, true);
     let from_first = Rotation::<Tunnel, Body>::from_quaternion(record.attitude[0]).inverse();
     let [mut values, mut rates] = [[0.0; 6]; 2];
     for (a, (value, rate)) in values.iter_mut().zip(&mut rates).enumerate() {
@@ -74,7 +87,7 @@ fn first_of(record: &PointRecord) -> Option<[[f64; 6]; 2]> {
         let c = svd.solve(&DVector::from_vec(series), 1e-12).ok()?;
         (*value, *rate) = (c[0], c[1] / span);
     }
-    Some([values, rates])
+    Some(([values, rates], of_noise))
 }
 
 /// Every so-manieth sample of a record of that length is kept.

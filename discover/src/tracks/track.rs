@@ -7,7 +7,7 @@
 use super::bins::BIN;
 use super::pose::{self, Poses};
 use crate::DiscoverError;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Matrix2};
 use windfall_model::frames::Vec3;
 use windfall_model::{Acts, Campaign, Measured, Plant, PointRecord};
 use windfall_sim::{PointState, fly_point_states};
@@ -161,6 +161,12 @@ impl Track {
     /// Whether its bases stay as they were first laid.
     pub(super) fn stays(&self) -> bool {
         self.poses.is_some() && !self.given
+    }
+
+    /// The record's own initial state, of poses, and the covariance of a channel's place and rate in it over the variance of a sample's noise.
+    pub(super) fn given_start(&self) -> Option<(DVector<f64>, Matrix2<f64>)> {
+        let (poses, duration_s) = (self.poses.as_ref()?, self.duration_s());
+        Some((poses.start(duration_s), poses.start_of_noise(duration_s)))
     }
 
     /// Channels that are a motion, with a place and a velocity in the initial state; the others have an offset in it.

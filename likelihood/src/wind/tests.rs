@@ -149,7 +149,7 @@ fn exact_cubic_between_samples() {
     let (h, c) = (0.3, [7.0, 0.4, -1.3, 2.1]);
     let cubic = |t: f64| [c[0] + t * (c[1] + t * (c[2] + t * c[3])), c[1] + t * (2.0 * c[2] + t * 3.0 * c[3])];
     let smoothed = (0..4).map(|i| cubic(f64::from(i) * h)).collect();
-    let speed = Speed { interval_s: h, smoothed, density: 0.0, innovations: [0.0; 4] };
+    let speed = Speed { start_s: 0.0, interval_s: h, smoothed, density: 0.0, innovations: [0.0; 4] };
     for t in [0.07, 0.38, 0.71] {
         let (found, expected) = (speed.at(t), cubic(t));
         assert!((found[0] - expected[0]).abs() < 1e-13 && (found[1] - expected[1]).abs() < 1e-13, "{t}: {found:?} {expected:?}");

@@ -121,8 +121,7 @@ def title(result: Any) -> str:
     """One line of a result in words."""
     kind = type(result).__name__
     if kind == "Closing":
-        named = ", ".join(e.family for e in result.effects)
-        return f"{result.campaign}: {result.verdict}{': ' + named if named else ''}"
+        return f"{result.campaign}: {result.finding.sentence}"
     if kind == "Many":
         return f"{result.campaigns} campaigns: {result.ok} with a result, {result.failed} failed"
     if kind == "Study":

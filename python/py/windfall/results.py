@@ -11,18 +11,18 @@ from ._record import Record, Result
 
 __all__ = [
     "After", "Band", "Bootstrap", "BootstrapLine", "Bound", "CampaignOutcome", "CandidateLine", "CandidateReport",
-    "ChannelResidual", "Check", "Closing", "ClosingSummary", "CoefficientChoice", "CoefficientFit", "Compatibility",
+    "ChannelResidual", "Check", "CheckLine", "Closing", "ClosingSummary", "CoefficientChoice", "CoefficientFit", "Compatibility",
     "ConfusionLine", "ConstantLine", "Correlation", "Count", "CriterionChoice", "Curve", "DataSet", "Deciding", "DependenceLine",
     "Descent", "DescentEnds", "DescentModel", "DescentReason", "DrawnParameter", "EffectBound", "EffectLine", "Estimate",
-    "Estimated", "Explanation", "FailureKind", "FigureOver", "FigureSeparation", "FittedInstead", "FlownCoefficient",
-    "FlownParameter", "FlownValue", "Form", "FormCheck", "HeightLine", "Held", "HeldOut", "HeldOutTrajectory", "Identifiability",
-    "Identification", "InnovationLine", "InnovationShape", "Instead", "InstrumentError", "Instruments", "LandingScatter", "Many",
-    "NextRun", "NoiseLine", "NumberLine", "OutcomeParameter", "ParameterLine", "ParameterShare", "ParameterSummary", "Plan",
-    "PlanOption", "PooledParameter", "Pressure", "Quantile", "Rate", "Record", "RecoveredDraw", "RecoveryLine",
-    "ReliabilityPoint", "Residuals", "Resimulation", "Result", "RunComparison", "Screened", "Separated", "Separation", "SetLine",
-    "ShapeReport", "Sharpened", "Shift", "SimulatedHistory", "Statistic", "StatisticsClosing", "StatisticsOptions", "SteadyFall",
-    "Structure", "Study", "Tally", "TargetPlan", "TermEstimate", "TouchDownLine", "TrajectoryError", "Unexplained", "VariedLine",
-    "Verification", "WindTunnelLine", "WindTunnelModel", "WordLine",
+    "Estimated", "Explanation", "FailureKind", "FigureOver", "FigureSeparation", "Finding", "FlownParameter", "Form", "FormCheck",
+    "HeightLine", "Held", "HeldOut", "HeldOutTrajectory", "Identifiability", "Identification", "InnovationLine",
+    "InnovationShape", "InstrumentError", "Instruments", "LandingScatter", "Many", "NextRun", "NoiseLine", "NotNamed",
+    "NumberLine", "OutcomeParameter", "ParameterLine", "ParameterShare", "ParameterSummary", "Plan", "PlanOption",
+    "PooledParameter", "Pressure", "Quantile", "Rate", "Record", "RecoveredDraw", "RecoveryLine", "ReliabilityPoint", "Residuals",
+    "Resimulation", "Result", "RunComparison", "Screened", "Separated", "Separation", "SetLine", "ShapeReport", "Sharpened",
+    "Shift", "SimulatedHistory", "Statistic", "StatisticsClosing", "StatisticsOptions", "SteadyFall", "Structure", "Study",
+    "Tally", "TargetPlan", "TermEstimate", "TouchDownLine", "TrajectoryError", "Unexplained", "VariedLine", "Verification",
+    "WindTunnelLine", "WindTunnelModel", "WordLine",
 ]
 
 
@@ -131,22 +131,6 @@ class Held(Record):
     value: float
 
 
-class FoundNumber(Record):
-    """A number of the model beside its parameters."""
-
-    name: str
-    estimate: float
-    std_error: float | None
-    unit: str
-
-
-class FoundEffect(Record):
-    """An effect as the identified model has it."""
-
-    family: str
-    parameters: list[FoundNumber]
-
-
 class DataSet(Record):
     """Parameters from one set of runs."""
 
@@ -159,8 +143,6 @@ class DataSet(Record):
     covariance: list[list[float]]
     curves: list[Curve]
     held: list[Held]
-    constants: list[FoundNumber]
-    effects: list[FoundEffect]
 
 
 class BootstrapLine(Record):
@@ -291,6 +273,24 @@ class Resimulation(Result):
     warnings: list[str]
 
 
+class Finding(Record):
+    """A closing's conclusion for people: terminal, page, JSON and Python show this and nothing else."""
+
+    level: Literal["good", "open", "contradicted"]
+    sentence: str
+
+
+class CheckLine(Record):
+    """One absolute check: is what the model of `after` leaves noise?."""
+
+    run: str
+    used: Literal["identify", "hold-out"]
+    what: str
+    mean_square: float | None
+    p_value: float
+    ok: bool
+
+
 class ChannelResidual(Record):
     """Residual of one channel against noise."""
 
@@ -355,6 +355,14 @@ class SetLine(Record):
     probability: float
 
 
+class NotNamed(Record):
+    """A family of the likeliest set that the verdict does not name."""
+
+    family: str
+    probability: float
+    reason: str
+
+
 class ParameterLine(Record):
     """One estimated number."""
 
@@ -365,26 +373,6 @@ class ParameterLine(Record):
     ci95: list[float] | None
     rse_percent: float | None
     unit: str
-    at_end: bool
-    declared: float | None
-    declared_std: float | None
-
-
-class FlownValue(Record):
-    """A coefficient at the settings of one run."""
-
-    run: str
-    estimate: float
-    std_error: float
-
-
-class FlownCoefficient(Record):
-    """A coefficient that follows settings of the runs, at settings that were flown."""
-
-    name: str
-    in_all: bool
-    least: FlownValue
-    most: FlownValue
 
 
 class FormCheck(Record):
@@ -406,7 +394,6 @@ class EffectLine(Record):
 
     family: str
     parameters: list[ParameterLine]
-    flown: list[FlownCoefficient]
     p_value: float
     probability: float | None
     rivals: list[str]
@@ -452,24 +439,6 @@ class Shift(Record):
     std_error_after: float
 
 
-class Instead(Record):
-    """A number that would do as well as a declared parameter that was moved."""
-
-    key: str
-    meaning: str
-    declared: float
-    estimate: float
-    unit: str
-    lost: float
-
-
-class FittedInstead(Record):
-    """A declared parameter that the runs moved, and other numbers that would do as well in its place."""
-
-    parameter: str
-    instead: list[Instead]
-
-
 class HeldOutTrajectory(Record):
     """rms differences of simulation and measurement over runs that were not used."""
 
@@ -484,6 +453,7 @@ class HeldOut(Record):
     specific_force_rms: list[float] | None
     specific_moment_rms: list[float] | None
     trajectory: HeldOutTrajectory | None
+    trajectory_of_noise: HeldOutTrajectory | None
     position_rms_m: float | None
     statistics: list[Statistic]
     log_likelihood: float | None
@@ -501,8 +471,11 @@ class Closing(Result):
 
     campaign: str
     verdict: Literal["consistent", "effect", "unexplained"]
+    finding: Finding
+    checks: list[CheckLine]
+    declared_departs: str | None
+    noise_is_scatter: bool
     joined: list[str]
-    record: list[str]
     unfinished_passes: float | None
     errors_carry_unexplained: bool
     residual: Residuals
@@ -511,12 +484,12 @@ class Closing(Result):
     innovations: list[InnovationLine]
     constants: list[ConstantLine]
     sets: list[SetLine]
+    not_named: list[NotNamed]
     effects: list[EffectLine]
     candidates: list[CandidateLine]
     bounds: list[EffectBound]
     unexplained: list[Unexplained]
     shifts: list[Shift]
-    instead: list[FittedInstead]
     before: After
     after: After
     wind_tunnel: list[WindTunnelLine]
@@ -765,7 +738,6 @@ class Separation(Result):
 
     campaign: str
     families: list[str]
-    record: list[str]
     tried: int
     pairs: list[Separated]
     bounds: list[Sharpened]

@@ -28,6 +28,14 @@ pub(super) fn set_aside(mut found: TrackContest<'_>) -> (TrackContest<'_>, Vec<S
     (found, aside)
 }
 
+/// Why a family of the most probable set is not named.
+pub(super) fn reason(aside: &[String], family: &str) -> String {
+    if aside.iter().any(|names| names.split(", ").any(|n| n == family)) {
+        return "a steady push of this one flight's own would explain as much: a second flight tells".to_owned();
+    }
+    "a smaller set is as likely within the odds that a larger one must beat it by".to_owned()
+}
+
 /// As a line of what is unexplained, of the channel that is worst without them.
 pub(super) fn described(aside: &[String], left: &[ChannelResidual]) -> Option<Unexplained> {
     let worst = left.iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value))?;

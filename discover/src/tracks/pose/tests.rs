@@ -34,7 +34,7 @@ fn crooked(samples: usize, first_s: f64) -> (PointRecord, Vec<[f64; 3]>) {
 fn exact_start_is_that_of_cubics_by_least_squares() {
     for (samples, first_s, n) in [(240, 0.0, 11), (8, 0.0, 8), (240, 2e5, 11)] {
         let (record, turns) = crooked(samples, first_s);
-        let found = first_of(&record).expect("poses");
+        let (found, _) = first_of(&record).expect("poses");
         let unit = |i: usize| (record.t_s[i] - first_s) / (record.t_s[n - 1] - first_s);
         let powers = DMatrix::from_fn(n, 4, |i, k| unit(i).powi(k as i32));
         let normal = Matrix4::from_fn(|i, k| powers.column(i).dot(&powers.column(k)));
