@@ -135,13 +135,39 @@ impl Record {
     #[must_use]
     pub fn slow_mut(&mut self) -> [Option<&mut Vec<f64>>; 3] {
         // Every field is named, so that a new one is asked for here.
-        let Self { t_s: _, position_m: _, attitude_rad: _, vw_m_s: _, bridged: _, piece_of: _, recording: _, bandwidth: _, wind_rows: _, ps_pa, ts_k, qw_pa } = self;
+        let Self {
+            t_s: _,
+            position_m: _,
+            attitude_rad: _,
+            vw_m_s: _,
+            bridged: _,
+            piece_of: _,
+            recording: _,
+            bandwidth: _,
+            wind_rows: _,
+            ps_pa,
+            ts_k,
+            qw_pa,
+        } = self;
         [Some(ps_pa), Some(ts_k), qw_pa.as_mut()]
     }
     /// The same, to be read.
     #[must_use]
     pub fn slow(&self) -> [Option<&[f64]>; 3] {
-        let Self { t_s: _, position_m: _, attitude_rad: _, vw_m_s: _, bridged: _, piece_of: _, recording: _, bandwidth: _, wind_rows: _, ps_pa, ts_k, qw_pa } = self;
+        let Self {
+            t_s: _,
+            position_m: _,
+            attitude_rad: _,
+            vw_m_s: _,
+            bridged: _,
+            piece_of: _,
+            recording: _,
+            bandwidth: _,
+            wind_rows: _,
+            ps_pa,
+            ts_k,
+            qw_pa,
+        } = self;
         [Some(ps_pa), Some(ts_k), qw_pa.as_deref()]
     }
     /// The samples of `rows`, in their own time.

@@ -1,5 +1,6 @@
 //! pid: which method is right for the data at hand. In: a campaign. Out: its identification, and why that method was taken.
 
+use crate::StopReason;
 use crate::compatibility::{Compatibility, NotExamined, join, pressure};
 use crate::error::PidError;
 use crate::identification::Identification;
@@ -7,7 +8,6 @@ use crate::identify::{Method, identify_by};
 use crate::not_noise::NotNoise;
 use crate::output_error::EstimateOptions;
 use crate::plant::{PROCESS_NOISE, TURBULENCE};
-use crate::StopReason;
 use windfall_model::Campaign;
 
 /// Identifies by output error where its residual is noise; by filter error where process noise explains what output error leaves; by

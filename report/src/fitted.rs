@@ -4,8 +4,8 @@ use crate::html::{Cell, escape, table};
 use crate::words::{number, with_interval};
 use std::fmt::Write as _;
 use windfall_discover::NORMAL_95;
-use windfall_discover::words::listed;
 use windfall_discover::close::{Closing, EffectLine, FlownValue, Instead, ParameterLine};
+use windfall_discover::words::listed;
 
 /// Declared parameters: in the file, fitted with the declared model, and with effects; and what would do as well.
 pub(crate) fn shifts(c: &Closing) -> String {

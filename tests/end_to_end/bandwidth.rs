@@ -36,7 +36,8 @@ fn write(path: &Path, (names, columns): &Table) {
 /// The campaign flown at a rate, its runs rewritten.
 fn campaign(dir: &Path, rate_hz: f64, rewrite: &dyn Fn(Table) -> Table) -> PathBuf {
     let flown = dir.join("flown");
-    let scenario = include_str!("../../scenarios/bundled/sage-combined.toml").replace("rate_hz = 150.0", &format!("rate_hz = {rate_hz:?}"));
+    let scenario =
+        include_str!("../../scenarios/bundled/sage-combined.toml").replace("rate_hz = 150.0", &format!("rate_hz = {rate_hz:?}"));
     let file = dir.join("scenario.toml");
     std::fs::write(&file, scenario).expect("writable");
     done(&["simulate", &text(&file), "--out", &text(&flown)]);

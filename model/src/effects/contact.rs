@@ -12,8 +12,28 @@ pub(super) static EFFECT: Effect = Effect {
     separate_by: "video of the run, or a window that starts later",
     parameters: |_| {
         let mut all = vec![
-            Parameter { name: "run".to_owned(), unit: "-", low: 0.0, high: 1e6, usual: 1e6, null: 0.0, role: Role::Run, step: 0.0, net: None },
-            Parameter { name: "start_s".to_owned(), unit: "s", low: 0.0, high: 1e6, usual: 1e6, null: 0.0, role: Role::Instant, step: 0.0, net: None },
+            Parameter {
+                name: "run".to_owned(),
+                unit: "-",
+                low: 0.0,
+                high: 1e6,
+                usual: 1e6,
+                null: 0.0,
+                role: Role::Run,
+                step: 0.0,
+                net: None,
+            },
+            Parameter {
+                name: "start_s".to_owned(),
+                unit: "s",
+                low: 0.0,
+                high: 1e6,
+                usual: 1e6,
+                null: 0.0,
+                role: Role::Instant,
+                step: 0.0,
+                net: None,
+            },
             Parameter::shape("duration_s", "s", 0.01, 2.0, 0.15, &[0.15, 0.4]),
         ];
         all.extend(["impulse_x_n_s", "impulse_y_n_s", "impulse_z_n_s"].map(|n| Parameter::strength(n, "N s", 5.0)));

@@ -17,7 +17,8 @@ pub(super) static EFFECT: Effect = Effect {
     parameters: |inputs| {
         let alone = Parameter::amount("CD", "-", LARGEST_CD, Plant::least_drag);
         // With settings, the first is drag at settings of zero, which may be far from any launch.
-        let mut all = vec![if inputs.is_empty() { alone } else { Parameter { net: alone.net, ..Parameter::strength("CD", "-", 50.0) } }];
+        let mut all =
+            vec![if inputs.is_empty() { alone } else { Parameter { net: alone.net, ..Parameter::strength("CD", "-", 50.0) } }];
         all.extend(inputs.iter().map(|i| Parameter::per_input("CD", i, 10.0)));
         all
     },

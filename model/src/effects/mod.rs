@@ -140,7 +140,15 @@ impl Parameter {
     }
     /// Tunnel speed at which strengths are stated; null is near the SAGE model's trim in the tunnel.
     fn reference() -> Self {
-        Self { low: 0.0, high: 1e3, usual: 1e3, null: 7.5, role: Role::Reference, step: 0.0, ..Self::strength("at_m_s", "m/s", 0.0) }
+        Self {
+            low: 0.0,
+            high: 1e3,
+            usual: 1e3,
+            null: 7.5,
+            role: Role::Reference,
+            step: 0.0,
+            ..Self::strength("at_m_s", "m/s", 0.0)
+        }
     }
     /// Value where a file leaves it out, where it may: null; zero of a speed at which strengths are stated, which stands for the trim speed.
     #[must_use]

@@ -88,8 +88,7 @@ pub(crate) fn straight(series: &[&[f64]], measured: &dyn Fn(usize) -> bool) -> O
     let looked = n.min(LOOKED);
     let left = |clock: &Clock| -> Vec<f64> { series.iter().map(|x| on_lines(x, clock, measured).1).collect() };
     ratios().into_iter().filter(|(_, q)| 8 * q <= looked).find_map(|(p, q)| {
-        let clocks: Vec<Clock> =
-            (0..q).map(|k| Clock { p, q, first: (k as f64).rem_euclid(q as f64 / p as f64) }).collect();
+        let clocks: Vec<Clock> = (0..q).map(|k| Clock { p, q, first: (k as f64).rem_euclid(q as f64 / p as f64) }).collect();
         // One channel on some rows, then every channel on all rows.
         let best = fewest_left(&clocks, &|c| vec![on_lines(&series[0][..looked], c, measured).1])?;
         let again = [&clocks[best], &clocks[(best + 1) % q]].map(&left);

@@ -22,8 +22,7 @@ pub(crate) struct LowPass {
 }
 
 /// Orders and numbers of runs that are tried; one of the first order that ran once is the coloured noise of a sound record.
-const FORMS: [(i32, i32); 11] =
-    [(1, 2), (2, 1), (2, 2), (3, 1), (3, 2), (4, 1), (4, 2), (6, 1), (6, 2), (8, 1), (8, 2)];
+const FORMS: [(i32, i32); 11] = [(1, 2), (2, 1), (2, 2), (3, 1), (3, 2), (4, 1), (4, 2), (6, 1), (6, 2), (8, 1), (8, 2)];
 /// Gain of log-likelihood that speaks for a filter: e^-20 is no chance, whatever is tried. Real filters gain hundreds.
 const ENOUGH: f64 = 20.0;
 /// Frequency above which the motion's spectrum is its steep upper end alone, Hz and at most as a share of the rate; above its modes, motion

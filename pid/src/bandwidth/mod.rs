@@ -164,7 +164,11 @@ fn sentence(lines: &[&BandwidthLine]) -> String {
     let thinned = if names == ["the tunnel speed"] {
         format!("; it is taken as sampled at {} Hz", digits(b.thinned_to_hz))
     } else if b.thinned_to_hz < b.thinned_from_hz {
-        format!("; rows are thinned from {} to {} Hz before anything is fitted", digits(b.thinned_from_hz), digits(b.thinned_to_hz))
+        format!(
+            "; rows are thinned from {} to {} Hz before anything is fitted",
+            digits(b.thinned_from_hz),
+            digits(b.thinned_to_hz)
+        )
     } else {
         String::new()
     };

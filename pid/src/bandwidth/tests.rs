@@ -4,13 +4,7 @@ use super::*;
 const ROWS: usize = 1800;
 
 fn sensors() -> Sensors {
-    Sensors {
-        position_std_m: 7.5e-4,
-        roll_std_rad: 1e-3,
-        pitch_yaw_std_rad: 2e-3,
-        wind_std_m_s: 2.57e-3,
-        ..Sensors::default()
-    }
+    Sensors { position_std_m: 7.5e-4, roll_std_rad: 1e-3, pitch_yaw_std_rad: 2e-3, wind_std_m_s: 2.57e-3, ..Sensors::default() }
 }
 
 /// Seven channels at a rate, in the noise of [`sensors`].
@@ -130,5 +124,10 @@ fn law_a_slow_tunnel_speed_keeps_the_rows() {
     assert_eq!((kept.wind_rows, &kept.position_m), (Some(windfall_model::WindRows { first: 0, every: 15 }), &r.position_m));
     assert!((0..ROWS / 15).all(|k| (kept.vw_m_s[15 * k] - own[15 * k]).abs() < 1e-12));
     let said = words(&[BandwidthLine { run: "one".to_owned(), bandwidth: kept.bandwidth[0] }]);
-    assert_eq!(said, ["one: the tunnel speed was recorded at 10 Hz and every sample repeated; usable bandwidth 5 Hz; it is taken as sampled at 10 Hz"]);
+    assert_eq!(
+        said,
+        [
+            "one: the tunnel speed was recorded at 10 Hz and every sample repeated; usable bandwidth 5 Hz; it is taken as sampled at 10 Hz"
+        ]
+    );
 }

@@ -1,8 +1,8 @@
 //! pid: the rows of a record that carry what its instruments saw. In: a record, its clock or filters. Out: the record on fewer rows, in their own time.
 
 use super::Smoothing;
-use super::low_pass::LowPass;
 use super::clock::{Clock, on_lines, repeated, straight};
+use super::low_pass::LowPass;
 use windfall_model::{Bandwidth, ChannelGroup, ExportCause, POSE, Record, WindRows};
 
 /// Rows, of those that are kept, that are left out at each end of a smoothed run: a filter starts and ends there.
@@ -51,9 +51,8 @@ fn on_ticks(r: &Record, clock: &Clock, measured: &dyn Fn(usize) -> bool, picked_
     let rows: Vec<usize> = ticks.iter().map(|x| ((x - 1e-9).ceil().max(0.0) as usize).min(n - 1)).collect();
     let all = |_: usize| true;
     let picked = |x: &[f64]| -> Vec<f64> { rows.iter().map(|i| x[*i]).collect() };
-    let fitted = |x: &[f64], of: &dyn Fn(usize) -> bool| -> Vec<f64> {
-        on_lines(x, clock, of).0.into_iter().take(ticks.len()).collect()
-    };
+    let fitted =
+        |x: &[f64], of: &dyn Fn(usize) -> bool| -> Vec<f64> { on_lines(x, clock, of).0.into_iter().take(ticks.len()).collect() };
     let mut thinned = Record { recording: None, ..r.clone() };
     let (start_s, step_s) = (r.t_s[0], r.interval_s());
     thinned.t_s = ticks.iter().map(|x| start_s + step_s * x).collect();
@@ -71,7 +70,11 @@ fn on_ticks(r: &Record, clock: &Clock, measured: &dyn Fn(usize) -> bool, picked_
         !measured(i.min(n - 1))
     };
     if !r.bridged.is_empty() {
-        thinned.bridged = if picked_channels > 0 { rows.iter().map(|i| !measured(*i)).collect() } else { ticks.iter().map(|x| near(*x)).collect() };
+        thinned.bridged = if picked_channels > 0 {
+            rows.iter().map(|i| !measured(*i)).collect()
+        } else {
+            ticks.iter().map(|x| near(*x)).collect()
+        };
     }
     thinned
 }

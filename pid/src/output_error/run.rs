@@ -10,7 +10,9 @@ use super::instruments::{Errors, KINDS, Known, STATE_OF, VARIABLES, observe, var
 use super::speed::liveliness;
 use super::unknowns::ANGLE_BIASES;
 use crate::PidError;
-use crate::equations::{Craft, Drive, Dual, Extra, INPUTS, STATES, Segment, Transition, TunnelAir, origin, origin_slopes, splits};
+use crate::equations::{
+    Craft, Drive, Dual, Extra, INPUTS, STATES, Segment, Transition, TunnelAir, origin, origin_slopes, splits,
+};
 use crate::smooth::{Smoother, smooth};
 use crate::states::states;
 pub(crate) use linear::Linearised;

@@ -2,8 +2,8 @@
 
 mod common;
 mod compatibility;
-mod declared_effects;
 mod data_sets;
+mod declared_effects;
 mod descent;
 mod gross;
 mod identification;

@@ -58,7 +58,8 @@ fn law_own_rows_have_no_clock() {
     for seed in 0..40 {
         let raw = samples(1200, 150.0, seed);
         let smooth = forward_backward(&raw, &|x| butterworth(x, 2, 12.0 / 150.0));
-        let sorts = [raw.clone(), raw.iter().map(|v| (v / 1.1e-3).round() * 1.1e-3).collect(), smooth, motion(1200, 150.0, 0.2, seed)];
+        let sorts =
+            [raw.clone(), raw.iter().map(|v| (v / 1.1e-3).round() * 1.1e-3).collect(), smooth, motion(1200, 150.0, 0.2, seed)];
         for (k, x) in sorts.iter().enumerate() {
             let other = samples(1200, 150.0, seed + 900);
             assert_eq!(repeated(&[x, &other], &all), None, "seed {seed}, sort {k}");

@@ -26,7 +26,8 @@ fn recover_corners_of_several_orders() {
                     if twice { forward_backward(&x, &section) } else { section(&x) }
                 };
                 let found = low_pass(&channels(7, &filter), RATE_HZ).unwrap_or_else(|| panic!("{corner_hz} {order} {twice}"));
-                let truth = LowPass { corner_hz, order: order as i32, runs: if twice { 2 } else { 1 }, rate_hz: RATE_HZ, gain: 0.0 };
+                let truth =
+                    LowPass { corner_hz, order: order as i32, runs: if twice { 2 } else { 1 }, rate_hz: RATE_HZ, gain: 0.0 };
                 let ratio = found.half_power_hz() / truth.half_power_hz();
                 assert!((ratio - 1.0).abs() < 0.12, "{corner_hz} Hz, {order}, twice {twice}: {ratio} {found:?}");
             }
@@ -63,5 +64,7 @@ fn law_motion_alone_is_no_filter() {
 #[test]
 fn exact_half_power() {
     let f = LowPass { corner_hz: 1.0, order: 2, runs: 2, rate_hz: 1e4, gain: 0.0 };
-    assert!((f.half_power_hz() - (2.0_f64.sqrt() - 1.0).powf(0.25)).abs() < 1e-6 && (f.power(f.half_power_hz()) - 0.5).abs() < 1e-12);
+    assert!(
+        (f.half_power_hz() - (2.0_f64.sqrt() - 1.0).powf(0.25)).abs() < 1e-6 && (f.power(f.half_power_hz()) - 0.5).abs() < 1e-12
+    );
 }
