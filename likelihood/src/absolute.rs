@@ -87,10 +87,7 @@ impl Engine {
     /// Where the fit's model departs in them.
     pub fn of_others(&self, fit: &Fit, runs: &[usize], ranges: &[RandomRange]) -> Option<Result<OtherRuns, Departed>> {
         let others = self.beside(&self.campaign, runs)?;
-        let departed = match others.sum(&fit.model, &[], &[]) {
-            Ok(_) => None,
-            Err(departed) => Some(departed),
-        };
+        let departed = others.sum(&fit.model, &[], &[]).err();
         if let Some(departed) = departed {
             return Some(Err(departed));
         }

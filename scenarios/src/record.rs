@@ -123,7 +123,7 @@ fn of_window(
     let mut columns = own.apply(path, columns)?;
     let mut notes = std::mem::take(&mut columns.notes);
     has_columns(path, &columns)?;
-    refuse_unusable(path, &columns, |n| is_of_tunnel(n), "a tunnel campaign", "remove the column, or give it another name")?;
+    refuse_unusable(path, &columns, is_of_tunnel, "a tunnel campaign", "remove the column, or give it another name")?;
     let t = times(path, &mut columns, window_s, &mut notes)?;
     let grid = Grid::of(path, t, &columns.lines, &mut notes)?;
     if grid.interval_s > LONGEST_STEP_S {
@@ -211,7 +211,7 @@ pub(crate) fn times(
     let mut faults: Vec<Fault> = [("goes backward", true), ("appears twice", false)]
         .into_iter()
         .filter_map(|(words, back)| {
-            let wrong = |i: &usize| if back { t[*i] < t[*i - 1] } else { t[*i] <= t[*i - 1] && t[*i] >= t[*i - 1] };
+            let wrong = |i: &usize| if back { t[*i] < t[*i - 1] } else { t[*i].total_cmp(&t[*i - 1]).is_eq() };
             let all: Vec<usize> = (1..t.len()).filter(wrong).collect();
             let first = *all.first()?;
             let rows = if all.len() > 1 {

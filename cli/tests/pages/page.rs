@@ -156,7 +156,7 @@ pub(crate) fn is_mention(command: &str) -> bool {
             || w.split(|c: char| !(c.is_alphanumeric() || c == '_'))
                 .any(|p| !p.is_empty() && p.chars().all(|c| c.is_ascii_uppercase()))
     };
-    arguments.is_empty() || arguments[0].starts_with("--") || arguments.iter().any(|w| own(&w))
+    arguments.is_empty() || arguments[0].starts_with("--") || arguments.iter().any(own)
 }
 
 #[test]

@@ -95,7 +95,7 @@ pub(crate) fn tokens(text: &str) -> Vec<Placed> {
         let name = |c: char| c.is_alphanumeric() || c == '_';
         let mut end = at + c.len_utf8();
         if name(c) {
-            let more = |(i, d): (usize, char)| !name(d) && !(d == '-' && text[at + i + 1..].starts_with(name));
+            let more = |(i, d): (usize, char)| !(name(d) || d == '-' && text[at + i + 1..].starts_with(name));
             end = text[at..].char_indices().find(|&p| more(p)).map_or(text.len(), |(i, _)| at + i);
         }
         all.push(Placed { token: Token::Word(text[at..end].to_owned()), at: at..end });

@@ -13,6 +13,9 @@ use windfall_pid::output_error::EstimateOptions;
 use windfall_pid::{Method, identify_by, process};
 use windfall_replay::hold_out;
 
+/// A drawn series of a signal.
+type Drawn = fn(&TrackSignal) -> &Vec<f64>;
+
 /// The declared effect, as it truly is.
 const SHIFT: [f64; 3] = [0.0, 0.0, 0.001];
 /// The undeclared one: the tether's drag is two and a half times the declared one.
@@ -84,8 +87,7 @@ fn law_the_page_flies_the_plants_of_the_verdict() {
         let said = |side: &windfall_discover::close::After| -> HeldOutTrajectory {
             side.hold_out.as_ref().and_then(|h| h.trajectory).expect("a run is held out")
         };
-        let sides: [(_, fn(&TrackSignal) -> &Vec<f64>); 2] =
-            [(said(&closing.before), |c| &c.before), (said(&closing.after), |c| &c.after)];
+        let sides: [(_, Drawn); 2] = [(said(&closing.before), |c| &c.before), (said(&closing.after), |c| &c.after)];
         let mut positions = Vec::new();
         for (said, side) in sides {
             let [[position_m, angle_deg], [most_m, most_deg]] = of_page(&campaign, &closing, side);

@@ -38,7 +38,7 @@ pub fn bandwidth_lines(campaign: &Campaign) -> Vec<BandwidthLine> {
 
 /// Thins the tunnel runs of a campaign to the bandwidth that their export left; what was done, in words. Runs without attitude stay as they are.
 pub fn thin(campaign: &mut Campaign) -> Vec<String> {
-    let sensors = campaign.plant.sensors.clone();
+    let sensors = campaign.plant.sensors;
     let mut runs: Vec<&mut Record> = campaign.runs.iter_mut().filter_map(|run| tunnel(&mut run.data)).collect();
     thin_records(&mut runs, &sensors);
     words(&bandwidth_lines(campaign))

@@ -36,8 +36,11 @@ pub(super) fn butterworth(x: &[f64], order: usize, corner: f64) -> Vec<f64> {
     let first = x[0];
     let mut y: Vec<f64> = x.iter().map(|v| v - first).collect();
     for pair in 0..order / 2 {
-        let angle =
-            if order % 2 == 0 { PI * (2 * pair + 1) as f64 / (2 * order) as f64 } else { PI * (pair + 1) as f64 / order as f64 };
+        let angle = if order.is_multiple_of(2) {
+            PI * (2 * pair + 1) as f64 / (2 * order) as f64
+        } else {
+            PI * (pair + 1) as f64 / order as f64
+        };
         let (damping, whole) = (2.0 * angle.cos(), 1.0 + 2.0 * angle.cos() * k + k * k);
         let gain = k * k / whole;
         run(&mut y, [gain, 2.0 * gain, gain], [2.0 * (k * k - 1.0) / whole, (1.0 - damping * k + k * k) / whole]);

@@ -257,7 +257,7 @@ impl Clocks {
         let (share, std, freedom) = slope(&runs)?;
         let t = (share - 0.5) / std;
         let chance = StudentsT::new(0.0, 1.0, freedom).ok()?.sf(t) * lags.len() as f64;
-        if !(chance < FALSE_ALARM) {
+        if chance.is_nan() || chance >= FALSE_ALARM {
             return None;
         }
         self.peak(far.0, declared_s)

@@ -43,7 +43,7 @@ pub(super) fn still(sheet: &Sheet<'_>, clock: &Clock, used: &[&str]) -> Option<S
     let mut best = 0..0;
     let mut from = 0;
     for i in 0..=rows {
-        if i == rows || bad[i] {
+        if bad.get(i).is_none_or(|bad| *bad) {
             if i - from > best.len() {
                 best = from..i;
             }

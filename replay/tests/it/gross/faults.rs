@@ -120,9 +120,9 @@ fn other_way(r: &mut Record) {
             .matrix
             .transpose();
         let angles = [(-t[(1, 2)]).atan2(t[(2, 2)]), t[(0, 2)].clamp(-1.0, 1.0).asin(), (-t[(0, 1)]).atan2(t[(0, 0)])];
-        for k in 0..3 {
-            let before = if i > 0 { r.attitude_rad[k][i - 1] } else { angles[k] };
-            r.attitude_rad[k][i] = angles[k] + ((before - angles[k]) / std::f64::consts::TAU).round() * std::f64::consts::TAU;
+        for (angle, series) in angles.into_iter().zip(&mut r.attitude_rad) {
+            let before = if i > 0 { series[i - 1] } else { angle };
+            series[i] = angle + ((before - angle) / std::f64::consts::TAU).round() * std::f64::consts::TAU;
         }
     }
 }
