@@ -6,7 +6,7 @@ use crate::PidError;
 use crate::coefficients::{CoefficientRow, coefficients_of};
 use crate::identification::{ALL_RUNS, CoefficientFit, DataSet, Estimate, Identification, Refused};
 use crate::interval::{either_side, relative_percent};
-use crate::regress::{Colour, PreparedColumns, Refusal, RegressionFit, RegressionOutcome, RegressionSeries, fit};
+use crate::regress::{Colour, Driven, PreparedColumns, Refusal, RegressionFit, RegressionOutcome, RegressionSeries, fit_under};
 use crate::smooth::{Smoother, smooth};
 use std::cell::OnceCell;
 use windfall_model::{Aero, Campaign, Coefficient, Data, Factor, Plant, Record, Term, Use, VARIABLES, Variable};
@@ -244,8 +244,18 @@ impl<'a> DataSetWork<'a> {
             effects: Vec::new(),
             refused: Vec::new(),
         };
+        let mut fits = Vec::new();
         for group in groups {
-            if let Some((columns, fit)) = self.regress(group, warnings)? {
+            fits.push(self.regress(group, None, warnings)?);
+        }
+        // What drives the body drives all of its motion, also that of a coefficient whose own residual does not show it.
+        let drive = fits.iter().flatten().find_map(|(_, fit)| fit.driven);
+        for (group, found) in groups.iter().zip(fits) {
+            let found = match (found, drive) {
+                (Some((_, fit)), Some(_)) if fit.driven.is_none() => self.regress(group, drive, &mut Vec::new())?,
+                (found, _) => found,
+            };
+            if let Some((columns, fit)) = found {
                 self.report(&mut set, group, &columns, &fit, warnings);
             }
         }
@@ -260,11 +270,16 @@ impl<'a> DataSetWork<'a> {
     }
 
     /// Fits a group, leaving out what the data do not determine; which columns are left, and their fit.
-    fn regress(self, group: &Group, warnings: &mut Vec<String>) -> Result<Option<(Vec<usize>, RegressionFit)>, PidError> {
+    fn regress(
+        self,
+        group: &Group,
+        drive: Option<Driven>,
+        warnings: &mut Vec<String>,
+    ) -> Result<Option<(Vec<usize>, RegressionFit)>, PidError> {
         let series: Vec<&PreparedColumns> = self.members.iter().flat_map(|&i| &group.series[i]).collect();
         let mut columns: Vec<usize> = (0..group.parameters.len()).collect();
         while !columns.is_empty() {
-            let outcome = fit(&series, &columns).map_err(|e| match e {
+            let outcome = fit_under(&series, &columns, drive).map_err(|e| match e {
                 PidError::TooFewSamples { samples, needed, .. } => PidError::TooFewSamples {
                     what: format!("data set {}, coefficient {}", self.name, group.label()),
                     samples,

@@ -186,6 +186,15 @@ pub(crate) fn whitened(prepared: &PreparedColumns, spectrum: &[f64]) -> Option<(
 
 /// Least squares on some columns of prepared series.
 pub(crate) fn fit(prepared: &[&PreparedColumns], columns: &[usize]) -> Result<RegressionOutcome, PidError> {
+    fit_under(prepared, columns, None)
+}
+
+/// The same under what drives the body, where another coefficient of the same runs shows it.
+pub(crate) fn fit_under(
+    prepared: &[&PreparedColumns],
+    columns: &[usize],
+    drive: Option<Driven>,
+) -> Result<RegressionOutcome, PidError> {
     let series: Vec<&RegressionSeries> = prepared.iter().map(|p| &p.series).collect();
     let rows = series.iter().map(|s| s.response.len()).sum::<usize>();
     let count = columns.len();
@@ -199,7 +208,10 @@ pub(crate) fn fit(prepared: &[&PreparedColumns], columns: &[usize]) -> Result<Re
     let residuals_white = quality::residuals(&series, columns, &white.estimate);
     let s2_white = residuals_white.iter().flatten().map(|e| e * e).sum::<f64>() / (rows - count) as f64;
     let covariance_white = &white.bread * s2_white;
-    let own = colour(prepared, columns, &white, &residuals_white);
+    let own = match drive {
+        Some(drive) => driven(prepared, columns, &white, drive.ratio),
+        None => colour(prepared, columns, &white, &residuals_white),
+    };
     let residuals =
         if own.estimate == white.estimate { residuals_white } else { quality::residuals(&series, columns, &own.estimate) };
     let rss: f64 = residuals.iter().flatten().map(|e| e * e).sum();
