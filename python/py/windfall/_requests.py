@@ -22,6 +22,8 @@ class Identify(TypedDict, total=False):
     bootstrap: Check the stated errors by N copies: the identified model is flown again with the campaign's own inputs and
         noise, and identified again; scatter over stated error is known to 1/√(2N)
     combined: Only all runs together, without each kind of run alone
+    cutoffs: Cut-off frequency of the thesis' smoothing, Hz: one for all channels (3), or by channel (X=1.5,Rx=2.5), where a
+        channel that is not named has that of its Table 3.1; method thesis [default: Table 3.1]
     hold: Hold a parameter: it is not estimated but kept at this value (Cl_0=0.0125); may be repeated
     method: How to identify [default: output-error where its residual is noise, filter-error where process noise is found; the
         result says which and why]; one of thesis, equation-error, output-error, filter-error
@@ -29,15 +31,19 @@ class Identify(TypedDict, total=False):
         integrate; may be repeated
     tie: Tie a parameter to another: both are one unknown (Cn_1=Cm_1: pitch and yaw damping shared); methods that integrate;
         may be repeated
+    unsmoothed: No smoothing, as in the thesis' Appendix C: values as recorded, derivatives by quadratics through five
+        samples; method thesis
     """
 
     accept_record: bool | None
     bootstrap: int | None
     combined: bool | None
+    cutoffs: Mapping[str, float] | None
     hold: Mapping[str, float] | None
     method: str | None
     prior: Mapping[str, tuple[float, float]] | None
     tie: Mapping[str, str] | None
+    unsmoothed: bool | None
 
 
 class Structure(TypedDict, total=False):
@@ -130,11 +136,13 @@ class Many(TypedDict, total=False):
 
 #: Words that a keyword may be.
 CHOICES = {
+    "kind": ("tunnel", "free-flight", "point", "pivot"),
     "method": ("thesis", "equation-error", "output-error", "filter-error"),
 }
 
 #: Names of what a mapping of the first to the rest holds.
 ENTRIES = {
+    "cutoffs": ("channel", "hz"),
     "hold": ("name", "value"),
     "prior": ("name", "mean", "std"),
     "tie": ("name", "to"),

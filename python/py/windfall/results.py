@@ -10,19 +10,20 @@ from typing import Any, Literal
 from ._record import Record, Result
 
 __all__ = [
-    "After", "Band", "Bootstrap", "BootstrapLine", "Bound", "CampaignOutcome", "CandidateLine", "CandidateReport",
-    "ChannelResidual", "Check", "CheckLine", "Closing", "ClosingSummary", "CoefficientChoice", "CoefficientFit", "Compatibility",
-    "ConfusionLine", "ConstantLine", "Correlation", "Count", "CriterionChoice", "Curve", "DataSet", "Deciding", "DependenceLine",
-    "Descent", "DescentEnds", "DescentModel", "DescentReason", "DrawnParameter", "EffectBound", "EffectLine", "Estimate",
-    "Estimated", "Explanation", "FailureKind", "FigureOver", "FigureSeparation", "Finding", "FlownParameter", "Form", "FormCheck",
-    "HeightLine", "Held", "HeldOut", "HeldOutTrajectory", "Identifiability", "Identification", "InnovationLine",
-    "InnovationShape", "InstrumentError", "Instruments", "LandingScatter", "Many", "NextRun", "NoiseLine", "NotNamed",
+    "After", "Band", "BandwidthLine", "Bootstrap", "BootstrapLine", "Bound", "CampaignOutcome", "CandidateLine",
+    "CandidateReport", "ChannelResidual", "Check", "CheckLine", "Closing", "ClosingSummary", "CoefficientChoice",
+    "CoefficientFit", "Compatibility", "ConfusionLine", "ConstantLine", "Correlation", "Count", "CriterionChoice", "Curve",
+    "DataSet", "Deciding", "DependenceLine", "Descent", "DescentEnds", "DescentModel", "DescentReason", "DrawnParameter",
+    "EffectBound", "EffectLine", "Estimate", "Estimated", "Explanation", "FailureKind", "FigureOver", "FigureSeparation",
+    "Finding", "FittedInstead", "FlownCoefficient", "FlownParameter", "FlownValue", "Form", "FormCheck", "FoundEffect",
+    "FoundNumber", "HeightLine", "Held", "HeldOut", "HeldOutTrajectory", "Identifiability", "Identification", "InnovationLine",
+    "InnovationShape", "Instead", "InstrumentError", "Instruments", "LandingScatter", "Many", "NextRun", "NoiseLine", "NotNamed",
     "NumberLine", "OutcomeParameter", "ParameterLine", "ParameterShare", "ParameterSummary", "Plan", "PlanOption",
-    "PooledParameter", "Pressure", "Quantile", "Rate", "Record", "RecoveredDraw", "RecoveryLine", "ReliabilityPoint", "Residuals",
-    "Resimulation", "Result", "RunComparison", "Screened", "Separated", "Separation", "SetLine", "ShapeReport", "Sharpened",
-    "Shift", "SimulatedHistory", "Statistic", "StatisticsClosing", "StatisticsOptions", "SteadyFall", "Structure", "Study",
-    "Tally", "TargetPlan", "TermEstimate", "TouchDownLine", "TrajectoryError", "Unexplained", "VariedLine", "Verification",
-    "WindTunnelLine", "WindTunnelModel", "WordLine",
+    "PooledParameter", "Pressure", "Quantile", "Rate", "Record", "RecoveredDraw", "RecoveryLine", "Refused", "ReliabilityPoint",
+    "Residuals", "Resimulation", "Result", "RunComparison", "Screened", "Separated", "Separation", "SetLine", "ShapeReport",
+    "Sharpened", "Shift", "SimulatedHistory", "Statistic", "StatisticsClosing", "StatisticsOptions", "SteadyFall", "Structure",
+    "Study", "Tally", "TargetPlan", "TermEstimate", "TouchDownLine", "TrajectoryError", "Unexplained", "VariedLine",
+    "Verification", "WindTunnelLine", "WindTunnelModel", "WordLine",
 ]
 
 
@@ -131,6 +132,30 @@ class Held(Record):
     value: float
 
 
+class FoundNumber(Record):
+    """A number of the model beside its parameters."""
+
+    name: str
+    estimate: float
+    std_error: float | None
+    unit: str
+
+
+class FoundEffect(Record):
+    """An effect as the identified model has it."""
+
+    family: str
+    parameters: list[FoundNumber]
+
+
+class Refused(Record):
+    """A parameter without an estimate."""
+
+    coefficient: str
+    name: str
+    reason: str
+
+
 class DataSet(Record):
     """Parameters from one set of runs."""
 
@@ -143,6 +168,9 @@ class DataSet(Record):
     covariance: list[list[float]]
     curves: list[Curve]
     held: list[Held]
+    constants: list[FoundNumber]
+    effects: list[FoundEffect]
+    refused: list[Refused]
 
 
 class BootstrapLine(Record):
@@ -190,17 +218,32 @@ class WindTunnelLine(Record):
     models: list[WindTunnelModel]
 
 
+class BandwidthLine(Record):
+    """What was recognised of one run's channels."""
+
+    run: str
+    channels: Literal["position", "attitude", "tunnel-speed"]
+    cause: Literal["smoothed", "interpolated", "repeated", "other-runs"]
+    corner_hz: float | None
+    original_hz: float | None
+    bandwidth_hz: float
+    thinned_from_hz: float
+    thinned_to_hz: float
+
+
 class Identification(Result):
     """The content of `identification.json`: an identification, and its check where one was asked for."""
 
     method: str
     reason: str | None
+    smoothing: str | None
     identifiability: Identifiability | None
     compatibility: Compatibility | None
     data_sets: list[DataSet]
     warnings: list[str]
     bootstrap: Bootstrap | None
     wind_tunnel: list[WindTunnelLine]
+    bandwidth: list[BandwidthLine]
 
 
 class FlownParameter(Record):
@@ -373,6 +416,26 @@ class ParameterLine(Record):
     ci95: list[float] | None
     rse_percent: float | None
     unit: str
+    at_end: bool
+    declared: float | None
+    declared_std: float | None
+
+
+class FlownValue(Record):
+    """A coefficient at the settings of one run."""
+
+    run: str
+    estimate: float
+    std_error: float
+
+
+class FlownCoefficient(Record):
+    """A coefficient that follows settings of the runs, at settings that were flown."""
+
+    name: str
+    in_all: bool
+    least: FlownValue
+    most: FlownValue
 
 
 class FormCheck(Record):
@@ -394,6 +457,7 @@ class EffectLine(Record):
 
     family: str
     parameters: list[ParameterLine]
+    flown: list[FlownCoefficient]
     p_value: float
     probability: float | None
     rivals: list[str]
@@ -439,6 +503,24 @@ class Shift(Record):
     std_error_after: float
 
 
+class Instead(Record):
+    """A number that would do as well as a declared parameter that was moved."""
+
+    key: str
+    meaning: str
+    declared: float
+    estimate: float
+    unit: str
+    lost: float
+
+
+class FittedInstead(Record):
+    """A declared parameter that the runs moved, and other numbers that would do as well in its place."""
+
+    parameter: str
+    instead: list[Instead]
+
+
 class HeldOutTrajectory(Record):
     """rms differences of simulation and measurement over runs that were not used."""
 
@@ -476,6 +558,8 @@ class Closing(Result):
     declared_departs: str | None
     noise_is_scatter: bool
     joined: list[str]
+    record: list[str]
+    bandwidth: list[BandwidthLine]
     unfinished_passes: float | None
     errors_carry_unexplained: bool
     residual: Residuals
@@ -490,6 +574,7 @@ class Closing(Result):
     bounds: list[EffectBound]
     unexplained: list[Unexplained]
     shifts: list[Shift]
+    instead: list[FittedInstead]
     before: After
     after: After
     wind_tunnel: list[WindTunnelLine]
@@ -738,6 +823,7 @@ class Separation(Result):
 
     campaign: str
     families: list[str]
+    record: list[str]
     tried: int
     pairs: list[Separated]
     bounds: list[Sharpened]
