@@ -2,6 +2,7 @@
 //! `figures.json`, `tracks.json`, `smoothing.json` and `report.html`.
 
 use crate::args::CloseArgs;
+use crate::lines::folded;
 use crate::session::{Failure, Session};
 use std::cmp::Ordering;
 use std::fmt::Write as _;
@@ -93,24 +94,6 @@ pub fn words(c: &Closing) -> String {
         let _ = writeln!(text, "\nunexplained {}: {}", u.channel, folded(&u.description, u.channel.len() + 14));
     }
     text
-}
-
-/// Words in lines of at most a hundred characters, `indent` already taken on the first.
-pub(crate) fn folded(words: &str, indent: usize) -> String {
-    let mut out = String::new();
-    let mut at = indent;
-    for word in words.split(' ') {
-        if at + word.chars().count() > 100 {
-            out.push_str("\n  ");
-            at = 2;
-        } else if !out.is_empty() {
-            out.push(' ');
-            at += 1;
-        }
-        out.push_str(word);
-        at += word.chars().count();
-    }
-    out
 }
 
 fn effect(text: &mut String, e: &EffectLine) {

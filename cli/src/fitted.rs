@@ -1,6 +1,6 @@
 //! cli: declared numbers that a closing of tracks fitted. In: a closing. Out: lines: declared, found, how far it moved, what would do as well.
 
-use crate::close::folded;
+use crate::lines::folded;
 use std::fmt::Write as _;
 use windfall::report::{number, with_interval};
 use windfall::results::{Closing, NORMAL_95};

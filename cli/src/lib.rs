@@ -12,6 +12,7 @@ mod fitted;
 mod free;
 mod identify;
 mod interrupt;
+mod lines;
 mod many;
 mod plan;
 mod planet;

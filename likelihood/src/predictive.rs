@@ -77,6 +77,9 @@ pub fn top(covariance: &DMatrix<f64>, at: impl Fn(&DVector<f64>) -> Option<NearF
 /// truth the covariance of the move is `M (I + M)⁻¹`, with M the information. Its square has the mean `Σw` and the variance `2 Σw²` of the
 /// eigenvalues w; χ² with both (Satterthwaite 1946).
 fn chance_of_moving(u: &DVector<f64>, information: &DMatrix<f64>) -> f64 {
+    if information.is_empty() {
+        return 1.0;
+    }
     let weights = information.clone().symmetric_eigenvalues().map(|m| m.max(0.0) / (1.0 + m.max(0.0)));
     let (sum, squares) = (weights.sum(), weights.norm_squared());
     if squares <= 0.0 {

@@ -200,7 +200,7 @@ const ENTRIES: &[Entry] = &[
         "resimulate",
     ),
     Entry(
-        &["R²", "R2", "r2"],
+        &["R²", "R2"],
         "Share of a coefficient's variance that the model explains; 1 is all of it (thesis eq. 4.18).",
         "identify",
     ),

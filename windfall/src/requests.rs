@@ -84,6 +84,13 @@ pub struct Identify {
 }
 
 /// Cut-off frequency of a channel's smoothing.
+///
+/// ```
+/// use windfall::{Cutoff, Identify};
+/// let all = Cutoff { channel: "all".to_owned(), hz: 3.0 };
+/// let order = Identify { cutoffs: vec![all], ..Identify::default() };
+/// assert!(!order.unsmoothed);
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cutoff {

@@ -65,6 +65,6 @@ fn law_priors_ranges_and_steps_scale() {
     assert_eq!((one.len(), one[1].id), (2, Id::Member(0, 1)));
     twice(&one[1], &two[1], false);
 
-    let strength = |high: f64| Parameter { high, ..Member::null(effect, &campaign).parameters[0].clone() };
+    let strength = |usual: f64| Parameter { usual, ..Member::null(effect, &campaign).parameters[0].clone() };
     assert!((strength_step(&strength(14.0)) / strength_step(&strength(7.0)) - 2.0).abs() < 1e-14);
 }

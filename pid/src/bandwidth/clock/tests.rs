@@ -39,7 +39,7 @@ fn exact_samples_behind_straight_lines() {
 #[test]
 fn exact_samples_that_are_repeated() {
     for (p, q) in [(1, 3), (2, 3), (3, 5)] {
-        let truth = samples(900, 150.0, 5);
+        let truth = samples(1000, 150.0, 5);
         for skipped in 0..q {
             let rows: Vec<f64> = (skipped..1500).map(|i| truth[i * p / q]).collect();
             let clock = repeated(&[&rows], &all).expect("a clock");
