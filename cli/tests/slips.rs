@@ -105,7 +105,7 @@ fn law_a_file_of_another_kind_is_named_in_one_sentence() {
             &["descend", "venus-dispersions", "--model", "closed.json"],
             "closed.json: is the result of windfall close; needed here: the result of windfall identify",
         ),
-        (&["descend", "venus-dispersions", "--model", "other.json"], "other.json: is no result of windfall identify"),
+        (&["descend", "venus-dispersions", "--model", "other.json"], "is not the result that is needed here"),
         (&["descend", "venus-dispersions", "--model", campaign], "is no JSON file; needed here: the result of windfall identify"),
         (&["resimulate", campaign, "--model", "closed.json"], "try: windfall identify CAMPAIGN --out DIR"),
     ] {

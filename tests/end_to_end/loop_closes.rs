@@ -116,7 +116,7 @@ fn law_resimulate_refuses_what_is_no_identification() {
     let model = dir.path().join("model.json");
     std::fs::write(&model, "{ \"method\": 3 }").expect("writable");
     let ran = windfall(&["resimulate", &campaign, "--model", &text(&model)]);
-    assert!(ran.code == 2 && ran.err.contains("model.json: is no result of windfall identify"), "{}", ran.err);
+    assert!(ran.code == 2 && ran.err.contains("model.json:1"), "{}", ran.err);
     assert_eq!(windfall(&["resimulate", &campaign]).code, 2, "--model is needed");
     assert_eq!(windfall(&["resimulate", &campaign, "--model", &text(&model), "--seeds", "0"]).code, 2);
 }

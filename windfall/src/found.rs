@@ -31,7 +31,7 @@ const RESULTS: [(&[&str], &str); 9] = [
 pub fn read_identification(path: &Path) -> Result<Identification> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
         let value: Value = read_json(path)?;
-        is_identification(&path.display().to_string(), &value)?;
+        is_of_no_other_verb(&path.display().to_string(), &value)?;
     } else if path.is_file() {
         return Err(other(&path.display().to_string(), "is no JSON file"));
     }
@@ -44,16 +44,19 @@ pub fn read_identification(path: &Path) -> Result<Identification> {
 /// As [`read_identification`].
 pub fn identification_of(name: &str, json: &str) -> Result<Identification> {
     let value: Value = serde_json::from_str(json).map_err(|e| other(name, &format!("is no JSON: {e}")))?;
-    is_identification(name, &value)?;
-    serde_json::from_value(value).map_err(|e| other(name, &format!("is an identification that was changed: {e}")))
+    is_of_no_other_verb(name, &value)?;
+    serde_json::from_value(value).map_err(|e| other(name, &format!("is no identification as windfall identify writes it: {e}")))
 }
 
-fn is_identification(name: &str, value: &Value) -> Result<()> {
+/// Refuses the result of another verb. What is none of these is left to the reader, which says line and field.
+fn is_of_no_other_verb(name: &str, value: &Value) -> Result<()> {
     if value.get("data_sets").is_some() {
         return Ok(());
     }
-    let verb = RESULTS.iter().find(|(keys, _)| keys.iter().all(|k| value.get(k).is_some())).map(|(_, verb)| *verb);
-    Err(other(name, &verb.map_or_else(|| "is no result of windfall identify".to_owned(), |v| format!("is the result of {v}"))))
+    match RESULTS.iter().find(|(keys, _)| keys.iter().all(|k| value.get(k).is_some())) {
+        Some((_, verb)) => Err(other(name, &format!("is the result of {verb}"))),
+        None => Ok(()),
+    }
 }
 
 fn other(name: &str, what: &str) -> Error {
