@@ -43,7 +43,7 @@ pub enum DiscoverError {
         numbers: &'static str,
     },
     /// The search for what a campaign lacks found no model that can be followed.
-    #[error("{campaign}: {words}; check axes, units and starting values of the declared parameters")]
+    #[error("{campaign}: no model that can be followed was found: {words}; try starting values nearer to the truth, or leave out the run")]
     NoEnd {
         /// Campaign.
         campaign: String,

@@ -54,7 +54,7 @@ fn main() {
                 }
                 println!();
             }
-            Err(d) => println!("{spec}: {}", d.words()),
+            Err(d) => println!("{spec}: {}", d.words(engine.campaign())),
         }
     }
 }

@@ -22,7 +22,7 @@ pub(crate) use beside::NodeInnovations;
 use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, Simd, WithSimd};
 use rows::VECTOR;
-use windfall_model::{Entry, POSE, PerChannel, Plant};
+use windfall_model::{Campaign, Entry, POSE, PerChannel, Plant};
 use windfall_pid::equations::{ADDED, Craft, LOOSE, MOTION, STATES, TunnelAir};
 
 /// Spread of the first state about its start: wide, so that the data decide (m, rad, m/s, rad/s).
@@ -62,12 +62,15 @@ pub(crate) struct Seen {
 pub struct Departed {
     pub(crate) run: usize,
     pub(crate) t_s: f64,
+    /// The first number whose slope is not finite, where the model itself can be followed.
+    pub(crate) column: Option<usize>,
 }
 
 impl Departed {
-    /// In words.
-    pub fn words(self) -> String {
-        windfall_pid::departure(self.run, self.t_s)
+    /// In words, the run by its name.
+    pub fn words(self, campaign: &Campaign) -> String {
+        let run = campaign.runs.get(self.run).map_or("", |r| r.name.as_str());
+        format!("the model departs at {:.2} s of run `{run}`", self.t_s)
     }
 }
 
@@ -166,7 +169,7 @@ struct Filter<'a> {
 
 /// Runs the filter over a run. `plant` and the columns' plants are those of this run.
 pub(crate) fn pass(run: &Prepared, s: &PassSetting<'_>) -> Result<Seen, Departed> {
-    let fault = Departed { run: run.index, t_s: 0.0 };
+    let fault = Departed { run: run.index, t_s: 0.0, column: None };
     let columns: Vec<Ready<'_>> = s.columns.iter().map(|c| ready(c, s.plant)).collect::<Option<_>>().ok_or(fault)?;
     let filter = &Filter::new(run, s).ok_or(fault)?;
     let of_other = |plant| Beside::new(filter, inputs(plant, run.speed_m_s, filter.step_s, s.spectra));
@@ -257,7 +260,7 @@ impl<'a> Filter<'a> {
         let mut rows: Vec<f64> = Vec::with_capacity(ROWS * (nc + 1));
         let mut work = Work::new(self);
         for k in 0..self.run.nodes.len() {
-            let departed = Departed { run: self.run.index, t_s: self.run.nodes[k].t_s };
+            let departed = Departed { run: self.run.index, t_s: self.run.nodes[k].t_s, column: None };
             let rate = self.rates(&z, k, Stage::Now, [0.0; 3], &mut work.terms).ok_or(departed)?;
             let view = self.view(&z, k);
             if matches!(self.keep, Keep::Trace | Keep::Gusts) {
@@ -285,8 +288,9 @@ impl<'a> Filter<'a> {
         seen.beside = beside.into_iter().map(|other| other.seen).collect();
         seen.b = DVector::from_fn(nc, |i, _| seen.g[(i, nc)]);
         seen.g = seen.g.view((0, 0), (nc, nc)).into_owned();
-        let finite = seen.log_likelihood.is_finite() && seen.g.iter().all(|v| v.is_finite());
-        if finite { Ok(seen) } else { Err(Departed { run: self.run.index, t_s: self.run.duration_s() }) }
+        let column = (0..nc).find(|i| !seen.g[(*i, *i)].is_finite());
+        let finite = seen.log_likelihood.is_finite() && column.is_none();
+        if finite { Ok(seen) } else { Err(Departed { run: self.run.index, t_s: self.run.duration_s(), column }) }
     }
 
     /// Adds gathered rows to the normal equations, and forgets them or keeps them as was asked for.

@@ -10,8 +10,6 @@ use windfall_model::POSE;
 const KICKED: [usize; 6] = [6, 7, 8, 9, 10, 11];
 /// Plausible kicks, m/s and rad/s.
 const PLAUSIBLE: [f64; 6] = [0.3, 0.3, 0.3, 2.0, 2.0, 2.0];
-/// Time at a run's start and end in which a kick is the first state's or not told from noise, s.
-const EDGE_S: f64 = 0.5;
 
 /// What a filter did: by node, the channels it took and the step to the next node.
 #[derive(Clone, Debug, Default)]
@@ -131,21 +129,15 @@ pub(crate) fn backward(trace: &Trace, n: usize, mut each: impl FnMut(usize, &DVe
 
 /// The likeliest kick at each instant, of `n` states, last instant first.
 pub(crate) fn shocks(trace: &Trace, n: usize) -> Vec<Shock> {
-    let Some(last) = trace.nodes.last() else { return Vec::new() };
-    let last_s = last.t_s;
     let mut all = Vec::with_capacity(trace.nodes.len());
     backward(trace, n, |at, score, information| {
-        let node = &trace.nodes[at];
-        if node.t_s < EDGE_S || node.t_s > last_s - EDGE_S {
-            return;
-        }
         let b = SVector::<f64, 6>::from_fn(|i, _| PLAUSIBLE[i] * score[KICKED[i]]);
         let whole = SMatrix::<f64, 6, 6>::from_fn(|i, k| {
             PLAUSIBLE[i] * PLAUSIBLE[k] * information[(KICKED[i], KICKED[k])] + if i == k { 1.0 } else { 0.0 }
         });
         let Some(factor) = whole.cholesky() else { return };
         let gain = 0.5 * b.dot(&factor.solve(&b)) - factor.l().diagonal().map(f64::ln).sum();
-        all.push(Shock { t_s: node.t_s, gain });
+        all.push(Shock { t_s: trace.nodes[at].t_s, gain });
     });
     all
 }

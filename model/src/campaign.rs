@@ -80,14 +80,15 @@ impl Campaign {
             knowledge: knowledge.clone(),
         }
     }
-    /// Means over the tunnel runs that are identified on: tunnel speed, m/s, and density, kg/m³; none where there is no such run.
+    /// Means over the tunnel runs that are identified on: tunnel speed, where the air rests the model's own ([`crate::Record::mean_airspeed_m_s`]),
+    /// m/s, and density, kg/m³; none where there is no such run.
     #[must_use]
     pub fn tunnel_means(&self) -> Option<[f64; 2]> {
         let (mut sums, mut samples) = ([0.0; 2], 0.0);
         for run in self.runs.iter().filter(|r| r.used == Use::Identify) {
             let Data::Tunnel(r) = &run.data else { continue };
-            for ((vw_m_s, ps_pa), ts_k) in r.vw_m_s.iter().zip(&r.ps_pa).zip(&r.ts_k) {
-                sums[0] += vw_m_s;
+            sums[0] += r.mean_airspeed_m_s() * r.len() as f64;
+            for (ps_pa, ts_k) in r.ps_pa.iter().zip(&r.ts_k) {
                 sums[1] += self.plant.environment.density_kg_m3(*ps_pa, *ts_k);
                 samples += 1.0;
             }

@@ -5,7 +5,7 @@
 //! so that Gaussian noise gives errors of its own standard deviation in the middle and at the ends of a run. Before a sample is removed its
 //! neighbours are fitted again without those that do not lie on one curve with the most of them: next to a spike at an end of a run a sound
 //! sample is farther from its fit than the spike. Spikes go alone or in pairs: what more neighbouring samples share, a step or a pulse, is a signal
-//! whatever its size, and stays.
+//! whatever its size, and stays. So does a sample that continues the curve of one side: the corner of a pulse.
 
 /// Neighbours of a sample that a spike is judged by.
 const NEIGHBOURS: usize = 10;
@@ -24,8 +24,12 @@ const BRIDGE: (usize, usize) = (10, 5);
 
 /// Samples from which on a departure is shared by neighbours: a tracker's slip and its repetition are two.
 const SHARED: usize = 3;
-/// Share of a departure below which the difference between neighbours joins them.
+/// Share of a departure below which the difference between neighbours joins them, and the distance from the curve of one side.
 const JOINED: f64 = 0.5;
+/// Samples of one side that a curve is continued from, and its degree: its error is 2.4 times that of a sample.
+const SIDE: (usize, usize) = (5, 2);
+/// Most that they may leave of their own curve, as a share of the departure; a spike among them as large as the sample's leaves a quarter.
+const ON_CURVE: f64 = 0.2;
 
 /// A sample that was removed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -213,7 +217,8 @@ pub(crate) fn remove_spikes(t: &[f64], x: &mut [f64], interval_s: f64, floor: f6
             worst.put(place, among_sound);
             continue;
         }
-        if is_shared(&recorded, place, ratio * scales.at(place)) {
+        let departure = ratio * scales.at(place);
+        if is_shared(&recorded, place, departure) || continues_a_side(t, x, place, departure, reach_s) {
             worst.put(place, None);
             continue;
         }
@@ -291,6 +296,23 @@ fn is_shared(x: &[f64], place: usize, departure: f64) -> bool {
     let after = (place + 1..x.len()).take_while(joined).take(SHARED).count();
     let before = (1..=place).rev().take_while(joined).take(SHARED).count();
     1 + before + after >= SHARED
+}
+
+/// Whether a sample lies on the curve of the samples before it or of those after it: where both curves meet in a corner, it departs from a curve
+/// through all of them.
+fn continues_a_side(t: &[f64], x: &[f64], place: usize, departure: f64, reach_s: f64) -> bool {
+    let near = |k: &usize| (t[*k] - t[place]).abs() <= reach_s && x[*k].is_finite();
+    let on_curve = |side: &mut dyn Iterator<Item = usize>| {
+        let points: Vec<(f64, f64)> = side.filter(near).take(SIDE.0).map(|k| (t[k] - t[place], x[k])).collect();
+        let off = |at: (f64, f64)| {
+            let shifted: Vec<(f64, f64)> = points.iter().map(|p| (p.0 - at.0, p.1)).collect();
+            (at.1 - fit_at_zero(&shifted, SIDE.1).0).abs()
+        };
+        points.len() == SIDE.0
+            && off((0.0, x[place])) < JOINED * departure.abs()
+            && points.iter().all(|p| off(*p) < ON_CURVE * departure.abs())
+    };
+    on_curve(&mut (0..place).rev()) || on_curve(&mut (place + 1..x.len()))
 }
 
 /// Neighbours of a cluster of spikes may have been taken for spikes while the cluster stood: those come back.

@@ -326,10 +326,23 @@ impl Memory {
 }
 
 fn run(command: &str, words: &[String], folder: &Path) -> Ran {
+    let words: Vec<String> = words[1..].iter().flat_map(|w| matching(w, folder)).collect();
     let ran =
-        Command::new(PROGRAM).args(&words[1..]).current_dir(folder).stdin(Stdio::null()).output().expect("the program starts");
+        Command::new(PROGRAM).args(&words).current_dir(folder).stdin(Stdio::null()).output().expect("the program starts");
     let said = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     Ran { command: command.to_owned(), code: ran.status.code().unwrap_or(-1), out: said(&ran.stdout), err: said(&ran.stderr) }
+}
+
+/// What a shell makes of a word: of `lab/*.csv` the files of that kind, in order; any other word as it stands.
+fn matching(word: &str, folder: &Path) -> Vec<String> {
+    let Some((before, end)) = word.split_once('*') else { return vec![word.to_owned()] };
+    let (inside, start) = before.rsplit_once('/').unwrap_or((".", before));
+    let entries = std::fs::read_dir(folder.join(inside)).into_iter().flatten().flatten();
+    let names = entries.map(|e| e.file_name().to_string_lossy().into_owned());
+    let mut all: Vec<String> =
+        names.filter(|n| n.starts_with(start) && n.ends_with(end)).map(|n| format!("{inside}/{n}")).collect();
+    all.sort();
+    if all.is_empty() { vec![word.to_owned()] } else { all }
 }
 
 /// Words of a command, those in quotes as one.

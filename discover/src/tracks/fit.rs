@@ -112,7 +112,13 @@ impl Problem<'_> {
                 Free::Declared(_) | Free::Constant(_) => 0.0,
             };
             match fit.free.iter().filter(|f| out(f) > 1e-9).max_by(|a, b| out(a).total_cmp(&out(b))) {
-                Some(worst) => pinned.push(*worst),
+                Some(worst) => {
+                    // At the edge that the fit went beyond, wherever it started.
+                    if let Free::Effect(e, i) = *worst {
+                        start.effects[e].values[i] = h.effects[e].values[i];
+                    }
+                    pinned.push(*worst);
+                }
                 None => return fit,
             }
         }

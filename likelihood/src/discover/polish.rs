@@ -257,7 +257,7 @@ pub(super) fn declared_alone(engine: &Engine, declared: &Model, after: &Fit) -> 
     let tries = [model, declared.clone()];
     let mut end = Err(String::new());
     for m in &tries {
-        end = engine.climb(m, false, 12).map_err(|d| format!("with these parameters {}", d.words()));
+        end = engine.climb(m, false, 12).map_err(|d| format!("with these parameters {}", d.words(&engine.campaign)));
         if end.is_ok() {
             break;
         }

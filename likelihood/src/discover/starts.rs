@@ -4,7 +4,7 @@ use super::polish::{climb_down, names};
 use super::weigh::{SURE, Weighed, weigh, with_set};
 use super::{LEFT, STARTS, describe, has, less_random_cost, sure_cost};
 use crate::engine::{Engine, Fit};
-use crate::model::{Member, Model, catalogue};
+use crate::model::{Id, Member, Model, catalogue};
 use crate::search::{Set, is_above};
 use crate::shock::{Shock, expected_beyond};
 use windfall_model::Role;
@@ -48,7 +48,7 @@ pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -
     // No random input but the declared ones.
     match engine.climb(&model, false, 4) {
         Ok(fit) => fits.push(fit),
-        Err(d) => last = d.words(),
+        Err(d) => last = d.words(&engine.campaign),
     }
     // Other random inputs, in every form.
     for other in random.iter().filter(|m| air.is_none_or(|a| a.effect.family != m.effect.family)) {
@@ -72,6 +72,7 @@ pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -
     fits.extend(best.and_then(|fit| grown(engine, declared, fit, log)));
     // Poor fits are struck everywhere: only the best is asked.
     fits.extend(likeliest(fits.iter()).and_then(|fit| struck(engine, fit)));
+    let likeliest_model = likeliest(fits.iter()).map(|fit| fit.model.clone());
     let mut all: Vec<Start> = fits.into_iter().filter_map(|fit| start(engine, fit, log)).collect();
     all.sort_by(|a, b| b.total.total_cmp(&a.total));
     let mut distinct: Vec<Start> = Vec::new();
@@ -80,7 +81,32 @@ pub(super) fn ladder(engine: &Engine, declared: &Model, log: &mut Vec<String>) -
             distinct.push(one);
         }
     }
-    if distinct.is_empty() { Err(last) } else { Ok(distinct) }
+    match likeliest_model {
+        _ if !distinct.is_empty() => Ok(distinct),
+        Some(model) => Err(unweighed(engine, &model)),
+        None => Err(last),
+    }
+}
+
+/// Why no set can be weighed at a model, in words.
+fn unweighed(engine: &Engine, model: &Model) -> String {
+    let known = model.known(&engine.campaign);
+    let sum = match engine.sum(model, &known, &[]) {
+        Ok(sum) => sum,
+        Err(d) => return d.words(&engine.campaign),
+    };
+    let name = |id: Id| match id {
+        Id::Declared(i) => engine.campaign.plant.aero.structure.parameters.get(i).cloned(),
+        Id::Constant(i) => engine.campaign.knowledge.constants.get(i).map(|c| c.key.to_owned()),
+        _ => None,
+    };
+    let unseen: Vec<String> =
+        known.iter().enumerate().filter(|(i, _)| sum.g[(*i, *i)] <= 0.0).filter_map(|(_, n)| name(n.id)).collect();
+    if unseen.is_empty() {
+        "no effect can be weighed beside the declared model".to_owned()
+    } else {
+        format!("no run depends on {}", unseen.join(", "))
+    }
 }
 
 /// A fit with its random inputs settled. In inputs of another size the declared numbers may have wandered off: once more from where they are
@@ -134,7 +160,7 @@ pub(super) fn in_gusts(engine: &Engine, declared: &Model, air: &Member, fits: &m
                     fits.push(best.filter(|b| b.total > fit.total).unwrap_or(fit));
                 }
             }
-            Err(d) => *last = d.words(),
+            Err(d) => *last = d.words(&engine.campaign),
         }
     }
     without(followed)
@@ -381,9 +407,9 @@ pub(super) fn struck(engine: &Engine, fit: &Fit) -> Option<Fit> {
     is_above(best.total, fit.total, sure_cost(&null, engine)).then_some(best)
 }
 
-/// Start of a pulse of which that share is over at an instant; not before the run's.
+/// Start of a pulse of which that share is over at an instant; before the run's where it was under way then.
 fn start_s(instant_s: f64, share: f64, duration_s: f64) -> f64 {
-    (instant_s - share * duration_s).max(0.0)
+    instant_s - share * duration_s
 }
 
 /// Whether kicks that bring as much as one does, from without it to with it, are not surely absent from the tail of all others.

@@ -3,6 +3,7 @@
 use super::{against_family, cost};
 use crate::check::Alternative;
 use crate::engine::{Engine, always};
+use crate::filter::Departed;
 use crate::gram::Gram;
 use crate::model::{Id, Member, Model, Number, candidates};
 use crate::search::{Set, Unit, search, units};
@@ -90,7 +91,17 @@ pub(super) fn weigh_beside(engine: &Engine, model: &Model, alternatives: &[Alter
             group.push(k);
         }
     }
-    let sum = engine.sum(model, &numbers, &generic).ok()?;
+    // An effect that these runs give no slope of is not weighed.
+    let sum = loop {
+        match engine.sum(model, &numbers, &generic) {
+            Ok(sum) => break sum,
+            Err(Departed { column: Some(place), .. }) => {
+                let Id::Strength(family, form, _) = numbers[place].id else { return None };
+                numbers.retain(|n| !matches!(n.id, Id::Strength(f, o, _) if f == family && o == form));
+            }
+            Err(_) => return None,
+        }
+    };
     outcome(engine, model, Gram::new(numbers, sum.g, sum.b, sum.log_likelihood), alternatives.len(), &group)
 }
 

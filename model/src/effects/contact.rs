@@ -4,6 +4,9 @@ use super::{Acts, Effect, Parameter, Role};
 use crate::frames::Vec3;
 use crate::plant::Contact;
 
+/// Longest pulse, s. One may be under way when the run begins.
+const LONGEST_S: f64 = 2.0;
+
 pub(super) static EFFECT: Effect = Effect {
     family: "contact",
     acts: Acts::Lander,
@@ -26,7 +29,7 @@ pub(super) static EFFECT: Effect = Effect {
             Parameter {
                 name: "start_s".to_owned(),
                 unit: "s",
-                low: 0.0,
+                low: -LONGEST_S,
                 high: 1e6,
                 usual: 1e6,
                 null: 0.0,
@@ -34,7 +37,7 @@ pub(super) static EFFECT: Effect = Effect {
                 step: 0.0,
                 net: None,
             },
-            Parameter::shape("duration_s", "s", 0.01, 2.0, 0.15, &[0.15, 0.4]),
+            Parameter::shape("duration_s", "s", 0.01, LONGEST_S, 0.15, &[0.15, 0.4]),
         ];
         all.extend(["impulse_x_n_s", "impulse_y_n_s", "impulse_z_n_s"].map(|n| Parameter::strength(n, "N s", 5.0)));
         all.extend(["angular_x_n_m_s", "angular_y_n_m_s", "angular_z_n_m_s"].map(|n| Parameter::strength(n, "N m s", 1.0)));

@@ -21,6 +21,19 @@ pub(super) fn coloured(seed: u64, n: usize, std: f64, correlation: f64) -> Vec<f
     white(seed + 77, n, drive).into_iter().scan(0.0, step).collect()
 }
 
+/// Noise of that standard deviation with a resonance: frequency as a share of the rate, quality factor.
+pub(super) fn resonance(seed: u64, n: usize, std: f64, frequency: f64, quality: f64) -> Vec<f64> {
+    let radius = (-PI * frequency / quality).exp();
+    let (first, second) = (2.0 * radius * (TAU * frequency).cos(), -radius * radius);
+    let step = |last: &mut [f64; 2], w: f64| {
+        *last = [first * last[0] + second * last[1] + w, last[0]];
+        Some(last[0])
+    };
+    let all: Vec<f64> = white(seed + 991, n + 2000, 1.0).into_iter().scan([0.0; 2], step).skip(2000).collect();
+    let size = (all.iter().map(|x| x * x).sum::<f64>() / n as f64).sqrt();
+    all.iter().map(|x| std * x / size).collect()
+}
+
 /// Two modes of about 1 Hz that decay, and a slow one.
 pub(super) fn motion(n: usize, rate_hz: f64, amplitude: f64, which: u64) -> Vec<f64> {
     let shift = which as f64;

@@ -5,6 +5,7 @@ use super::motion::MotionSample;
 use crate::euler::{euler_rates, t_bef};
 use crate::instrument::Sample;
 use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::PI;
 use windfall_model::RunChannel;
 
 /// Another reading of a record.
@@ -30,8 +31,10 @@ pub(super) enum Act {
     Sequence { order: [usize; 3], inverse: bool },
     /// Positions times a factor.
     Length(f64),
-    /// Positions along one axis times a factor.
+    /// One position (0, 1, 2) or angle (3, 4, 5) times a factor.
     Axis { axis: usize, by: f64 },
+    /// The vertical position, down or up as its sign is 1 or -1, from a zero so many metres below.
+    Zero { sign: f64, metres: f64 },
     /// Angles times a factor.
     Angle(f64),
     /// Times times a factor.
@@ -50,7 +53,7 @@ const LOWER: [&str; 3] = ["x", "y", "z"];
 
 /// All readings that stand against the record as it is, the more usual slips first: of readings that say the same the first is named.
 pub(super) fn all() -> Vec<Change> {
-    let mut list = [positions(), angles(), sequences(), scales(), axes()].concat();
+    let mut list = [positions(), angles(), sequences(), scales(), axes(), zeros()].concat();
     list.sort_by_key(|c| c.act.rarity());
     list
 }
@@ -162,7 +165,7 @@ fn scales() -> Vec<Change> {
             act: Act::Length(*f),
         })
         .collect();
-    let degrees = std::f64::consts::PI / 180.0;
+    let degrees = PI / 180.0;
     list.push(Change {
         cause: "angles are in radians where degrees are declared".to_owned(),
         words: "Rx, Ry, Rz times 57.29578".to_owned(),
@@ -193,6 +196,9 @@ fn scales() -> Vec<Change> {
     list
 }
 
+/// A foot, m.
+const FOOT_M: f64 = 0.3048;
+
 /// One axis in a unit of its own among the others: what it is in, what they are in, and the factor that makes them one.
 const OWN_UNITS: [(&str, &str, f64); 11] = [
     ("cm", "mm", 10.0),
@@ -201,8 +207,8 @@ const OWN_UNITS: [(&str, &str, f64); 11] = [
     ("cm", "m", 1e-2),
     ("m", "cm", 1e2),
     ("m", "mm", 1e3),
-    ("feet", "m", 0.3048),
-    ("m", "feet", 1.0 / 0.3048),
+    ("feet", "m", FOOT_M),
+    ("m", "feet", 1.0 / FOOT_M),
     ("inches", "mm", 25.4),
     ("inches", "cm", 2.54),
     ("inches", "m", 0.0254),
@@ -212,11 +218,47 @@ fn axes() -> Vec<Change> {
     let one = |axis: usize| {
         OWN_UNITS.iter().map(move |(own, others, by)| Change {
             cause: format!("{} is in {own} among axes in {others}", AXES[axis]),
-            words: format!("{} times {by}", AXES[axis]),
+            words: if *own == "m" && *others == "feet" {
+                format!("{} divided by {FOOT_M}", AXES[axis])
+            } else {
+                format!("{} times {by}", AXES[axis])
+            },
             act: Act::Axis { axis, by: *by },
         })
     };
-    (0..3).flat_map(one).collect()
+    let angle = |k: usize| {
+        [("radians", "degrees", "times"), ("degrees", "radians", "divided by")].map(|(own, others, how)| Change {
+            cause: format!("{} is in {own} among angles in {others}", ANGLES[k]),
+            words: format!("{} {how} 57.29578", ANGLES[k]),
+            act: Act::Axis { axis: 3 + k, by: if own == "radians" { 180.0 / PI } else { PI / 180.0 } },
+        })
+    };
+    (0..3).flat_map(one).chain((0..3).flat_map(angle)).collect()
+}
+
+/// Farthest zero of the vertical position that is tried, and the step, m. The tunnel is 6 m wide; a line of some metres pulls hardly otherwise
+/// half a step away.
+const FARTHEST_M: f64 = 5.0;
+const STEP_M: f64 = 0.5;
+
+/// Vertical positions from a floor or a ceiling, upward or downward.
+fn zeros() -> Vec<Change> {
+    #[expect(clippy::cast_possible_truncation, reason = "ten steps")]
+    let steps = (FARTHEST_M / STEP_M) as i32;
+    let one = |k: i32| {
+        let metres = f64::from(k) * STEP_M;
+        [1.0, -1.0].map(|sign| Change {
+            cause: format!(
+                "X is counted {} from a zero about {} m {} that of the declared line",
+                if sign > 0.0 { "downward" } else { "upward" },
+                metres.abs(),
+                if metres > 0.0 { "below" } else { "above" }
+            ),
+            words: format!("X = {metres:?} {} X", if sign > 0.0 { "+" } else { "-" }),
+            act: Act::Zero { sign, metres },
+        })
+    };
+    (-steps..=steps).filter(|k| *k != 0).flat_map(one).collect()
 }
 
 /// Factors of the clock that are tried, each a seventh from the next where they are near one.
@@ -235,6 +277,7 @@ impl Act {
             Self::Sequence { order, inverse } => sequence(&mut to, order, inverse),
             Self::Length(f) => to[..3].iter_mut().for_each(|x| *x = x.map(|v| v * f)),
             Self::Axis { axis, by } => to[axis] = m[axis].map(|v| v * by),
+            Self::Zero { sign, metres } => to[0] = [metres + sign * m[0][0], sign * m[0][1], sign * m[0][2]],
             Self::Angle(f) => to[3..6].iter_mut().for_each(|x| *x = x.map(|v| v * f)),
             Self::Time(f) => {
                 t_s *= f;
@@ -262,7 +305,7 @@ impl Act {
                 }
             }
             Self::Sequence { order: [2, 1, 0], inverse: false } => 1,
-            Self::Angles { .. } | Self::Time(_) | Self::Axis { .. } => 2,
+            Self::Angles { .. } | Self::Time(_) | Self::Axis { .. } | Self::Zero { .. } => 2,
             Self::Sequence { inverse, .. } => {
                 if *inverse {
                     4

@@ -6,7 +6,7 @@
 //!
 //! The offset is believed where the speeds of both lags, asked together, say so (Davidson and MacKinnon 1981): the share θ of the speed at
 //! the offset, beside that at the declared lag, is above one half by more than chance leaves. Without variation of V_W its noise alone makes
-//! θ one half.
+//! θ one half. And the offset explains at least three quarters of the variance that the declared lag leaves: otherwise something else is wrong.
 
 use super::motion::{FEWEST, HALF_S, SLOWEST_S, weights};
 use super::{GrossFault, short};
@@ -30,6 +30,8 @@ const LONGEST: f64 = 1.0 / 3.0;
 const FEWEST_INSTANTS: usize = 40;
 /// Least root mean square of the change of sin²α_T that counts as one: 3° all along.
 const LEAST_ANGLES: f64 = 2e-3;
+/// Most that may be left at an offset, as a share of what is left at the declared lag, root mean square.
+const CLOSED: f64 = 0.5;
 /// Chance of an offset in a record without one, all lags together (chosen).
 const FALSE_ALARM: f64 = 1e-4;
 
@@ -260,7 +262,7 @@ impl Clocks {
         if chance.is_nan() || chance >= FALSE_ALARM {
             return None;
         }
-        self.peak(far.0, declared_s)
+        self.peak(far.0, declared_s).filter(|lag| lag.left_m_s[1] < CLOSED * lag.left_m_s[0])
     }
 
     fn each(&self, lag_s: f64, rows: impl Fn(&Asked) -> Vec<Row>) -> Vec<Vec<Row>> {

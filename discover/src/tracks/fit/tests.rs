@@ -208,3 +208,24 @@ fn exact_steps_of_shapes_are_held_back() {
         }
     }
 }
+
+/// A strength whose best value is beyond its range is held at that end of it, from wherever the fit starts.
+#[test]
+fn exact_strengths_are_held_at_the_end_they_went_beyond() {
+    let c = throws();
+    let evidence = evidence_of(&c);
+    let problem = Problem { evidence: &evidence, base: &c.plant, declared: &[false] };
+    let push = CATALOGUE.into_iter().find(|e| e.family == "constant-acceleration").expect("in the catalogue");
+    for start in [0.0, 0.05, -0.2] {
+        let mut effect = EffectInstance::null(push, &[]);
+        for p in &mut effect.parameters {
+            (p.low, p.high) = (-0.3, 0.1);
+        }
+        effect.values[0] = start;
+        let mut h = model(1e-6, evidence.components());
+        h.effects.push(effect);
+        let fit = problem.fit(&h, false);
+        assert!(!fit.free.contains(&Free::Effect(0, 0)), "{start}");
+        close(fit.hypothesis.effects[0].values[0], 0.1, 1e-15);
+    }
+}

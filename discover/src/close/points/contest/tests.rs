@@ -72,7 +72,7 @@ pub(in crate::close::points) fn contest<'a>(
 
 /// Two families beside a declared effect, an uncertain constant, a declared parameter and a shape. The integral of a normal
 /// likelihood of covariance C about x over a normal prior of covariance P about zero is √(|C|/|C + P|) exp(−½ xᵀ(C + P)⁻¹x); where
-/// the prior is in C already, P is none. Box's factor of six runs and five numbers more than one is a quarter. To rounding of two
+/// the prior is in C already, P is none. Box's factor of six runs and three numbers of effects more than one is 2.5/6. To rounding of two
 /// factorisations.
 #[test]
 fn exact_score_of_two_families() {
@@ -91,14 +91,14 @@ fn exact_score_of_two_families() {
     let covariance = &set.fit.covariance;
     let x = DVector::from_column_slice(&[0.0, 0.0, 0.02, 0.31, 1.7, 0.6]);
     let marginal = |first: f64, second: f64| {
-        let widths = [30.0 * 1.7, 0.0, first * 0.1, first * 2.0, second * 3.0, 0.5 * 0.6];
+        let widths = [30.0 * 1.7, 0.0, first * 0.1, first * 3.0, second * 3.0, 0.5 * 0.6];
         let both = covariance + DMatrix::from_diagonal(&DVector::from_column_slice(&widths).map(|w| w * w));
         let inverse = both.clone().try_inverse().expect("positive definite");
         (covariance.determinant() / both.determinant()).sqrt() * (-0.5 * x.dot(&(inverse * &x))).exp()
     };
     let widths = [0.3, 0.1, 0.03, 0.01];
     let mean = widths.iter().flat_map(|a| widths.iter().map(move |b| (a, b))).map(|(a, b)| marginal(*a, *b)).sum::<f64>() / 16.0;
-    let expected = 0.25 * 12.0 + mean.ln() - 2.0 * 3.0_f64.ln();
+    let expected = 2.5 / 6.0 * 12.0 + mean.ln() - 2.0 * 3.0_f64.ln();
     let score = found.score(&set.fit, 2);
     assert!((score - expected).abs() < 1e-9 * expected.abs(), "{score} {expected}");
     // Runs kept for choosing add their log predictive density.
@@ -165,7 +165,7 @@ fn exact_start_of_a_fit_to_forces() {
     let mut found = contest(&c, &settings, none.clone(), none, Vec::new());
     assert_eq!(found.started(found.families[0]).values, [0.0]);
     found.campaign = &forces;
-    assert_eq!(found.started(found.families[0]).values, [0.5]);
+    assert_eq!(found.started(found.families[0]).values, [0.75]);
     assert_eq!(found.started(found.families[1]).values, [0.0; 3]);
 }
 
