@@ -79,10 +79,11 @@ pub struct Draft {
     pub structure: Option<(&'static str, String)>,
 }
 
-/// A commented campaign for run files: the last of several is held out. `kind` in place of the guess.
+/// A commented campaign for run files: the last of several is held out, those without the columns of a run are left out and named. `kind` in
+/// place of the guess.
 ///
 /// # Errors
-/// A file that is no run file, or without what its kind of campaign needs; two files of one name.
+/// Files of which none is a run file; one that cannot be read, or without what its kind of campaign needs; two files of one name.
 pub fn draft_campaign(files: &[PathBuf], kind: Option<DraftKind>) -> Result<Draft, ReadError> {
     let read = files.iter().map(|f| Ok((f.as_path(), read_columns(f)?))).collect::<Result<Vec<_>, ReadError>>()?;
     let mut names: Vec<Option<String>> = files.iter().map(|f| stem(f)).collect();
@@ -92,10 +93,21 @@ pub fn draft_campaign(files: &[PathBuf], kind: Option<DraftKind>) -> Result<Draf
         let name = twice[0].clone().unwrap_or_default();
         return Err(one_fault(&files[files.len() - 1], None, "file", &name, what, "rename one of them"));
     }
-    let sheets: Vec<(&Path, Sheet<'_>, &Columns)> = read.iter().map(|(f, c)| (*f, Sheet::new(c), c)).collect();
-    let mut guesses = Vec::new();
-    for (file, sheet, columns) in &sheets {
-        guesses.push(Guess::new(file, sheet, columns)?);
+    let all: Vec<(&Path, Sheet<'_>, &Columns)> = read.iter().map(|(f, c)| (*f, Sheet::new(c), c)).collect();
+    let (mut guesses, mut sheets, mut not_read) = (Vec::new(), Vec::new(), Vec::new());
+    for (file, sheet, columns) in all {
+        match Guess::new(file, &sheet, columns) {
+            Ok(guess) => {
+                guesses.push(guess);
+                sheets.push((file, sheet, columns));
+            }
+            Err(why) => not_read.push(why),
+        }
+    }
+    if guesses.is_empty()
+        && let Some(why) = not_read.pop()
+    {
+        return Err(why);
     }
     agree(&mut guesses, &sheets);
     let Some(first) = guesses.first() else {
@@ -110,7 +122,8 @@ pub fn draft_campaign(files: &[PathBuf], kind: Option<DraftKind>) -> Result<Draf
         .zip(&sheets)
         .map(|(g, (file, sheet, columns))| g.reading(kind, file, sheet, columns))
         .collect::<Result<Vec<_>, _>>()?;
-    Ok(draft::draft(kind, &why, &readings))
+    let not_read: Vec<String> = not_read.iter().map(ToString::to_string).collect();
+    Ok(draft::draft(kind, &why, &readings, &not_read))
 }
 
 fn one_fault(path: &Path, line: Option<usize>, key: &str, value: &str, what: &str, remedy: &str) -> ReadError {

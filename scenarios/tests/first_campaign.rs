@@ -164,6 +164,10 @@ fn law_several_files_are_runs_of_one_campaign() {
     let kinds: Vec<&str> = campaign.runs.iter().map(|r| r.kind.as_str()).collect();
     assert_eq!(kinds, ["push", "push", "calm"]);
     assert_eq!(draft.matches("[run.columns]").count(), 1, "{draft}");
+    let truth = put(dir.path(), "truth.csv", "t_s,p_rad_s\n0,1\n0.1,2\n");
+    let with = draft_campaign(&[files.to_vec(), vec![truth.clone()]].concat(), None).expect("a draft").campaign;
+    assert!(with.contains("# Left out: ") && with.contains("truth.csv") && !with.contains("name = \"truth\""), "{with}");
+    assert!(draft_campaign(&[truth], None).is_err());
     std::fs::create_dir(dir.path().join("more")).expect("writable");
     let twin = put(&dir.path().join("more"), "push-1.csv", &table(head, ",", &degrees(0.5), plain));
     let refused = draft_campaign(&[files[0].clone(), twin], None).err().map(|e| e.to_string());

@@ -52,7 +52,7 @@ const DESCENT: &str = "docs/descent.md";
 const MEASURED: &str = "docs/measured.md";
 
 const FIGURES: &[Figure] = &[
-    figure(README, "from {} to 1.400 mm", "closed", |j| 1e3 * at(j, "/before/hold_out/position_rms_m")),
+    figure(README, "position falls\n  from {} to 1.400 mm", "closed", |j| 1e3 * at(j, "/before/hold_out/position_rms_m")),
     figure(README, "from 399.9 to {} mm", "closed", |j| 1e3 * at(j, "/after/hold_out/position_rms_m")),
     figure(README, "  x_m                      {} ±", "closed", |j| at(j, "/effects/0/parameters/0/estimate")),
     figure(README, "  z_m                   {} ±", "closed", |j| at(j, "/effects/0/parameters/2/estimate")),

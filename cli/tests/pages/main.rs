@@ -95,6 +95,7 @@ const LEFT_OUT: &[(&str, &str)] = &[
     ("README.md", "not run: needs a run file of your own"),
     ("docs/descent.md", "nightly: 3 min"),
     ("docs/many.md", "not run: folders of your own"),
+    ("docs/measured.md", "nightly: 10 min"),
     ("docs/measured.md", "not run: FOLDER is each set's"),
     ("docs/own-columns.md", "not run: after the blanks are filled in"),
     ("docs/start.md", "not run: needs a run file of your own"),

@@ -34,13 +34,14 @@ const NOT_TOLD: &str = "\
 ";
 
 /// The campaign of all readings, of which the first is in most of its tables.
-pub(super) fn draft(kind: DraftKind, why: &str, all: &[Reading]) -> Draft {
+pub(super) fn draft(kind: DraftKind, why: &str, all: &[Reading], not_read: &[String]) -> Draft {
     let Some(first) = all.first() else { return Draft { campaign: String::new(), structure: None } };
     let name = stem(&first.file).unwrap_or_else(|| "run".to_owned());
     let files = all.iter().map(|r| r.file.display().to_string()).collect::<Vec<_>>().join(", ");
     let mut out = comment("", &format!("A first campaign, made from {files}."));
     out += "# GUESS: read from the record, to be confirmed. FILL IN: no record tells it; nan is refused.\n";
     let _ = writeln!(out, "# Kind: {} ({why}).", kind.name());
+    not_read.iter().for_each(|n| out += &comment("Left out: ", n));
     let whose = if all.len() > 1 { "the first file" } else { "the file" };
     first.notes.iter().for_each(|n| out += &comment(&format!("Of {whose}: "), n));
     let _ = write!(out, "\n[campaign]\nname = \"{}\"\nnote = \"made by windfall init\"\n\n", file_name(&name));

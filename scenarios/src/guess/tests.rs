@@ -15,7 +15,7 @@ fn text(c: &Columns, kind: Option<DraftKind>) -> String {
     let (g, sheet) = (guess(c), Sheet::new(c));
     let (kind, why) = kind.map_or_else(|| g.kind(), |k| (k, String::new()));
     let reading = g.reading(kind, Path::new("run.csv"), &sheet, c).unwrap_or_else(|e| panic!("{e}"));
-    let text = draft::draft(kind, &why, &[reading]).campaign;
+    let text = draft::draft(kind, &why, &[reading], &[]).campaign;
     text.parse::<toml::Table>().unwrap_or_else(|e| panic!("{e} in {text}"));
     text
 }
