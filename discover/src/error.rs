@@ -43,7 +43,9 @@ pub enum DiscoverError {
         numbers: &'static str,
     },
     /// The search for what a campaign lacks found no model that can be followed.
-    #[error("{campaign}: no model that can be followed was found: {words}; try starting values nearer to the truth, or leave out the run")]
+    #[error(
+        "{campaign}: no model that can be followed was found: {words}; try starting values nearer to the truth, or leave out the run"
+    )]
     NoEnd {
         /// Campaign.
         campaign: String,

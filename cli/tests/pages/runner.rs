@@ -327,8 +327,7 @@ impl Memory {
 
 fn run(command: &str, words: &[String], folder: &Path) -> Ran {
     let words: Vec<String> = words[1..].iter().flat_map(|w| matching(w, folder)).collect();
-    let ran =
-        Command::new(PROGRAM).args(&words).current_dir(folder).stdin(Stdio::null()).output().expect("the program starts");
+    let ran = Command::new(PROGRAM).args(&words).current_dir(folder).stdin(Stdio::null()).output().expect("the program starts");
     let said = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     Ran { command: command.to_owned(), code: ran.status.code().unwrap_or(-1), out: said(&ran.stdout), err: said(&ran.stderr) }
 }

@@ -306,8 +306,8 @@ impl Act {
             }
             Self::Sequence { order: [2, 1, 0], inverse: false } => 1,
             Self::Angles { .. } | Self::Time(_) | Self::Axis { .. } | Self::Zero { .. } => 2,
-            Self::Sequence { inverse, .. } => {
-                if *inverse {
+            Self::Sequence { order, inverse } => {
+                if *inverse && *order != ORDERS[0] {
                     4
                 } else {
                     3
