@@ -46,4 +46,4 @@ pub use identify::{Method, identify, identify_by, identify_with};
 pub use information::{Correlation, Identifiability};
 pub use interval::{NORMAL_95, ci95, relative_percent};
 pub use plant::{PROCESS_NOISE, TURBULENCE};
-pub use stop::{SearchKind, StopReason, departure};
+pub use stop::{SearchKind, StopReason};

@@ -108,8 +108,7 @@ impl StopReason {
 }
 
 /// Where a model departs, in words: run by index, time in it.
-#[must_use]
-pub fn departure(run: usize, t_s: f64) -> String {
+fn departure(run: usize, t_s: f64) -> String {
     format!("the model departs at {t_s:.2} s of run {}", run + 1)
 }
 

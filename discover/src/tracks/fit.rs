@@ -166,7 +166,7 @@ impl Problem<'_> {
         Ok(fit)
     }
 
-    /// One Gauss-Newton step of the free numbers from a model whose residual is `z`, halved until the weighed squares fall or the likelihood rises: the best numbers of
+    /// One Gauss-Newton step of the free numbers from a model whose residual is `z`, halved until the weighed squares fall: the best numbers of
     /// runs that differ much may lie where a straight line from here leads out of what can be flown.
     fn iterate(
         &self,
@@ -202,19 +202,16 @@ impl Problem<'_> {
             let of_data = whitening.as_ref().map_or(f64::NAN, |w| w.whiten(z).iter().map(|x| x * x).sum::<f64>());
             of_data - 2.0 * h.log_prior()
         };
-        // Sizes found again may be likelier where the squares in the old ones rise.
-        let profiled = |h: &TrackModel, z: &[f64]| self.fit_sizes(&mut h.clone(), z, Effort::QUICK).0 + h.log_prior();
-        let (before, likelihood) = (squares(&*h, z), profiled(&*h, z));
+        let before = squares(&*h, z);
         for halving in 0..=HALVINGS {
             let mut there = h.clone();
             let moved = apply(&mut there, free, &(&step.delta * 0.5_f64.powi(halving as i32)));
             let size = |i: usize| moved[i].abs() / step.covariance[(i, i)].max(f64::MIN_POSITIVE).sqrt();
-            // Of the whole step: a part of it is small because it was halved.
-            let settled = halving == 0 && (0..free.len()).map(size).fold(0.0, f64::max) < 0.01;
+            let settled = (0..free.len()).map(size).fold(0.0, f64::max) < 0.01;
             let at = self.evidence.residual(&there.plant(self.base));
-            // NaN of a flight that fails is no gain.
-            let gains = squares(&there, &at) < before || profiled(&there, &at) > likelihood;
-            if gains || (settled && at.iter().all(|x| x.is_finite())) {
+            // NaN of a flight that fails is no fall.
+            let falls = squares(&there, &at) < before;
+            if falls || (settled && at.iter().all(|x| x.is_finite())) {
                 *h = there;
                 return Ok(if settled { Moved::Settled } else { Moved::Further(at) });
             }

@@ -84,7 +84,8 @@ pub(crate) fn low_pass(series: &[(Vec<f64>, f64)], rate_hz: f64) -> Option<LowPa
     if all.is_empty() {
         return None;
     }
-    let sound: f64 = all.iter().map(|(b, _)| coloured(b, rate_hz)).sum();
+    let unshaped: Vec<f64> = all.iter().map(|(b, _)| coloured(b, rate_hz)).collect();
+    let sound: f64 = unshaped.iter().sum();
     let best_of_all: f64 = all.iter().map(|(b, _)| b.iter().map(|b| b.weight * (1.0 + b.power.ln())).sum::<f64>()).sum();
     if sound - best_of_all < ENOUGH {
         return None;
@@ -101,7 +102,7 @@ pub(crate) fn low_pass(series: &[(Vec<f64>, f64)], rate_hz: f64) -> Option<LowPa
     if sound - shaped_cost < ENOUGH {
         return None;
     }
-    let gain = all.iter().map(|(b, _)| coloured(b, rate_hz).min(resonant(b))).sum::<f64>() - shaped_cost;
+    let gain = all.iter().zip(&unshaped).map(|((b, _), own)| own.min(resonant(b))).sum::<f64>() - shaped_cost;
     let noise = |(b, declared): &(Vec<Band>, f64)| shaped(b, &found).1 > OF_DECLARED * OF_DECLARED * declared;
     (gain > ENOUGH && all.iter().any(noise)).then_some(LowPass { gain, ..found })
 }

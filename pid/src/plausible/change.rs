@@ -155,7 +155,7 @@ fn sequences() -> Vec<Change> {
 }
 
 fn scales() -> Vec<Change> {
-    let length = [(1e-3, "mm"), (1e-2, "cm"), (0.3048, "feet"), (0.0254, "inches"), (1e3, "km")];
+    let length = [(1e-3, "mm"), (1e-2, "cm"), (FOOT_M, "feet"), (0.0254, "inches"), (1e3, "km")];
     let times = [(1e-3, "times are in ms"), (1e-6, "times are in microseconds"), (60.0, "times are in minutes")];
     let mut list: Vec<Change> = length
         .iter()

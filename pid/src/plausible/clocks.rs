@@ -8,6 +8,7 @@
 //! the offset, beside that at the declared lag, is above one half by more than chance leaves. Without variation of V_W its noise alone makes
 //! θ one half. And the offset explains at least three quarters of the variance that the declared lag leaves: otherwise something else is wrong.
 
+use super::contest::CLOSED;
 use super::motion::{FEWEST, HALF_S, SLOWEST_S, weights};
 use super::{GrossFault, short};
 use serde::{Deserialize, Serialize};
@@ -30,8 +31,6 @@ const LONGEST: f64 = 1.0 / 3.0;
 const FEWEST_INSTANTS: usize = 40;
 /// Least root mean square of the change of sin²α_T that counts as one: 3° all along.
 const LEAST_ANGLES: f64 = 2e-3;
-/// Most that may be left at an offset, as a share of what is left at the declared lag, root mean square.
-const CLOSED: f64 = 0.5;
 /// Chance of an offset in a record without one, all lags together (chosen).
 const FALSE_ALARM: f64 = 1e-4;
 

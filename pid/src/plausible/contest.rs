@@ -24,7 +24,7 @@ const ALIKE_SHARE: f64 = 0.05;
 /// What another reading must leave of the group that it improves most, over what the record leaves as it stands.
 const IMPROVED: f64 = 0.6;
 /// Share of that group that another reading may leave at most: one that explains less than three quarters of its variance explains nothing.
-const CLOSED: f64 = 0.5;
+pub(super) const CLOSED: f64 = 0.5;
 /// Share that is left of that group from which on the record as it stands is in doubt.
 const DOUBTFUL: f64 = 0.3;
 

@@ -33,7 +33,13 @@ fn recover_every_check_passes_and_shows_the_thesis_beside() {
     assert!(own.figure < 1e-3 && thesis.figure > 0.1 && thesis.figure < 6.84, "{} {}", own.figure, thesis.figure);
     // Smoothed whole and cropped then, a pushed run keeps its linear terms; cropped first, C_N,sin³ would be off by three times itself.
     let pushed = |name: &str| of(&all, &format!("pole-push-thesis-{name}")).figure;
-    assert!(pushed("CN-CN_sin") < 6.0 && pushed("CN-CN_sin3") < 100.0, "{} {}", pushed("CN-CN_sin"), pushed("CN-CN_sin3"));
+    // README has 3.694 for 3.5129, 5.17 % off.
+    assert!(
+        (pushed("CN-CN_sin") - 5.17).abs() < 0.01 && pushed("CN-CN_sin3") < 100.0,
+        "{} {}",
+        pushed("CN-CN_sin"),
+        pushed("CN-CN_sin3")
+    );
     assert_eq!((own.thesis, thesis.thesis), (Some(6.84), Some(6.84)));
     assert!(all.iter().filter(|c| c.id.starts_with("appendix-c-equation-error")).count() == 13);
 }
