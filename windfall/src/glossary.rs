@@ -350,6 +350,28 @@ pub(crate) fn some() -> String {
 mod tests {
     use super::*;
 
+    /// `docs/glossary.md`.
+    fn page() -> String {
+        let mut out =
+            "# Glossary\n\nThe words of the terminal and of the pages. `windfall explain WORD` prints an entry.\n\n".to_owned();
+        for Entry(names, meaning, verbs) in ENTRIES {
+            let others = if names.len() > 1 { format!(" ({})", names[1..].join(", ")) } else { String::new() };
+            let _ = writeln!(out, "- **{}**{others}: {meaning} *{verbs}*", names[0]);
+        }
+        out
+    }
+
+    /// The page is written from the entries: `WINDFALL_WRITE_REFERENCE=1 cargo test -p windfall --lib -- reference`.
+    #[test]
+    fn frozen_reference_of_words() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/glossary.md");
+        if std::env::var_os("WINDFALL_WRITE_REFERENCE").is_some() {
+            std::fs::write(&path, page()).expect("docs are writable");
+        }
+        let stored = std::fs::read_to_string(&path).expect("docs/glossary.md");
+        assert!(stored == page(), "docs/glossary.md is old: run `just references`");
+    }
+
     #[test]
     fn law_words_on_the_screen_are_explained() {
         for word in ["p(white)", "P(WHITE)", "RSE", "residual", "condition number", "95 % interval", "R²", "white s.e."] {

@@ -7,7 +7,7 @@ use super::evidence::TrackEvidence;
 use super::likelihood::{Effort, Whitening, components, total};
 use super::model::{Free, TrackModel};
 use super::normal::NormalEquations;
-use super::scatter;
+use super::scatter::Between;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use windfall_likelihood::{NearFit, Top, top};
@@ -18,6 +18,8 @@ use windfall_pid::StopReason;
 const ITERATIONS: usize = 25;
 /// Most halvings of a step: a first step is a thousand times too long at the most.
 const HALVINGS: usize = 10;
+/// Range of a number that may have any value.
+const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 /// Starting variance of the unmodelled residual, in units of its component (a hundredth of the noise floor).
 const GENERIC_START: f64 = 1e-2;
 
@@ -59,10 +61,18 @@ impl TrackFit {
 /// A number that the data do not determine beside the others.
 struct Undetermined(Free);
 
+/// A model's residual, and what weighs it with sizes of the unmodelled residual found for it.
+struct Weighed {
+    z: Residual,
+    whitening: Whitening,
+    /// With the priors in it.
+    log_likelihood: f64,
+}
+
 /// Where one iteration has taken the free numbers.
 enum Moved {
-    /// The residual there.
-    Further(Residual),
+    /// What the model is there.
+    Further(Weighed),
     Settled,
     /// The normal equations have no solution, and nothing that could be held is to blame.
     NotExcited,
@@ -87,15 +97,15 @@ impl Problem<'_> {
         moved.par_iter().map(slope).collect()
     }
 
-    /// Fits everything together from the model's values; `shapes` says whether shapes move too, for which sizes are first found roughly.
-    /// Strengths that would leave their plausible range are held at its edge, those that the data cannot tell from the rest at null.
+    /// Fits everything together from the model's values; `shapes` says whether shapes move too. Strengths stay within their plausible range;
+    /// those held at an end of it, and those that the data cannot tell from the rest, which are at null, are not among the free numbers of the fit.
     #[must_use]
     pub fn fit(&self, start: &TrackModel, shapes: bool) -> TrackFit {
         let mut start = start.clone();
         let mut pinned = Vec::new();
         loop {
-            let fit = match self.fit_with(&start, shapes, &pinned) {
-                Ok(fit) => fit,
+            match self.fit_with(&start, shapes, &pinned) {
+                Ok(fit) => return fit,
                 Err(Undetermined(f)) => {
                     if let Free::Effect(e, i) = f
                         && start.effects[e].parameters[i].role == Role::Strength
@@ -103,31 +113,20 @@ impl Problem<'_> {
                         start.effects[e].values[i] = start.effects[e].parameters[i].null;
                     }
                     pinned.push(f);
-                    continue;
                 }
-            };
-            let h = &fit.hypothesis;
-            let out = |f: &Free| match *f {
-                Free::Effect(e, i) => h.effects[e].parameters[i].beyond(h.effects[e].values[i]),
-                Free::Declared(_) | Free::Constant(_) => 0.0,
-            };
-            match fit.free.iter().filter(|f| out(f) > 1e-9).max_by(|a, b| out(a).total_cmp(&out(b))) {
-                Some(worst) => {
-                    // At the edge that the fit went beyond, wherever it started.
-                    if let Free::Effect(e, i) = *worst {
-                        start.effects[e].values[i] = h.effects[e].values[i];
-                    }
-                    pinned.push(*worst);
-                }
-                None => return fit,
             }
         }
     }
 
-    /// One fit with some strengths held at the edge of their range.
+    /// One fit with some numbers left as they are.
     fn fit_with(&self, start: &TrackModel, shapes: bool, pinned: &[Free]) -> Result<TrackFit, Undetermined> {
-        let mut h = held(start, pinned);
+        let mut h = start.clone();
         let mut free = h.free(self.declared, shapes);
+        for f in free.clone() {
+            if let Some([low, high]) = h.range(f) {
+                h.set(f, h.get(f).clamp(low, high));
+            }
+        }
         free.retain(|f| !pinned.contains(f));
         let mut fit = TrackFit {
             hypothesis: h.clone(),
@@ -137,17 +136,13 @@ impl Problem<'_> {
             residual: Vec::new(),
             stop: StopReason::Iterations,
         };
-        let mut z = self.evidence.residual(&h.plant(self.base));
-        if z.iter().any(|x| !x.is_finite()) {
+        let Some(mut at) = self.weighed(&mut h) else {
             fit.stop = StopReason::NotFinite;
             return Ok(fit);
-        }
-        for iteration in 0..ITERATIONS {
-            if shapes && iteration < 2 {
-                self.fit_sizes(&mut h, &z, Effort::QUICK);
-            }
-            match self.iterate(&mut h, &free, &z, &mut fit.covariance)? {
-                Moved::Further(there) => z = there,
+        };
+        for _ in 0..ITERATIONS {
+            match self.iterate(&mut h, &free, &at, &mut fit)? {
+                Moved::Further(there) => at = there,
                 Moved::Settled => {
                     fit.stop = StopReason::Converged;
                     break;
@@ -166,54 +161,51 @@ impl Problem<'_> {
         Ok(fit)
     }
 
-    /// One Gauss-Newton step of the free numbers from a model whose residual is `z`, halved until the weighed squares fall: the best numbers of
-    /// runs that differ much may lie where a straight line from here leads out of what can be flown.
-    fn iterate(
-        &self,
-        h: &mut TrackModel,
-        free: &[Free],
-        z: &Residual,
-        covariance: &mut DMatrix<f64>,
-    ) -> Result<Moved, Undetermined> {
-        let (_, sigma) = self.fit_sizes(h, z, Effort::FULL);
-        let columns = self.columns(h, free, z);
+    /// A model weighed, its sizes found; `None` where it cannot be flown.
+    fn weighed(&self, h: &mut TrackModel) -> Option<Weighed> {
+        let z = self.evidence.residual(&h.plant(self.base));
+        if z.iter().any(|x| !x.is_finite()) {
+            return None;
+        }
+        let (l, sigma) = self.fit_sizes(h, &z, Effort::FULL);
+        let whitening = Whitening::new(&sigma)?;
+        Some(Weighed { z, whitening, log_likelihood: l + h.log_prior() })
+    }
+
+    /// One Gauss-Newton step of the free numbers within their ranges, halved until the likelihood rises: the best numbers of runs that differ
+    /// much may lie where a straight line from here leads out of what can be flown. Free numbers of `fit` and their covariance are those of the step.
+    fn iterate(&self, h: &mut TrackModel, free: &[Free], at: &Weighed, fit: &mut TrackFit) -> Result<Moved, Undetermined> {
+        let columns = self.columns(h, free, &at.z);
         let dead = |f: &Free, a: &Residual| matches!(f, Free::Effect(..)) && a.iter().all(|x| *x == 0.0);
         let unseen: Vec<Free> = free.iter().zip(&columns).filter(|(f, a)| dead(f, a)).map(|(f, _)| *f).collect();
         if !unseen.is_empty() {
             return Ok(Moved::Unseen(unseen));
         }
-        let whitening = Whitening::new(&sigma);
-        let mut normal = whitening.as_ref().map(|w| {
-            let white: Vec<Residual> = columns.iter().map(|a| w.whiten(a)).collect();
-            NormalEquations::new(&w.whiten(z), &white)
-        });
-        if let Some(n) = normal.as_mut() {
-            n.add_prior(h, free);
-        }
-        let Some(step) = normal.as_ref().and_then(NormalEquations::solve) else {
-            let may = |i: usize| matches!(free[i], Free::Effect(..));
-            return match normal.and_then(|n| n.undetermined(may)) {
-                Some(i) => Err(Undetermined(free[i])),
-                None => Ok(Moved::NotExcited),
-            };
+        let white: Vec<Residual> = columns.iter().map(|a| at.whitening.whiten(a)).collect();
+        let mut normal = NormalEquations::new(&at.whitening.whiten(&at.z), &white);
+        normal.add_prior(h, free);
+        let bounds: Vec<[f64; 2]> = free.iter().map(|f| h.range(*f).map_or(ANY, |r| r.map(|x| x - h.get(*f)))).collect();
+        let step = match normal.solve_within(&bounds, |i| matches!(free[i], Free::Effect(..))) {
+            Ok(step) => step,
+            Err(Some(i)) => return Err(Undetermined(free[i])),
+            Err(None) => return Ok(Moved::NotExcited),
         };
-        covariance.clone_from(&(&step.covariance * self.evidence.inflation()));
-        let squares = |h: &TrackModel, z: &[f64]| {
-            let of_data = whitening.as_ref().map_or(f64::NAN, |w| w.whiten(z).iter().map(|x| x * x).sum::<f64>());
-            of_data - 2.0 * h.log_prior()
-        };
-        let before = squares(&*h, z);
+        let open: Vec<usize> = (0..free.len()).filter(|i| !step.held.contains(i)).collect();
+        fit.free = open.iter().map(|&i| free[i]).collect();
+        fit.covariance = &step.covariance * self.evidence.inflation();
+        let squares = |h: &TrackModel, z: &[f64]| at.whitening.whiten(z).iter().map(|x| x * x).sum::<f64>() - 2.0 * h.log_prior();
+        let before = squares(h, &at.z);
         for halving in 0..=HALVINGS {
             let mut there = h.clone();
             let moved = apply(&mut there, free, &(&step.delta * 0.5_f64.powi(halving as i32)));
-            let size = |i: usize| moved[i].abs() / step.covariance[(i, i)].max(f64::MIN_POSITIVE).sqrt();
-            let settled = (0..free.len()).map(size).fold(0.0, f64::max) < 0.01;
-            let at = self.evidence.residual(&there.plant(self.base));
-            // NaN of a flight that fails is no fall.
-            let falls = squares(&there, &at) < before;
-            if falls || (settled && at.iter().all(|x| x.is_finite())) {
+            let size = |(k, i): (usize, &usize)| moved[*i].abs() / step.covariance[(k, k)].max(f64::MIN_POSITIVE).sqrt();
+            let held_moves = step.held.iter().any(|i| moved[*i] != 0.0);
+            let settled = halving == 0 && !held_moves && open.iter().enumerate().map(size).fold(0.0, f64::max) < 0.01;
+            // Squares by the same weights that fall raise the likelihood, whatever sizes are found.
+            let Some(new) = self.weighed(&mut there) else { continue };
+            if settled || squares(&there, &new.z) < before || new.log_likelihood > at.log_likelihood {
                 *h = there;
-                return Ok(if settled { Moved::Settled } else { Moved::Further(at) });
+                return Ok(if settled { Moved::Settled } else { Moved::Further(new) });
             }
         }
         Ok(Moved::Settled)
@@ -221,9 +213,9 @@ impl Problem<'_> {
 
     /// Fits sizes of the unmodelled residual to `z`; returns log-likelihood and covariance.
     fn fit_sizes(&self, h: &mut TrackModel, z: &[f64], effort: Effort) -> (f64, Vec<Cov>) {
-        if self.evidence.slow_numbers().is_some() {
-            let between = scatter::between_runs(z);
-            let sigma = scatter::with_noise(self.evidence.noise(), &between);
+        if let Some(numbers) = self.evidence.slow_numbers() {
+            let between = Between::of(z, numbers);
+            let sigma = between.with_noise(self.evidence.noise());
             h.scatter = Some(Box::new(between));
             return (Whitening::new(&sigma).map_or(f64::NEG_INFINITY, |w| w.log_likelihood(z)), sigma);
         }
@@ -261,35 +253,22 @@ impl Problem<'_> {
             let mut h = fit.hypothesis.clone();
             fit.free.iter().zip(off.iter()).for_each(|(f, by)| h.set(*f, h.get(*f) + by));
             let z = self.evidence.residual(&h.plant(self.base));
-            let whitening = z.iter().all(|x| x.is_finite()).then(|| self.whitening(&h)).flatten()?;
-            let white: Vec<Residual> = self.columns(&h, &fit.free, &z).iter().map(|a| whitening.whiten(a)).collect();
+            if z.iter().any(|x| !x.is_finite()) {
+                return None;
+            }
+            let columns = self.columns(&h, &fit.free, &z);
+            if let (Some(between), Some(numbers)) = (&h.scatter, self.evidence.slow_numbers()) {
+                let of = between.of_others(self.evidence.noise(), &z, &columns, numbers)?;
+                let (slopes, information) = (of.slopes, of.information);
+                return Some(NearFit { off: off.clone(), log_likelihood: of.log_density, slopes, information });
+            }
+            let whitening = Whitening::new(&total(self.evidence.noise(), &self.parts(), &h.generic))?;
+            let white: Vec<Residual> = columns.iter().map(|a| whitening.whiten(a)).collect();
             let (score, information) = NormalEquations::new(&whitening.whiten(&z), &white).parts();
             Some(NearFit { off: off.clone(), log_likelihood: whitening.log_likelihood(&z), slopes: -score, information })
         };
         top(&fit.covariance, at)
     }
-
-    /// What whitens this evidence with every size as it stands.
-    fn whitening(&self, h: &TrackModel) -> Option<Whitening> {
-        let sigma = match &h.scatter {
-            Some(between) => scatter::with_noise(self.evidence.noise(), between),
-            None => total(self.evidence.noise(), &self.parts(), &h.generic),
-        };
-        Whitening::new(&sigma)
-    }
-}
-
-/// A model with some strengths put to the edge of their range.
-fn held(start: &TrackModel, pinned: &[Free]) -> TrackModel {
-    let mut h = start.clone();
-    for f in pinned {
-        if let Free::Effect(e, i) = *f {
-            let p = &h.effects[e].parameters[i];
-            let edge = h.effects[e].values[i].clamp(p.low, p.high);
-            h.set(*f, edge);
-        }
-    }
-    h
 }
 
 /// Moves the free numbers by delta, shapes within their plausible range; returns what was moved.
@@ -304,6 +283,9 @@ fn apply(h: &mut TrackModel, free: &[Free], delta: &DVector<f64>) -> Vec<f64> {
                 if matches!(p.role, Role::Shape(_)) {
                     let trust = 0.4 * old.abs();
                     new = new.clamp(old - trust, old + trust).clamp(p.low, p.high);
+                } else if p.role == Role::Strength {
+                    // Rounding of sums.
+                    new = new.clamp(p.low, p.high);
                 }
             }
             h.set(*f, new);

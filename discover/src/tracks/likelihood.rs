@@ -152,8 +152,6 @@ pub(crate) struct Effort {
 impl Effort {
     /// For estimates.
     pub(crate) const FULL: Self = Self { gain: 0.02, rounds: 40 };
-    /// For comparing many forms.
-    pub(crate) const QUICK: Self = Self { gain: 0.3, rounds: 6 };
 }
 
 /// Logarithm below which a size counts as zero.

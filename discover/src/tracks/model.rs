@@ -1,6 +1,6 @@
 //! discover: a declared model with effects added. In: values. Out: the plant that they make, and which numbers are free.
 
-use super::bins::Cov;
+use super::scatter::Between;
 use windfall_model::{Constant, Effect, Parameter, Plant, Role};
 
 /// An effect with values for all its parameters.
@@ -54,8 +54,8 @@ pub struct TrackModel {
     pub effects: Vec<EffectInstance>,
     /// Sizes (variances) of the unmodelled residual, per generic component.
     pub generic: Vec<f64>,
-    /// Covariance between runs, of poses, once it was fitted.
-    pub scatter: Option<Box<Cov>>,
+    /// Scatter between runs, of poses, once it was fitted.
+    pub scatter: Option<Box<Between>>,
 }
 
 impl TrackModel {
@@ -90,6 +90,12 @@ impl TrackModel {
             Free::Constant(i) => self.constants[i].1 = value,
             Free::Effect(e, i) => self.effects[e].values[i] = value,
         }
+    }
+    /// Least and most of a strength.
+    pub(super) fn range(&self, f: Free) -> Option<[f64; 2]> {
+        let Free::Effect(e, i) = f else { return None };
+        let p = &self.effects[e].parameters[i];
+        (p.role == Role::Strength).then_some([p.low, p.high])
     }
     /// The same with one free number moved by a step for differences, and the step.
     pub(crate) fn moved(&self, f: Free) -> (Self, f64) {

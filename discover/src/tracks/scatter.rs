@@ -8,10 +8,11 @@
 //! gains by what it takes out of the scatter between runs, and by nothing else. Of a covariance of K numbers from n runs,
 //! Rao's estimates scatter as if n − K − 1 runs had been flown: gains and intervals are held back by that.
 
-use super::bins::{BIN, Cov};
+use super::bins::{BIN, Cov, Residual};
 use crate::residual::ChannelResidual;
 use nalgebra::{DMatrix, DVector, SVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use statrs::function::gamma::ln_gamma;
 
 /// Numbers of a run where there are runs enough for their covariance: a push, a turn and a wave in each channel; else without waves.
 const MANY: usize = BIN;
@@ -37,19 +38,84 @@ pub(super) fn widened(runs: usize) -> f64 {
     n * (n - 2.0).max(1.0) / ((n - k).max(1.0) * (n - k - 1.0).max(1.0))
 }
 
-/// Mean of `z zᵀ` over the runs, a bin each.
-pub(super) fn between_runs(z: &[f64]) -> Cov {
-    let runs = (z.len() / BIN).max(1);
-    let square = |b: &[f64]| {
-        let v = SVector::<f64, BIN>::from_column_slice(b);
-        v * v.transpose()
-    };
-    z.chunks_exact(BIN).map(square).sum::<Cov>() / runs as f64
+/// Scatter between runs, as some runs tell it.
+#[derive(Clone, Debug)]
+pub struct Between {
+    covariance: Cov,
+    runs: usize,
+    /// How many numbers of each run it is of; rows and columns of the others are zero.
+    numbers: usize,
 }
 
-/// Scatter between runs beside what sensor noise leaves in each.
-pub(super) fn with_noise(noise: &[Cov], scatter: &Cov) -> Vec<Cov> {
-    noise.iter().map(|n| n + scatter).collect()
+impl Between {
+    /// Mean of `z zᵀ` over the runs, a bin each, its correlations shrunk by as much as the errors of these means ask for (Schäfer and Strimmer,
+    /// Stat. Appl. Genet. Mol. Biol. 4, 2005): of few runs some direction has next to no scatter by chance, and a likelihood with that covariance has sharp tops
+    /// wherever one is small.
+    pub(super) fn of(z: &[f64], numbers: usize) -> Self {
+        let runs = z.chunks_exact(BIN);
+        let n = runs.len().max(1) as f64;
+        let square = |b: &[f64]| {
+            let v = SVector::<f64, BIN>::from_column_slice(b);
+            v * v.transpose()
+        };
+        let mut covariance = runs.clone().map(square).sum::<Cov>() / n;
+        let pairs = || (0..BIN).flat_map(|i| (0..i).map(move |k| (i, k)));
+        let correlated = |(i, k): (usize, usize)| {
+            let (s, size) = (covariance[(i, k)], covariance[(i, i)] * covariance[(k, k)]);
+            let errors = runs.clone().map(|b| (b[i] * b[k] - s).powi(2)).sum::<f64>() / (n * (n - 1.0).max(1.0));
+            if size > 0.0 { [errors / size, s * s / size] } else { [0.0; 2] }
+        };
+        let [errors, squares] = pairs().map(correlated).fold([0.0; 2], |sum, x| [sum[0] + x[0], sum[1] + x[1]]);
+        let kept = if squares > 0.0 { (1.0 - errors / squares).max(0.0) } else { 1.0 };
+        for (i, k) in pairs() {
+            covariance[(i, k)] *= kept;
+            covariance[(k, i)] *= kept;
+        }
+        Self { covariance, runs: runs.len(), numbers }
+    }
+
+    /// With what sensor noise leaves in each run.
+    pub(super) fn with_noise(&self, noise: &[Cov]) -> Vec<Cov> {
+        noise.iter().map(|n| n + self.covariance).collect()
+    }
+
+    /// Log density of the numbers of other runs, its slopes by what `columns` are the slopes of, and the information on that. A covariance of n
+    /// runs makes it Student's t with n − K + 1 degrees of freedom (Geisser and Cornfield, J. R. Stat. Soc. B 25, 1963): a run far off weighs less.
+    pub(super) fn of_others(&self, noise: &[Cov], z: &[f64], columns: &[Residual], used: usize) -> Option<OfOthers> {
+        let k = self.numbers.min(used);
+        let (runs, size) = (self.runs as f64, k as f64);
+        let freedom = (runs - size + 1.0).max(1.0);
+        let mut all = OfOthers {
+            log_density: 0.0,
+            slopes: DVector::zeros(columns.len()),
+            information: DMatrix::zeros(columns.len(), columns.len()),
+        };
+        for (r, noise) in noise.iter().enumerate() {
+            let scale = DMatrix::from_fn(k, k, |i, j| noise[(i, j)] + self.covariance[(i, j)]) * (runs / freedom);
+            let root = scale.cholesky()?;
+            let own = |x: &[f64]| DVector::from_column_slice(&x[r * BIN..r * BIN + k]);
+            let white = |x: &[f64]| root.l_dirty().solve_lower_triangular(&own(x));
+            let z = white(z)?;
+            let white: Vec<DVector<f64>> = columns.iter().map(|a| white(a)).collect::<Option<_>>()?;
+            let squares = z.norm_squared();
+            let log_det: f64 = root.l_dirty().diagonal().iter().map(|x| x.ln()).sum();
+            let of_size = ln_gamma(0.5 * (freedom + size)) - ln_gamma(0.5 * freedom) - 0.5 * size * (0.5 * freedom).ln();
+            all.log_density += of_size - log_det - 0.5 * (freedom + size) * (squares / freedom).ln_1p();
+            let weight = (freedom + size) / (freedom + squares);
+            for (i, a) in white.iter().enumerate() {
+                all.slopes[i] -= weight * a.dot(&z);
+                white.iter().enumerate().for_each(|(j, b)| all.information[(i, j)] += weight * a.dot(b));
+            }
+        }
+        Some(all)
+    }
+}
+
+/// What runs that no fit has seen say ([`Between::of_others`]).
+pub(super) struct OfOthers {
+    pub(super) log_density: f64,
+    pub(super) slopes: DVector<f64>,
+    pub(super) information: DMatrix<f64>,
 }
 
 /// Whether one channel's numbers repeat from run to run or follow the runs' inputs: the squares that a regression on a constant and the inputs takes

@@ -39,6 +39,21 @@ fn evidence_of(c: &Campaign) -> TrackEvidence {
     TrackEvidence::new(c, &(0..c.runs.len()).collect::<Vec<_>>(), &c.plant).expect("flies")
 }
 
+/// One step of gravity from a model, and its variance.
+fn stepped(problem: &Problem, h: &mut TrackModel) -> (Result<Moved, Undetermined>, f64) {
+    let at = problem.weighed(h).expect("flies");
+    let mut fit = TrackFit {
+        hypothesis: h.clone(),
+        free: Vec::new(),
+        covariance: DMatrix::zeros(0, 0),
+        log_likelihood: 0.0,
+        residual: Vec::new(),
+        stop: StopReason::Iterations,
+    };
+    let moved = problem.iterate(h, &[Free::Constant(0)], &at, &mut fit);
+    (moved, fit.covariance[(0, 0)])
+}
+
 /// Slopes by gravity are what −½t² leaves of a place and a velocity; then one step to the optimum with the prior, its variance, and
 /// whether it was a hundredth of a standard error.
 #[test]
@@ -77,10 +92,9 @@ fn exact_step_of_gravity_is_generalised_least_squares() {
             normal[0] += weighted.dot(&of(column));
             normal[1] += weighted.dot(&of(&z));
         }
-        let mut covariance = DMatrix::zeros(1, 1);
-        let moved = problem.iterate(&mut h, &free, &z, &mut covariance);
+        let (moved, covariance) = stepped(&problem, &mut h);
         close(h.get(free[0]), -normal[1] / normal[0], 1e-9);
-        close(covariance[(0, 0)] * normal[0], 1.0, 1e-9);
+        close(covariance * normal[0], 1.0, 1e-9);
         assert!(matches!(moved, Ok(Moved::Further(_))), "{} of {}", h.get(free[0]), normal[0].powf(-0.5));
     }
 }
@@ -94,10 +108,9 @@ fn exact_settled_is_a_hundredth_of_a_standard_error() {
     let problem = Problem { evidence: &evidence, base: &c.plant, declared: &[false] };
     let free = [Free::Constant(0)];
     let mut h = model(0.05, evidence.components());
-    let mut covariance = DMatrix::zeros(1, 1);
-    let mut step = |h: &mut TrackModel| {
-        let moved = problem.iterate(h, &free, &evidence.residual(&h.plant(&c.plant)), &mut covariance);
-        (moved.map_err(|_| ()).expect("determined"), covariance[(0, 0)].sqrt())
+    let step = |h: &mut TrackModel| {
+        let (moved, variance) = stepped(&problem, h);
+        (moved.map_err(|_| ()).expect("determined"), variance.sqrt())
     };
     (0..6).for_each(|_| drop(step(&mut h)));
     let (_, std) = step(&mut h);
@@ -173,18 +186,18 @@ fn exact_variance_of_poses_is_held_back_by_few_runs() {
     let (mut h, free) = (model(50.0, 0), [Free::Constant(0)]);
     let z = evidence.residual(&c.plant);
     let columns = problem.columns(&h, &free, &z);
-    let mut covariance = DMatrix::zeros(1, 1);
-    assert!(problem.iterate(&mut h, &free, &z, &mut covariance).is_ok());
+    let (moved, variance) = stepped(&problem, &mut h);
+    assert!(moved.is_ok());
     let bin = |x: &[f64], r: usize| SVector::<f64, BIN>::from_column_slice(&x[r * BIN..(r + 1) * BIN]);
-    let between: Cov = (0..9).map(|r| bin(&z, r) * bin(&z, r).transpose()).sum::<Cov>() / 9.0;
+    let scatter = Between::of(&z, evidence.slow_numbers().expect("poses")).with_noise(evidence.noise());
     let information: f64 = (0..9)
         .map(|r| {
             let a = bin(&columns[0], r);
-            a.dot(&((evidence.noise()[r] + between).try_inverse().expect("positive") * a))
+            a.dot(&(scatter[r].try_inverse().expect("positive") * a))
         })
         .sum();
     let expected = 10.5 / (information + 50.0_f64.powi(-2));
-    close(covariance[(0, 0)] / expected, 1.0, 1e-6);
+    close(variance / expected, 1.0, 1e-6);
 }
 
 /// Any number moves by delta; a shape by two fifths of itself at the most, and within its range.

@@ -4,6 +4,8 @@ use super::super::tests::close;
 use super::*;
 use windfall_model::Constant;
 
+/// Of a number that may have any value.
+const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 const SIZES: [f64; 3] = [1e3, 0.7, 1e-3];
 
 /// Nineteen rows, of which three are beyond the last whole eight; columns of sizes apart by six orders.
@@ -29,7 +31,8 @@ fn exact_step_is_that_of_dense_least_squares() {
     };
     let mut normal = NormalEquations::new(&z, &columns);
     normal.add_prior(&h, &[Free::Constant(0), Free::Declared(1), Free::Declared(0)]);
-    let step = normal.solve().expect("determined");
+    let step = normal.solve_within(&[ANY; 3], |_| false).map_err(|_| ()).expect("determined");
+    assert!(step.held.is_empty());
     let prior = [[3e-4, 2e-3], [3.0, 0.8]];
     let rows = DMatrix::from_fn(21, 3, |i, k| match i {
         0..19 => columns[k][i] / SIZES[k],
@@ -60,4 +63,35 @@ fn exact_undetermined_is_the_number_of_the_null_direction() {
     assert_eq!(singular.undetermined(|_| true), Some(3));
     assert_eq!(singular.undetermined(|i| i != 3), Some(1));
     assert_eq!(singular.undetermined(|_| false), None);
+}
+
+/// Every end of a box about columns that are much alike: the step is as good as the best point of a fine grid, and says which numbers are
+/// at an end.
+#[test]
+fn law_a_step_within_bounds_is_the_least_of_all_within() {
+    let z: Residual = vec![1.0, -2.0, 0.5, 0.3];
+    let columns = [vec![1.0, 0.9, 0.1, 0.0], vec![0.9, 1.1, 0.0, 0.2], vec![-0.5, 0.8, 1.0, 0.1]];
+    let normal = NormalEquations::new(&z, &columns);
+    let squares = |d: [f64; 3]| (0..4).map(|i| (z[i] + (0..3).map(|k| columns[k][i] * d[k]).sum::<f64>()).powi(2)).sum::<f64>();
+    let mut free_of_all = 0;
+    for low in [-0.1, -1.0, -40.0] {
+        for high in [0.0, 0.4, 40.0] {
+            for other in [-4.0_f64, 0.0, 40.0] {
+                let bounds = [[low, high], [10.0 * other.min(0.0), high + 1.0], [low, other.max(0.0)]];
+                let step = normal.solve_within(&bounds, |_| false).map_err(|_| ()).expect("determined");
+                let of = |k: usize, i: usize| bounds[k][0] + (bounds[k][1] - bounds[k][0]) * i as f64 / 40.0;
+                let grid = (0..41_usize.pow(3)).map(|n| squares([of(0, n % 41), of(1, n / 41 % 41), of(2, n / 1681)]));
+                let found = squares([step.delta[0], step.delta[1], step.delta[2]]);
+                let least = grid.fold(f64::INFINITY, f64::min);
+                assert!(found <= least + 1e-12, "{bounds:?}: {found} {least}");
+                for k in 0..3 {
+                    assert!(step.delta[k] >= bounds[k][0] && step.delta[k] <= bounds[k][1], "{bounds:?}: {}", step.delta);
+                    let at_end = step.delta[k] == bounds[k][0] || step.delta[k] == bounds[k][1];
+                    assert_eq!(step.held.contains(&k), at_end, "{bounds:?}: {}", step.delta);
+                }
+                free_of_all += usize::from(step.held.is_empty());
+            }
+        }
+    }
+    assert!(free_of_all > 0);
 }
