@@ -140,6 +140,7 @@ impl Problem<'_> {
             fit.stop = StopReason::NotFinite;
             return Ok(fit);
         };
+        let begun = (h.clone(), at.log_likelihood);
         for _ in 0..ITERATIONS {
             match self.iterate(&mut h, &free, &at, &mut fit)? {
                 Moved::Further(there) => at = there,
@@ -154,10 +155,14 @@ impl Problem<'_> {
                 Moved::Unseen(unseen) => return self.fit_with(start, shapes, &[pinned, &unseen].concat()),
             }
         }
-        fit.residual = self.evidence.residual(&h.plant(self.base));
-        let (l, _) = self.fit_sizes(&mut h, &fit.residual, Effort::FULL);
-        fit.log_likelihood = if l.is_finite() { l + h.log_prior() } else { f64::NEG_INFINITY };
-        fit.hypothesis = h;
+        // Shrunk scatter is not the likeliest: steps that lower the squares may end below where they began.
+        let mut end = self.weighed(&mut h);
+        if end.as_ref().is_none_or(|e| e.log_likelihood < begun.1) {
+            h = begun.0;
+            end = self.weighed(&mut h);
+        }
+        let Some(end) = end else { return Ok(fit) };
+        (fit.hypothesis, fit.residual, fit.log_likelihood) = (h, end.z, end.log_likelihood);
         Ok(fit)
     }
 
@@ -200,12 +205,15 @@ impl Problem<'_> {
             let moved = apply(&mut there, free, &(&step.delta * 0.5_f64.powi(halving as i32)));
             let size = |(k, i): (usize, &usize)| moved[*i].abs() / step.covariance[(k, k)].max(f64::MIN_POSITIVE).sqrt();
             let held_moves = step.held.iter().any(|i| moved[*i] != 0.0);
-            let settled = halving == 0 && !held_moves && open.iter().enumerate().map(size).fold(0.0, f64::max) < 0.01;
-            // Squares by the same weights that fall raise the likelihood, whatever sizes are found.
+            let small = !held_moves && open.iter().enumerate().map(size).fold(0.0, f64::max) < 0.01;
+            if small && halving > 0 {
+                break;
+            }
             let Some(new) = self.weighed(&mut there) else { continue };
-            if settled || squares(&there, &new.z) < before || new.log_likelihood > at.log_likelihood {
+            // Squares by the same weights that fall raise the likelihood, where sizes are the likeliest.
+            if squares(&there, &new.z) < before || new.log_likelihood > at.log_likelihood || small {
                 *h = there;
-                return Ok(if settled { Moved::Settled } else { Moved::Further(new) });
+                return Ok(if small { Moved::Settled } else { Moved::Further(new) });
             }
         }
         Ok(Moved::Settled)

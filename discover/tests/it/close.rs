@@ -126,16 +126,16 @@ fn numbers(closing: &Closing, truth: &Value) {
 }
 
 macro_rules! scores {
-    ($($test:ident $name:literal),*) => { $(#[test] fn $test() { score($name); })* };
+    ($($(#[$mark:meta])? $test:ident $name:literal),*) => { $(#[test] $(#[$mark])? fn $test() { score($name); })* };
 }
 
 scores!(
     recover_nothing_in_open_00 "open-00",
-    recover_effect_of_open_01 "open-01",
-    recover_effect_of_open_02 "open-02",
-    recover_effect_of_open_03 "open-03",
-    recover_effect_of_open_04 "open-04",
+    #[ignore = "slow: nightly"] recover_effect_of_open_01 "open-01",
+    #[ignore = "slow: nightly"] recover_effect_of_open_02 "open-02",
+    #[ignore = "slow: nightly"] recover_effect_of_open_03 "open-03",
+    #[ignore = "slow: nightly"] recover_effect_of_open_04 "open-04",
     recover_effect_of_open_05 "open-05",
-    recover_effect_of_open_06 "open-06",
-    recover_effect_of_open_07 "open-07"
+    #[ignore = "slow: nightly"] recover_effect_of_open_06 "open-06",
+    #[ignore = "slow: nightly"] recover_effect_of_open_07 "open-07"
 );

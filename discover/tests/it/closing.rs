@@ -53,6 +53,7 @@ fn recover_a_touch() {
 /// An apparent mass of 3 % in gusts moves the model far more than weak gusts would, and columns there promise four effects: a search that took
 /// them all at once went from one four to the next until it might no more, and named three that are not there.
 #[test]
+#[ignore = "slow: nine minutes; nightly"]
 fn recover_an_apparent_mass_in_gusts() {
     let masses = [0.0247, 0.0155, 3.5e-4, 0.0, 1.0];
     let plant = |plant: &Plant, _| with(&with(plant, "turbulence", &[0.084, 0.085, 0.6, 0.6, 0.0]), "apparent-mass", &masses);
