@@ -17,5 +17,5 @@ def test_law_from_a_table_to_a_verdict():
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", ())]
     shown = [output["data"] for output in outputs if "data" in output]
     assert any("image/png" in data for data in shown)
-    assert any("from a table: effect: center-of-mass" in data.get("text/html", "") for data in shown)
+    assert any("from a table: The declared model lacks center-of-mass" in data.get("text/html", "") for data in shown)
     assert not [o for o in outputs if o.get("name") == "stderr"], "nothing is warned of"

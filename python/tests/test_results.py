@@ -171,16 +171,16 @@ def test_law_printed_is_what_the_terminal_prints(found):
         # A plan out of reach, or a closing that finds something, is no failure here.
         told = subprocess.run([target_program(), verb, *words, "--quiet"], capture_output=True, text=True)
         assert told.returncode <= 1 and f"{by_verb[verb]}\n" == told.stdout, (verb, told.stderr)
-    assert "bias" in str(by_verb["study"]) and str(by_verb["many"]).startswith("2 campaigns: 2 with a result")
+    assert "bias" in str(by_verb["study"]) and str(by_verb["many"]).startswith("3 campaigns: 2 with a result")
     again = pickle.loads(pickle.dumps(by_verb["identify"]))
     assert str(again) == str(by_verb["identify"])
     assert str(results.Identification({"method": "x"})) == repr(results.Identification({"method": "x"}))
 
 
 def test_law_warnings_of_the_estimator_are_warnings(tmp_path):
-    """A lander whose centre of mass is 3 mm off: the residual is no noise, which the terminal warns of and Python does as well."""
+    """A lander whose centre of mass is 0.3 mm off: the residual is no noise, which the terminal warns of and Python does as well."""
     scenario = (ROOT / "scenarios/bundled/sage-perturbed.toml").read_text()
-    (tmp_path / "s.toml").write_text(scenario + "\n[effects.center-of-mass]\ny_m = 0.003\n")
+    (tmp_path / "s.toml").write_text(scenario + "\n[effects.center-of-mass]\ny_m = 0.0003\n")
     program("simulate", tmp_path / "s.toml", "--out", tmp_path / "flown")
     campaign = windfall.campaign(tmp_path / "flown/campaign.toml")
     with pytest.warns(windfall.WindfallWarning) as said:

@@ -121,7 +121,8 @@ def title(result: Any) -> str:
     """One line of a result in words."""
     kind = type(result).__name__
     if kind == "Closing":
-        return f"{result.campaign}: {result.finding.sentence}"
+        # Files of earlier versions have no finding.
+        return f"{result.campaign}: {result.finding.sentence if result.finding else result.verdict}"
     if kind == "Many":
         return f"{result.campaigns} campaigns: {result.ok} with a result, {result.failed} failed"
     if kind == "Study":
