@@ -86,7 +86,7 @@ fn law_a_step_within_bounds_is_the_least_of_all_within() {
                 assert!(found <= least + 1e-12, "{bounds:?}: {found} {least}");
                 for k in 0..3 {
                     assert!(step.delta[k] >= bounds[k][0] && step.delta[k] <= bounds[k][1], "{bounds:?}: {}", step.delta);
-                    let at_end = step.delta[k] == bounds[k][0] || step.delta[k] == bounds[k][1];
+                    let at_end = bounds[k].iter().any(|end| (step.delta[k] - end).abs() < 1e-15);
                     assert_eq!(step.held.contains(&k), at_end, "{bounds:?}: {}", step.delta);
                 }
                 free_of_all += usize::from(step.held.is_empty());

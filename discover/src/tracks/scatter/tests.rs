@@ -68,16 +68,16 @@ fn exact_density_of_runs_that_no_fit_has_seen() {
     let between = Between::of(&z, numbers);
     let variance = (0..9).map(|r| crooked(r, 2).powi(2)).sum::<f64>() / 9.0;
     let noise = vec![Cov::from_diagonal_element(0.04); 3];
-    let column: Residual = (0..3 * BIN).map(|i| if i % BIN == 0 { 0.5 + (i / BIN) as f64 } else { 0.0 }).collect();
+    let column: Residual = (0..3 * BIN).map(|i| if i.is_multiple_of(BIN) { 0.5 + (i / BIN) as f64 } else { 0.0 }).collect();
     let others = |by: f64| -> Vec<f64> {
-        let at = |i: usize| if i % BIN == 0 { crooked(i / BIN, 5) + by * column[i] } else { 0.0 };
+        let at = |i: usize| if i.is_multiple_of(BIN) { crooked(i / BIN, 5) + by * column[i] } else { 0.0 };
         (0..3 * BIN).map(at).collect()
     };
     let t = statrs::distribution::StudentsT::new(0.0, (variance + 0.04).sqrt(), 9.0).expect("a scale");
     // What a Gaussian likelihood leaves out.
     let constant = 3.0 * 0.5 * std::f64::consts::TAU.ln();
     let by_hand = |by: f64| (0..3).map(|r| t.ln_pdf(others(by)[r * BIN])).sum::<f64>() + constant;
-    let of = |by: f64| between.of_others(&noise, &others(by), &[column.clone()], BIN).expect("positive");
+    let of = |by: f64| between.of_others(&noise, &others(by), std::slice::from_ref(&column), BIN).expect("positive");
     for by in [0.0, 0.3, -2.0] {
         assert!((of(by).log_density - by_hand(by)).abs() < 1e-12, "{by}");
         let slope = (by_hand(by + 1e-5) - by_hand(by - 1e-5)) / 2e-5;
