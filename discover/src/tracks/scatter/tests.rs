@@ -59,6 +59,28 @@ fn law_intervals_are_as_wide_as_estimates_scatter() {
     }
 }
 
+/// Three numbers of five runs, of sizes apart by a hundred: correlations shrink by the errors of all means over their squares, both by hand, and
+/// variances stay; sensor noise is added to each run.
+#[test]
+fn exact_correlations_are_shrunk_by_their_errors() {
+    let number = |r: usize, k: usize| [1.0, 10.0, 0.1][k] * (crooked(r, 2) + 0.6 * crooked(r, 3 + k));
+    let z: Vec<f64> = (0..5).flat_map(|r| (0..BIN).map(move |k| if k < 3 { number(r, k) } else { 0.0 })).collect();
+    let mean = |i: usize, k: usize| (0..5).map(|r| number(r, i) * number(r, k)).sum::<f64>() / 5.0;
+    let unit = |i: usize, k: usize| mean(i, i).sqrt() * mean(k, k).sqrt();
+    let pairs = [(0, 1), (0, 2), (1, 2)];
+    let square = |(i, k): (usize, usize)| (mean(i, k) / unit(i, k)).powi(2);
+    let error = |(i, k): (usize, usize)| {
+        (0..5).map(|r| ((number(r, i) * number(r, k) - mean(i, k)) / unit(i, k)).powi(2)).sum::<f64>() / 20.0
+    };
+    let kept = 1.0 - pairs.map(error).iter().sum::<f64>() / pairs.map(square).iter().sum::<f64>();
+    assert!((0.2..0.95).contains(&kept), "{kept}");
+    let found = Between::of(&z, 3).with_noise(&[Cov::from_diagonal_element(0.04)]);
+    for i in 0..3 {
+        assert!((found[0][(i, i)] / (mean(i, i) + 0.04) - 1.0).abs() < 1e-12);
+        (0..i).for_each(|k| assert!((found[0][(i, k)] / (mean(i, k) * kept) - 1.0).abs() < 1e-12, "{i} {k}"));
+    }
+}
+
 /// Of three runs of another campaign, one number each, the density is that of Student's t by hand, and its slope a difference of it; runs
 /// hundreds of standard deviations off cost the logarithm of that and no square.
 #[test]

@@ -74,3 +74,38 @@ fn exact_half_power() {
         (f.half_power_hz() - (2.0_f64.sqrt() - 1.0).powf(0.25)).abs() < 1e-6 && (f.power(f.half_power_hz()) - 0.5).abs() < 1e-12
     );
 }
+
+/// Bands whose powers are those of a process by its transfer function: its own form costs what the powers themselves do, the other form and white
+/// noise far more.
+#[test]
+fn exact_forms_are_the_spectra_of_their_processes() {
+    let saturated = |bands: &[Band]| bands.iter().map(|b| b.weight * (1.0 + b.power.ln())).sum::<f64>();
+    let of = |power: &dyn Fn(f64) -> f64| -> Vec<Band> {
+        (0..40)
+            .map(|k| 2.0 * 1.09_f64.powi(k))
+            .filter(|hz| *hz < 74.0)
+            .map(|hz| Band { hz, power: power(hz), weight: 20.0 })
+            .collect()
+    };
+    // x[n] = 0.8 x[n-1] + e[n].
+    let first_order = of(&|hz| (Complex::new(1.0, 0.0) - Complex::from_polar(0.8, -TAU * hz / RATE_HZ)).norm_sqr().recip());
+    // x'' + (w/q) x' + w² x = w² e at the seventeenth band, as its transfer function has it.
+    let (own, q) = (2.0 * 1.09_f64.powi(16), QUALITIES[0]);
+    let second_order = of(&|hz| {
+        let s = Complex::new(0.0, hz / own);
+        (s * s + s / q + 1.0).norm_sqr().recip()
+    });
+    let white = |bands: &[Band]| with_floor(bands, |_| 0.0);
+    let over = |cost: f64, bands: &[Band]| cost - saturated(bands);
+    let of_first = [super::coloured as fn(&[Band], f64) -> f64, |b, _| resonant(b), |b, _| with_floor(b, |_| 0.0)]
+        .map(|f| over(f(&first_order, RATE_HZ), &first_order));
+    let of_second = [
+        over(resonant(&second_order), &second_order),
+        over(super::coloured(&second_order, RATE_HZ), &second_order),
+        over(white(&second_order), &second_order),
+    ];
+    assert!(
+        of_first[0] < 1.0 && of_first[2] > 50.0 && of_second[0] < 1.0 && of_second[1] > 50.0 && of_second[2] > 50.0,
+        "{of_first:?} {of_second:?}"
+    );
+}
