@@ -18,8 +18,6 @@ use windfall_pid::StopReason;
 const ITERATIONS: usize = 25;
 /// Most halvings of a step: a first step is a thousand times too long at the most.
 const HALVINGS: usize = 10;
-/// Range of a number that may have any value.
-const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 /// Starting variance of the unmodelled residual, in units of its component (a hundredth of the noise floor).
 const GENERIC_START: f64 = 1e-2;
 
@@ -123,9 +121,8 @@ impl Problem<'_> {
         let mut h = start.clone();
         let mut free = h.free(self.declared, shapes);
         for f in free.clone() {
-            if let Some([low, high]) = h.range(f) {
-                h.set(f, h.get(f).clamp(low, high));
-            }
+            let [low, high] = h.range(f);
+            h.set(f, h.get(f).clamp(low, high));
         }
         free.retain(|f| !pinned.contains(f));
         let mut fit = TrackFit {
@@ -172,7 +169,7 @@ impl Problem<'_> {
         if z.iter().any(|x| !x.is_finite()) {
             return None;
         }
-        let (l, sigma) = self.fit_sizes(h, &z, Effort::FULL);
+        let (l, sigma) = self.fit_sizes(h, &z);
         let whitening = Whitening::new(&sigma)?;
         Some(Weighed { z, whitening, log_likelihood: l + h.log_prior() })
     }
@@ -189,7 +186,7 @@ impl Problem<'_> {
         let white: Vec<Residual> = columns.iter().map(|a| at.whitening.whiten(a)).collect();
         let mut normal = NormalEquations::new(&at.whitening.whiten(&at.z), &white);
         normal.add_prior(h, free);
-        let bounds: Vec<[f64; 2]> = free.iter().map(|f| h.range(*f).map_or(ANY, |r| r.map(|x| x - h.get(*f)))).collect();
+        let bounds: Vec<[f64; 2]> = free.iter().map(|f| h.range(*f).map(|x| x - h.get(*f))).collect();
         let step = match normal.solve_within(&bounds, |i| matches!(free[i], Free::Effect(..))) {
             Ok(step) => step,
             Err(Some(i)) => return Err(Undetermined(free[i])),
@@ -220,7 +217,7 @@ impl Problem<'_> {
     }
 
     /// Fits sizes of the unmodelled residual to `z`; returns log-likelihood and covariance.
-    fn fit_sizes(&self, h: &mut TrackModel, z: &[f64], effort: Effort) -> (f64, Vec<Cov>) {
+    fn fit_sizes(&self, h: &mut TrackModel, z: &[f64]) -> (f64, Vec<Cov>) {
         if let Some(numbers) = self.evidence.slow_numbers() {
             let between = Between::of(z, numbers);
             let sigma = between.with_noise(self.evidence.noise());
@@ -229,7 +226,7 @@ impl Problem<'_> {
         }
         let parts = self.parts();
         let start: Vec<f64> = h.generic.iter().map(|v| v.max(GENERIC_START)).collect();
-        let (sizes, l) = components(self.evidence.noise(), &parts, z, &start, effort);
+        let (sizes, l) = components(self.evidence.noise(), &parts, z, &start, Effort::FULL);
         let sigma = total(self.evidence.noise(), &parts, &sizes);
         h.generic = sizes;
         (l, sigma)
@@ -266,9 +263,8 @@ impl Problem<'_> {
             }
             let columns = self.columns(&h, &fit.free, &z);
             if let (Some(between), Some(numbers)) = (&h.scatter, self.evidence.slow_numbers()) {
-                let of = between.of_others(self.evidence.noise(), &z, &columns, numbers)?;
-                let (slopes, information) = (of.slopes, of.information);
-                return Some(NearFit { off: off.clone(), log_likelihood: of.log_density, slopes, information });
+                let of_others = between.of_others(self.evidence.noise(), &z, &columns, numbers)?;
+                return Some(NearFit { off: off.clone(), ..of_others });
             }
             let whitening = Whitening::new(&total(self.evidence.noise(), &self.parts(), &h.generic))?;
             let white: Vec<Residual> = columns.iter().map(|a| whitening.whiten(a)).collect();
@@ -279,7 +275,7 @@ impl Problem<'_> {
     }
 }
 
-/// Moves the free numbers by delta, shapes within their plausible range; returns what was moved.
+/// Moves the free numbers by delta, strengths and shapes within their plausible range; returns what was moved.
 fn apply(h: &mut TrackModel, free: &[Free], delta: &DVector<f64>) -> Vec<f64> {
     free.iter()
         .zip(delta.iter())
@@ -291,11 +287,11 @@ fn apply(h: &mut TrackModel, free: &[Free], delta: &DVector<f64>) -> Vec<f64> {
                 if matches!(p.role, Role::Shape(_)) {
                     let trust = 0.4 * old.abs();
                     new = new.clamp(old - trust, old + trust).clamp(p.low, p.high);
-                } else if p.role == Role::Strength {
-                    // Rounding of sums.
-                    new = new.clamp(p.low, p.high);
                 }
             }
+            // Rounding of sums.
+            let [low, high] = h.range(*f);
+            new = new.clamp(low, high);
             h.set(*f, new);
             new - old
         })

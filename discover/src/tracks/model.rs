@@ -91,11 +91,15 @@ impl TrackModel {
             Free::Effect(e, i) => self.effects[e].values[i] = value,
         }
     }
-    /// Least and most of a strength.
-    pub(super) fn range(&self, f: Free) -> Option<[f64; 2]> {
-        let Free::Effect(e, i) = f else { return None };
-        let p = &self.effects[e].parameters[i];
-        (p.role == Role::Strength).then_some([p.low, p.high])
+    /// Least and most that a fit's step may lead to: of a strength its plausible range.
+    pub(super) fn range(&self, f: Free) -> [f64; 2] {
+        match f {
+            Free::Effect(e, i) if self.effects[e].parameters[i].role == Role::Strength => {
+                let p = &self.effects[e].parameters[i];
+                [p.low, p.high]
+            }
+            _ => [f64::NEG_INFINITY, f64::INFINITY],
+        }
     }
     /// The same with one free number moved by a step for differences, and the step.
     pub(crate) fn moved(&self, f: Free) -> (Self, f64) {

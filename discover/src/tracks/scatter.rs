@@ -13,6 +13,7 @@ use crate::residual::ChannelResidual;
 use nalgebra::{DMatrix, DVector, SVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use statrs::function::gamma::ln_gamma;
+use windfall_likelihood::NearFit;
 
 /// Numbers of a run where there are runs enough for their covariance: a push, a turn and a wave in each channel; else without waves.
 const MANY: usize = BIN;
@@ -81,12 +82,13 @@ impl Between {
 
     /// Log density of the numbers of other runs, its slopes by what `columns` are the slopes of, and the information on that. A covariance of n
     /// runs makes it Student's t with n − K + 1 degrees of freedom (Geisser and Cornfield, J. R. Stat. Soc. B 25, 1963): a run far off weighs less.
-    pub(super) fn of_others(&self, noise: &[Cov], z: &[f64], columns: &[Residual], used: usize) -> Option<OfOthers> {
+    pub(super) fn of_others(&self, noise: &[Cov], z: &[f64], columns: &[Residual], used: usize) -> Option<NearFit> {
         let k = self.numbers.min(used);
         let (runs, size) = (self.runs as f64, k as f64);
         let freedom = (runs - size + 1.0).max(1.0);
-        let mut all = OfOthers {
-            log_density: 0.0,
+        let mut all = NearFit {
+            off: DVector::zeros(columns.len()),
+            log_likelihood: 0.0,
             slopes: DVector::zeros(columns.len()),
             information: DMatrix::zeros(columns.len(), columns.len()),
         };
@@ -100,7 +102,7 @@ impl Between {
             let squares = z.norm_squared();
             let log_det: f64 = root.l_dirty().diagonal().iter().map(|x| x.ln()).sum();
             let of_size = ln_gamma(0.5 * (freedom + size)) - ln_gamma(0.5 * freedom) - 0.5 * size * (0.5 * freedom).ln();
-            all.log_density += of_size - log_det - 0.5 * (freedom + size) * (squares / freedom).ln_1p();
+            all.log_likelihood += of_size - log_det - 0.5 * (freedom + size) * (squares / freedom).ln_1p();
             let weight = (freedom + size) / (freedom + squares);
             for (i, a) in white.iter().enumerate() {
                 all.slopes[i] -= weight * a.dot(&z);
@@ -109,13 +111,6 @@ impl Between {
         }
         Some(all)
     }
-}
-
-/// What runs that no fit has seen say ([`Between::of_others`]).
-pub(super) struct OfOthers {
-    pub(super) log_density: f64,
-    pub(super) slopes: DVector<f64>,
-    pub(super) information: DMatrix<f64>,
 }
 
 /// Whether one channel's numbers repeat from run to run or follow the runs' inputs: the squares that a regression on a constant and the inputs takes

@@ -154,10 +154,10 @@ impl<'a> TrackContest<'a> {
         wanted.dedup();
         let bare = TrackModel { effects: Vec::new(), ..kept.clone() };
         // The likelihood may have several tops: the best set is sought from null as well.
-        let once_more = |set: &[usize]| if set == at && !at.is_empty() { self.fitted(set, &bare) } else { None };
         let likelier = |set: Vec<usize>| {
-            let both = [self.fitted(&set, &kept), once_more(&set)];
-            both.into_iter().flatten().max_by(|a, b| a.fit.log_likelihood.total_cmp(&b.fit.log_likelihood))
+            let starts: &[&TrackModel] = if set == at && !at.is_empty() { &[&kept, &bare] } else { &[&kept] };
+            let fits = starts.iter().filter_map(|near| self.fitted(&set, near));
+            fits.max_by(|a, b| a.fit.log_likelihood.total_cmp(&b.fit.log_likelihood))
         };
         let mut fitted: Vec<ScoredSet> = wanted.into_par_iter().filter_map(likelier).collect();
         self.singles = fitted.iter().filter(|s| s.families.len() == 1).cloned().collect();

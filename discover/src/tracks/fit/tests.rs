@@ -84,7 +84,7 @@ fn exact_step_of_gravity_is_generalised_least_squares() {
         let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(a, b)| a * b).sum::<f64>();
         close(dot(column, column), dense[0], 1e-7);
         close(dot(column, &z), dense[1], 1e-7);
-        let (_, sigma) = problem.fit_sizes(&mut h.clone(), &z, Effort::FULL);
+        let (_, sigma) = problem.fit_sizes(&mut h.clone(), &z);
         let mut normal = [std.powi(-2), 0.0];
         for (b, s) in sigma.iter().enumerate() {
             let of = |x: &[f64]| SVector::<f64, BIN>::from_column_slice(&x[b * BIN..(b + 1) * BIN]);
