@@ -2,6 +2,10 @@
 check:
     .ci/run
 
+# Tests of minutes that CI leaves out: some two hours. Those "as long as asked" and studies are not among them.
+nightly:
+    scripts/nightly
+
 # All that is written from the code: keys of files, Python's keywords and types, flags, answers to wrong inputs. After a change of a key, a request, a
 # result, an effect, a method or a format. The last step needs the Python package.
 references:

@@ -8,7 +8,7 @@ use std::cmp::Ordering;
 use std::fmt::Write as _;
 use std::path::Path;
 use windfall::files::{series_text, text_atomically, write_json_atomically};
-use windfall::report::{closing_page, number, p_value, with_interval};
+use windfall::report::{closing_page, number, p_value, p_with_sign, with_interval};
 use windfall::results::{CheckedRuns, Closing, EffectLine, HeldOut, NORMAL_95, Verdict, statistics_table};
 use windfall::{CampaignSource, Close, Fly, Published};
 
@@ -156,9 +156,9 @@ fn checks(text: &mut String, c: &Closing) {
     let of = if worst.run.is_empty() { String::new() } else { format!(" of {}", worst.run) };
     let used = if worst.used == CheckedRuns::HoldOut { "held out" } else { "identified on" };
     let words = format!(
-        "{} of {all} checks of runs and channels pass (1 %, all together); least p = {}: {}{of}, {used}",
+        "{} of {all} checks of runs and channels pass (1 %, all together); least {}: {}{of}, {used}",
         all - failed,
-        p_value(worst.p_value),
+        p_with_sign(worst.p_value),
         worst.what
     );
     let _ = writeln!(text, "\n{}", folded(&words, 0));

@@ -43,6 +43,13 @@ pub fn p_value(p: f64) -> String {
     }
 }
 
+/// A p-value with its sign: `p = 0.02`, `p < 1e-300`.
+#[must_use]
+pub fn p_with_sign(p: f64) -> String {
+    let words = p_value(p);
+    if words.starts_with('<') { format!("p {words}") } else { format!("p = {words}") }
+}
+
 /// Endings of keys and the units that they stand for, longer ones first.
 const UNITS: [(&str, &str); 16] = [
     ("_n_m_s", "N m s"),

@@ -3,12 +3,19 @@
 mod common;
 
 use common::{COMBINED, campaign, truth};
+use std::sync::OnceLock;
 use windfall_pid::output_error::{EstimateOptions, Handling, Prior};
 use windfall_pid::{DataSet, filter_error};
 
 fn combined(test: &str, name: &str) -> Option<(DataSet, Vec<String>)> {
     let found = filter_error::identify(&campaign(test, name)?, &COMBINED).expect("identifies");
     Some((found.data_set("combined").expect("there is one").clone(), found.warnings))
+}
+
+/// Of open-03, found once for all tests.
+fn of_open_03(test: &str) -> Option<(DataSet, Vec<String>)> {
+    static FOUND: OnceLock<Option<(DataSet, Vec<String>)>> = OnceLock::new();
+    FOUND.get_or_init(|| combined(test, "open-03")).clone()
 }
 
 /// Every aerodynamic parameter within 3.4 of its standard errors (eleven normal numbers: 99.3 %).
@@ -22,7 +29,7 @@ fn assert_covered(set: &DataSet) {
 /// Gusts of 0.1 m/s rms that another simulator made, of a spectrum that is not stated: parameters inside, level within 10 %.
 #[test]
 fn recover_open_03_with_its_turbulence() {
-    let Some((set, warnings)) = combined("recover_open_03_with_its_turbulence", "open-03") else { return };
+    let Some((set, warnings)) = of_open_03("recover_open_03_with_its_turbulence") else { return };
     assert_covered(&set);
     assert!(warnings.is_empty(), "{warnings:?}");
     for name in ["axial_rms_m_s", "lateral_rms_m_s"] {
@@ -63,7 +70,7 @@ fn law_what_no_gust_explains_ends_with_random_moments() {
 /// In gusts too, tied parameters are one unknown that is told better than either, and a prior much narrower than the data decides.
 #[test]
 fn law_ties_and_priors_in_turbulence() {
-    let Some((free, _)) = combined("law_ties_and_priors_in_turbulence", "open-03") else { return };
+    let Some((free, _)) = of_open_03("law_ties_and_priors_in_turbulence") else { return };
     let Some(c) = campaign("law_ties_and_priors_in_turbulence", "open-03") else { return };
     let (mean, std) = free.get("CN", "CN_sin").map(|p| (p.estimate + p.std_error, 0.01 * p.std_error)).expect("free");
     let options = EstimateOptions {

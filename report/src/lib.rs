@@ -41,4 +41,4 @@ pub use examined::{agreement, identifiable, pressure_agreement};
 pub use folder::{FolderResults, campaign_page, folder_figures, folder_page};
 pub use many::many_page;
 pub use paper::{PaperFigure, WIDTH_MM};
-pub use words::{interval, number, p_value, with_interval};
+pub use words::{interval, number, p_value, p_with_sign, with_interval};

@@ -1,7 +1,7 @@
 //! report: numbers in words. In: results. Out: short text for people.
 
 pub(crate) use windfall_discover::words::plain_key;
-pub use windfall_discover::words::{number, p_value};
+pub use windfall_discover::words::{number, p_value, p_with_sign};
 
 /// An estimate with half its 95 % interval: two digits of the half, as many places of the estimate; four digits of an estimate that
 /// has no interval.

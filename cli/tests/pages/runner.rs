@@ -185,7 +185,7 @@ impl<'p> Runner<'p> {
         let all = commands(language, body);
         for command in &all {
             let place = self.text[at..item.at.end].find(command.split("  ").next().unwrap_or("")).map_or(at, |i| at + i);
-            let own = command.strip_prefix("cargo run --release -p windfall-cli -- ").map(|rest| format!("windfall {rest}"));
+            let own = command.strip_prefix("cargo run --bin windfall -- ").map(|rest| format!("windfall {rest}"));
             let command = own.as_deref().unwrap_or(command);
             let is_ours = command.starts_with("windfall ");
             if pending.left_out {

@@ -4,7 +4,7 @@
 use super::judged::{CheckLine, CheckedRuns};
 use super::result::Unexplained;
 use crate::residual::ChannelResidual;
-use crate::words::{listed, number, p_value};
+use crate::words::{listed, number, p_with_sign};
 use windfall_likelihood::{CONTRADICTED, MeanSquare};
 use windfall_model::CHANNEL_NAMES;
 
@@ -70,7 +70,7 @@ pub(super) fn said(checks: &[CheckLine], used: CheckedRuns) -> Option<Unexplaine
     let runs = if used == CheckedRuns::HoldOut { "held-out run" } else { "run" };
     let of = if worst.run.is_empty() { format!("{runs}s: ") } else { format!("{runs} {}: ", worst.run) };
     let times = worst.mean_square.map_or("the model departs".to_owned(), |m| {
-        format!("the mean square of what is left is {} of noise's (p = {})", number(m), p_value(worst.p_value))
+        format!("the mean square of what is left is {} of noise's ({})", number(m), p_with_sign(worst.p_value))
     });
     let more = match failed.len() - 1 {
         0 => String::new(),
@@ -83,8 +83,8 @@ pub(super) fn said(checks: &[CheckLine], used: CheckedRuns) -> Option<Unexplaine
 pub(super) fn said_of_all(checks: &[CheckLine], channel: &str) -> Vec<Unexplained> {
     let words = |c: &&CheckLine| match c.what.as_str() {
         PARAMETERS => Some(format!(
-            "varies with run: the held-out runs ask for other values of the parameters than those identified (p = {})",
-            p_value(c.p_value)
+            "varies with run: the held-out runs ask for other values of the parameters than those identified ({})",
+            p_with_sign(c.p_value)
         )),
         LIKELIHOOD => Some(format!(
             "varies with run: the held-out runs are less likely with what is named here than without (odds {} to one against it); it is of \

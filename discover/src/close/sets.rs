@@ -20,10 +20,8 @@ pub(super) fn not_named(found: &Discovery, sets: &[SetLine], effects: &[EffectLi
         let in_fit = found.after.model.members.iter().any(|m| m.effect.family == family);
         if found.stand_ins.contains(&family) {
             let what: Vec<String> = found.faint.iter().map(|l| format!("{} over {}", l.channel, l.variable)).collect();
-            return format!(
-                "gusts weaker than any tunnel's, or of a band as narrow as a tone, stand for something else ({})",
-                listed(&what)
-            );
+            let which = if what.is_empty() { String::new() } else { format!(" ({})", listed(&what)) };
+            return format!("gusts weaker than any tunnel's, or of a band as narrow as a tone, stand for something else{which}");
         }
         if in_fit {
             return format!("the search ended before any set stayed, and sets with it are less likely than one in {RIVAL}");

@@ -113,7 +113,7 @@ fn unweighed(engine: &Engine, model: &Model) -> String {
 /// declared, where that is likelier.
 fn settled(engine: &Engine, declared: &Model, fit: &Fit) -> Fit {
     let fit = engine.settle_random(fit, SETTLING);
-    if fit.chi < LEFT {
+    if fit.chi < LEFT || engine.is_exhausted() {
         return fit;
     }
     match engine.climb(&from_declared(declared, &fit.model), false, 12) {
@@ -179,7 +179,7 @@ fn grown(engine: &Engine, declared: &Model, fit: &Fit, log: &mut Vec<String>) ->
     let mut grown: Option<Fit> = None;
     for _ in 0..MOST {
         let here = grown.as_ref().unwrap_or(fit);
-        if here.chi < LEFT {
+        if here.chi < LEFT || engine.is_exhausted() {
             break;
         }
         let w = weigh(engine, &here.model)?;

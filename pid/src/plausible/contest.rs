@@ -80,11 +80,11 @@ impl Held<'_> {
 }
 
 /// A fault, where one reading is far better than the record as it stands.
-/// `turned`: readings of other axes, with their own motion.
+/// `turned`: readings of other axes, with their own motion; asked for where the record as it stands is in doubt.
 pub(super) fn fault(
     campaign: &Campaign,
     instants: &[MotionSample],
-    turned: Vec<(Change, Vec<MotionSample>)>,
+    turned: impl FnOnce() -> Vec<(Change, Vec<MotionSample>)>,
 ) -> Option<GrossFault> {
     if instants.is_empty() {
         return None;
@@ -98,9 +98,12 @@ pub(super) fn fault(
         held.as_recorded = Some(b);
         now
     });
+    if now.as_ref().is_some_and(|now| !is_doubtful(now)) {
+        return None;
+    }
     let read = |c: Change, own: &[MotionSample]| Some(held.outcome(c.act, Some(c), declared, false, own)?.0);
     let readings = all().into_iter().filter_map(|c| read(c, instants));
-    let turned = turned.into_iter().filter_map(|(c, own)| read(c, &own));
+    let turned = turned().into_iter().filter_map(|(c, own)| read(c, &own));
     let list: Vec<Outcome> = readings.chain(turned).collect();
     let best = best(now.as_ref(), &list)?;
     let change = best.change.as_ref()?;
@@ -161,6 +164,11 @@ fn effects(campaign: &Campaign, instants: &[MotionSample]) -> Vec<Plant> {
         }
     }
     all
+}
+
+/// Whether a record as it stands leaves so much of some group that another reading may be better.
+fn is_doubtful(now: &Outcome) -> bool {
+    COUNTED.iter().any(|g| now.share[*g] > DOUBTFUL)
 }
 
 /// What speaks for a reading, where it is far enough ahead.

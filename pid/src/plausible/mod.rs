@@ -154,7 +154,7 @@ pub fn fault(campaign: &Campaign) -> Option<GrossFault> {
         return None;
     }
     let instants = motion::instants(&runs);
-    let on_balance = || contest::fault(campaign, &instants, frames::readings(&runs));
+    let on_balance = || contest::fault(campaign, &instants, || frames::readings(&runs));
     // Angles about the wrong axes jump where they are not defined; the body does not.
     let singular = frames::is_singular(&runs);
     let first = if singular { on_balance() } else { None };
@@ -178,7 +178,7 @@ fn in_one_run(campaign: &Campaign, runs: &[(&str, &Record)]) -> Option<GrossFaul
     }
     let stride = motion::stride(runs);
     runs.iter().find_map(|run| {
-        let found = contest::fault(campaign, &motion::of_run(run.1, stride), frames::readings(std::slice::from_ref(run)))?;
+        let found = contest::fault(campaign, &motion::of_run(run.1, stride), || frames::readings(std::slice::from_ref(run)))?;
         Some(GrossFault { place: format!("run {}", run.0), ..found })
     })
 }

@@ -190,14 +190,14 @@ fn assert_honest(results: &Results) {
 #[test]
 fn recover_output_error_is_unbiased_and_as_scattered_as_it_says() {
     let mut results = Results::new(OUTPUT_ERROR);
-    results.add(OUTPUT_ERROR, 0..40, false);
+    results.add(OUTPUT_ERROR, 0..20, false);
     assert_honest(&results);
 }
 
 #[test]
 fn recover_filter_error_is_unbiased_and_as_scattered_as_it_says() {
     let mut results = Results::new(FILTER_ERROR);
-    results.add(FILTER_ERROR, 0..10, false);
+    results.add(FILTER_ERROR, 0..6, false);
     assert_honest(&results);
 }
 

@@ -127,7 +127,7 @@ fn recover_slips() {
     for (i, m) in sound.iter_mut().enumerate() {
         (0..6).for_each(|k| m.motion[k][2] += if k < 3 { 0.2 } else { 2.0 } * spread(i + 100, k));
     }
-    assert!(fault(&campaign, &sound, Vec::new()).is_none() && fault(&campaign, &[], Vec::new()).is_none());
+    assert!(fault(&campaign, &sound, Vec::new).is_none() && fault(&campaign, &[], Vec::new).is_none());
     let same = [0, 1, 2];
     for (slip, cause) in [
         (Act::Positions { axis: same, sign: [-1.0, 1.0, 1.0] }, "X points up (it must point down)"),
@@ -141,13 +141,13 @@ fn recover_slips() {
         (Act::Time(0.5), "the sample rate is wrong: times are stretched by about 0.5"),
     ] {
         let read = |i: &MotionSample| MotionSample { motion: slip.apply(i).motion, ..*i };
-        let found = fault(&campaign, &sound.iter().map(read).collect::<Vec<_>>(), Vec::new()).expect("a slip");
+        let found = fault(&campaign, &sound.iter().map(read).collect::<Vec<_>>(), Vec::new).expect("a slip");
         assert_eq!(found.cause, cause);
         assert!(found.evidence.starts_with("then the equations of motion leave 1"), "{}", found.evidence);
     }
     // Degrees taken for radians: as it stands nothing flies so.
     let read = |i: &MotionSample| MotionSample { motion: Act::Angle(180.0 / std::f64::consts::PI).apply(i).motion, ..*i };
-    let found = fault(&campaign, &sound.iter().map(read).collect::<Vec<_>>(), Vec::new()).expect("a slip");
+    let found = fault(&campaign, &sound.iter().map(read).collect::<Vec<_>>(), Vec::new).expect("a slip");
     assert_eq!(found.cause, "angles are in degrees where radians are expected");
     assert!(found.evidence.ends_with("as it stands the model flies on its back or beyond the horizontal"), "{}", found.evidence);
 }
