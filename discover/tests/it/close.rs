@@ -135,7 +135,7 @@ scores!(
     #[ignore = "slow: nightly"] recover_effect_of_open_02 "open-02",
     #[ignore = "slow: nightly"] recover_effect_of_open_03 "open-03",
     #[ignore = "slow: nightly"] recover_effect_of_open_04 "open-04",
-    recover_effect_of_open_05 "open-05",
+    #[ignore = "slow: nightly"] recover_effect_of_open_05 "open-05",
     #[ignore = "slow: nightly"] recover_effect_of_open_06 "open-06",
     #[ignore = "slow: nightly"] recover_effect_of_open_07 "open-07"
 );
