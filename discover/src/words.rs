@@ -43,7 +43,12 @@ pub fn p_value(p: f64) -> String {
     }
 }
 
-/// A p-value with its sign: `p = 0.02`, `p < 1e-300`.
+/// A p-value with its sign.
+///
+/// ```
+/// use windfall_discover::words::p_with_sign;
+/// assert_eq!([p_with_sign(0.02), p_with_sign(0.0)], ["p = 0.020", "p < 1e-300"]);
+/// ```
 #[must_use]
 pub fn p_with_sign(p: f64) -> String {
     let words = p_value(p);
