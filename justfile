@@ -2,7 +2,7 @@
 check:
     .ci/run
 
-# Tests of minutes that CI leaves out: some two hours. Those "as long as asked" and studies are not among them.
+# Tests of minutes that CI leaves out. Those "as long as asked" and studies are not among them.
 nightly:
     scripts/nightly
 

@@ -1,7 +1,7 @@
 //! report: absolute checks of a closing. In: its checks. Out: a table, a row a run, a column a channel.
 
 use crate::html::{Cell, escape, table};
-use crate::words::{channel, number, p_value};
+use crate::words::{channel, number, p_with_sign};
 use windfall_discover::close::{CheckLine, CheckedRuns, Closing};
 
 /// Mean squares by run and channel, those that fail marked with their p-value; checks that square nothing after them.
@@ -29,7 +29,7 @@ pub(crate) fn checks(c: &Closing) -> String {
     let table = if rows.is_empty() { String::new() } else { table(&heads, &rows) };
     let others = c.checks.iter().filter(|l| l.mean_square.is_none());
     let other = |l: &CheckLine| {
-        format!("<p>{}: {}, p = {}: {}.</p>\n", words(l.used), escape(&l.what), escape(&p_value(l.p_value)), passes(l.ok))
+        format!("<p>{}: {}, {}: {}.</p>\n", words(l.used), escape(&l.what), escape(&p_with_sign(l.p_value)), passes(l.ok))
     };
     table + &others.map(other).collect::<String>()
 }
@@ -50,7 +50,7 @@ fn cell(l: &CheckLine) -> Cell {
     if l.ok {
         return Cell::Number(square);
     }
-    Cell::Made(format!("<strong class=\"worse\">{square} (p = {})</strong>", escape(&p_value(l.p_value))))
+    Cell::Made(format!("<strong class=\"worse\">{square} ({})</strong>", escape(&p_with_sign(l.p_value))))
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use crate::smoothing::smoothing;
 use crate::story::story;
 use crate::svg::dots;
 use crate::wind_tunnel::differences;
-use crate::words::{channel, number, p_value, plain_key, with_interval, with_unit};
+use crate::words::{channel, number, p_value, p_with_sign, plain_key, with_interval, with_unit};
 use std::fmt::Write as _;
 use windfall_discover::NORMAL_95;
 use windfall_discover::close::{
@@ -198,7 +198,7 @@ fn form(e: &EffectLine) -> String {
     } else {
         "<strong class=\"worse\">Its form fails: the place is right, the dependence is not</strong>"
     };
-    let checks: Vec<String> = form.checks.iter().map(|c| format!("{} (p = {})", c.what, p_value(c.p_value))).collect();
+    let checks: Vec<String> = form.checks.iter().map(|c| format!("{} ({})", c.what, p_with_sign(c.p_value))).collect();
     format!("<p>{word}. Held against it: {}.</p>\n", escape(&checks.join("; ")))
 }
 

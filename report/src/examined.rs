@@ -2,7 +2,7 @@
 //! terminal, sections of the page.
 
 use crate::html::{Cell, escape, table};
-use crate::words::{p_value, with_interval};
+use crate::words::{p_with_sign, with_interval};
 use windfall_discover::{
     Compatibility, Correlation, DataSet, Identifiability, InstrumentError, Instruments, NotExamined, Pressure,
 };
@@ -40,7 +40,7 @@ pub fn pressure_agreement(p: &Pressure, limit: f64) -> String {
         |(d, ci)| format!("{} s after V_W", of(d, ci)),
     );
     let (verdict, moist) = if p.p_value < limit { ("disagree", "; moist air makes it up to 0.9 % less") } else { ("agree", "") };
-    format!("q_W and V_W {verdict} (p = {}): q_W is {scale} of ½ρV_W² of dry air{moist}, {delay}", p_value(p.p_value))
+    format!("q_W and V_W {verdict} ({}): q_W is {scale} of ½ρV_W² of dry air{moist}, {delay}", p_with_sign(p.p_value))
 }
 
 fn of(x: f64, ci: [f64; 2]) -> String {
@@ -67,7 +67,7 @@ fn instruments(i: &Instruments, limit: f64, all: &mut Vec<String>) {
     } else if i.p_value >= limit {
         let within = |e: &InstrumentError| format!("{} {:.1e}", e.name, e.ci95[1].max(-e.ci95[0]));
         let all_within = i.errors.iter().map(within).collect::<Vec<_>>().join(", ");
-        all.push(format!("pose and V_W agree (p = {}); errors at most (95 %): {all_within}", p_value(i.p_value)));
+        all.push(format!("pose and V_W agree ({}); errors at most (95 %): {all_within}", p_with_sign(i.p_value)));
     } else {
         let rivals = if i.rivals.is_empty() {
             String::new()
@@ -75,11 +75,11 @@ fn instruments(i: &Instruments, limit: f64, all: &mut Vec<String>) {
             format!(", or {}, which these runs cannot tell from it", list(&i.rivals, " or "))
         };
         all.push(format!(
-            "pose and V_W disagree (p = {}) under the declared structure: {} accounts for it (p = {} of what is left){rivals}; correct the \
+            "pose and V_W disagree ({}) under the declared structure: {} accounts for it ({} of what is left){rivals}; correct the \
              record before the parameters are believed",
-            p_value(i.p_value),
+            p_with_sign(i.p_value),
             list(&i.account, " and "),
-            p_value(i.account_p_value)
+            p_with_sign(i.account_p_value)
         ));
     }
     let vague: Vec<String> = i

@@ -5,7 +5,7 @@ use crate::data::data;
 use crate::draw::Look;
 use crate::html::{Cell, escape, page, section, table};
 use crate::plot::{Plot, Plots};
-use crate::words::{interval, number, p_value, with_interval};
+use crate::words::{interval, number, p_value, p_with_sign, with_interval};
 use windfall_discover::{NORMAL_95, ci95};
 use windfall_study::many::{CampaignOutcome, ManySummary, PooledParameter, Status};
 
@@ -135,7 +135,7 @@ fn heterogeneity(p: &PooledParameter) -> String {
     } else {
         "campaigns differ by no more than their errors"
     };
-    format!("Q = {} of {} degrees of freedom, p = {}: {word}.", number(q.q), q.n.saturating_sub(1), p_value(q.p_value))
+    format!("Q = {} of {} degrees of freedom, {}: {word}.", number(q.q), q.n.saturating_sub(1), p_with_sign(q.p_value))
 }
 
 /// Estimates of the campaigns with their 95 % intervals, then the mean with its own and, thin, that of one more campaign.
