@@ -4,7 +4,7 @@
 use crate::air::Track;
 use crate::algebra::{V, attitude};
 use crate::craft::Craft;
-use crate::flight::{Plan, apart, follow};
+use crate::flight::{Plan, STEEP, apart, follow};
 use crate::instruments::clean;
 use crate::knobs::{Knob as K, Knobs};
 use crate::motion::{Drive, World};
@@ -51,6 +51,8 @@ fn differ(family: &str, values: &[f64], knobs: &[(K, f64)], change: impl Fn(&mut
         duration: (truth.len() - 1) as f64 / flight.rate_hz,
         rate_hz: flight.rate_hz,
         start,
+        size: 1.0,
+        steep: STEEP,
     };
     let here = clean(&follow(&world, &plan).expect("it flies here"), &craft, &set, 1.0);
     let there = &flown.record;

@@ -74,6 +74,21 @@ impl Craft {
         }
     }
 
+    /// The same at another length scale, Froude's number and the gas kept.
+    pub(crate) fn sized(&self, size: f64) -> Self {
+        let long = |v: V| v.map(|x| x * size);
+        Self {
+            mass: self.mass * size.powi(3),
+            inertia: self.inertia.map(|i| i * size.powi(5)),
+            cm: long(self.cm),
+            diameter: self.diameter * size,
+            hook: long(self.hook),
+            ring: long(self.ring),
+            drag_area: self.drag_area * size.powi(2),
+            line_weight: self.line_weight * size.powi(3),
+            ..self.clone()
+        }
+    }
     pub(crate) fn area(&self) -> f64 {
         std::f64::consts::FRAC_PI_4 * self.diameter * self.diameter
     }

@@ -3,7 +3,7 @@
 use crate::air::Track;
 use crate::algebra::{V, angles, attitude};
 use crate::craft::Craft;
-use crate::flight::{Flown, Plan, apart, fly};
+use crate::flight::{Flown, Plan, STEEP, apart, fly};
 use crate::knobs::Knobs;
 use crate::motion::{Drive, World};
 use std::io::Write as _;
@@ -43,7 +43,16 @@ fn pub_exact_record_is_met() {
     let (craft, knobs) = (Craft::sage(), Knobs::default());
     let drive = Drive::Given(Track::new(0.0, 1.0 / 150.0, rows.iter().map(|r| r[9]).collect()));
     let world = World::new(&craft, &knobs, craft.trim(), drive, 1.0);
-    let plan = Plan { name: "exact".to_owned(), kind: "perturbed", hold_out: false, duration: 15.0, rate_hz: 150.0, start };
+    let plan = Plan {
+        name: "exact".to_owned(),
+        kind: "perturbed",
+        hold_out: false,
+        duration: 15.0,
+        rate_hz: 150.0,
+        start,
+        size: 1.0,
+        steep: STEEP,
+    };
     let flown: Flown = fly(&world, &plan, 0.0).expect("it flies");
     let worst = rows.iter().enumerate().fold((0.0_f64, 0.0_f64), |worst, (k, row)| {
         let s = flown.sample(k);

@@ -13,6 +13,9 @@ pub(crate) struct Plan {
     pub(crate) rate_hz: f64,
     /// Place, Euler angles (rad), velocity, body rates at release.
     pub(crate) start: [V; 4],
+    /// Length scale of the test section over the thesis', and the largest angle that the model may reach, rad.
+    pub(crate) size: f64,
+    pub(crate) steep: f64,
 }
 
 /// Truth at one sample.
@@ -40,11 +43,11 @@ pub(crate) struct Flown {
 /// Limits of the test section, m, and the largest angle, rad, that a model may reach.
 const WIDE: f64 = 1.4;
 const HIGH: f64 = 1.3;
-const STEEP: f64 = 0.75;
+pub(crate) const STEEP: f64 = 0.75;
 
 /// Flies; `None` when it leaves the section, tumbles or is not a number. `lead` seconds are flown before the record begins.
 pub(crate) fn fly(world: &World<'_>, plan: &Plan, lead: f64) -> Option<Flown> {
-    flown(world, plan, lead, inside)
+    flown(world, plan, lead, |s| inside(s, plan))
 }
 
 /// The same wherever it leads, short of tumbling: for a model that follows a record.
@@ -94,8 +97,8 @@ fn wind_rate(world: &World<'_>, t: f64, y: &State) -> f64 {
     }
 }
 
-fn inside(s: &Sample) -> bool {
-    s.x[0].abs() < HIGH && s.x[1].hypot(s.x[2]) < WIDE && s.angle < STEEP
+fn inside(s: &Sample, plan: &Plan) -> bool {
+    s.x[0].abs() < plan.size * HIGH && s.x[1].hypot(s.x[2]) < plan.size * WIDE && s.angle < plan.steep
 }
 
 impl Flown {
@@ -136,14 +139,15 @@ impl Flown {
     }
 }
 
-/// Start of a run released at an angle: tilted by `tilt` in direction `clock`, rolled, with small rates; place and speed near rest.
-pub(crate) fn released(c: &mut crate::chance::Chance, tilt: f64, still: f64) -> [V; 4] {
+/// Start of a run released at an angle: tilted by `tilt` in direction `clock`, rolled, with small rates; place and speed near rest. Lengths
+/// and times are those of a model of a `size` of the thesis'.
+pub(crate) fn released(c: &mut crate::chance::Chance, tilt: f64, still: f64, size: f64) -> [V; 4] {
     let clock = c.phase();
     let roll = c.phase() - std::f64::consts::PI;
     let x = [c.uniform(-0.12, 0.12), c.uniform(-0.25, 0.25), c.uniform(-0.25, 0.25)];
     let v = scale([c.normal(), c.normal(), c.normal()], 0.015);
     let w = [c.uniform(-0.4, 0.4), still * c.normal(), still * c.normal()];
-    [x, [roll, tilt * clock.cos(), tilt * clock.sin()], v, w]
+    [scale(x, size), [roll, tilt * clock.cos(), tilt * clock.sin()], scale(v, size.sqrt()), scale(w, 1.0 / size.sqrt())]
 }
 
 /// Largest distance of two attitudes and places, for comparisons.

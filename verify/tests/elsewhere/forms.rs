@@ -60,9 +60,25 @@ pub(crate) const FORMS: &[Form] = &[
     form!("flipping-drag", "CA: time, steps", |s, c| [AxialBurst = 0.05 * s]),
 ];
 
-/// Adds form number `which` to a campaign.
-pub(crate) fn plant(spec: &mut Spec, which: usize, size: f64, c: &mut Chance) {
-    let form = &FORMS[which % FORMS.len()];
+/// Forms of group M, which no generic basis of the program was made for.
+pub(crate) const NEW: &[Form] = &[
+    form!("drag-by-roll-rate", "CA: roll rate", |s, c| [RollDrag = 80.0 * s * c.sign()]),
+    form!("torsion-of-the-line", "Cl: roll angle", |s, c| [Torsion = 2e-4 * s]),
+    form!("late-moment", "Cm, Cn: angle, late", |s, c| [LagM = 0.15 * s, LagMTime = c.factor(0.1, 0.4)]),
+    form!("dead-band", "VW: its own change", |s, c| [DeadBand = 0.03 * s]),
+    form!("wavy-moment", "Cm, Cn: angle", |s, c| [Wavy = 0.04 * s * c.sign()]),
+    form!("separation-at-an-edge", "CA, CN: angle, a step", |s, c| [Edge = 0.2 * s, EdgeAt = c.uniform(0.05, 0.12)]),
+    form!("vanes-by-speed", "Cl: speed", |s, c| [VaneSpeed = 0.06 * s * c.sign()]),
+    form!("stiff-pulley", "CA, tether: sign of the line's rate", |s, c| [Pulley = 0.3 * s]),
+    form!("warm-column", "all: place", |s, c| [Plume = 0.03 * s]),
+    form!("parallax", "Y: height", |s, c| [Parallax = 0.05 * s * c.sign()]),
+    form!("yaw-tone", "Cn: line in frequency", |s, c| [YawTone = 0.02 * s, YawToneHz = c.factor(0.5, 3.0)]),
+    form!("sagging-trim", "Cm: time", |s, c| [Sag = 0.02 * s * c.sign()]),
+];
+
+/// Adds form number `which` of a list to a campaign.
+pub(crate) fn plant(spec: &mut Spec, forms: &[Form], which: usize, size: f64, c: &mut Chance) {
+    let form = &forms[which % forms.len()];
     (form.plant)(spec, size, c);
     spec.families.push("unexplained".to_owned());
     spec.tag("form", form.name);

@@ -1,5 +1,6 @@
 //! Groups of campaigns, named as in the shared foreign ones: A clean, B noise, C constants, D turbulence, E outside the
-//! catalogue, F several effects, G one effect hardly visible, S one effect plainly visible.
+//! catalogue, F several effects, G one effect hardly visible, S one effect plainly visible. H to L are in `laboratory`; M has forms
+//! outside the catalogue that were written later.
 
 use crate::air::{Colour, Gusts};
 use crate::chance::Chance;
@@ -14,7 +15,7 @@ use crate::write::LABORATORY;
 /// A campaign that flies: number `i` of a group. Draws are made again until one does.
 ///
 /// # Panics
-/// On a group that is not of A to G or S, or when none of 200 draws flies.
+/// On a group that is not of A to M or S, or when none of 200 draws flies.
 pub(crate) fn draw(group: &str, i: usize, seed: u64) -> (Spec, Vec<Run>) {
     (0..200)
         .find_map(|attempt| sized(group, i, seed * 1_000_003 + i as u64 * 1009 + attempt))
@@ -27,7 +28,7 @@ fn sized(group: &str, i: usize, seed: u64) -> Option<(Spec, Vec<Run>)> {
     let mut c = Chance::new(seed, 7);
     let [low, high] = match group {
         "G" => SMALL,
-        "E" => PLAIN,
+        "E" | "M" => PLAIN,
         "D" => [IN_GUSTS, f64::INFINITY],
         _ => [PLAIN[0], f64::INFINITY],
     };
@@ -40,7 +41,7 @@ fn sized(group: &str, i: usize, seed: u64) -> Option<(Spec, Vec<Run>)> {
         let given = spec.families.iter().filter(|f| !random.contains(&f.as_str())).count();
         let runs = spec.fly()?;
         let apart = match predicted {
-            _ if given == 0 || group == "F" => return Some((spec, runs)),
+            _ if given == 0 || ["F", "I", "J", "L"].contains(&group) => return Some((spec, runs)),
             Some(apart) => apart,
             None => crate::sizes::apart(&spec, &runs)?,
         };
@@ -67,11 +68,11 @@ const IN_GUSTS: f64 = 12.0;
 const MOST: f64 = 3.0;
 
 /// Large sizes: this much of a plainly visible one.
-fn large(c: &mut Chance, gain: f64) -> f64 {
+pub(crate) fn large(c: &mut Chance, gain: f64) -> f64 {
     gain * c.factor(0.7, 1.5)
 }
 
-fn start(group: &str, what: &str, other: bool, seed: u64, c: &mut Chance) -> Spec {
+pub(crate) fn start(group: &str, what: &str, other: bool, seed: u64, c: &mut Chance) -> Spec {
     let craft = if other { Craft::other(c) } else { Craft::sage() };
     let mut spec = Spec::plain(group, what, craft, other, seed);
     spec.tag("craft", if other { "other" } else { "sage" });
@@ -89,12 +90,18 @@ pub(crate) fn spec(group: &str, i: usize, seed: u64, gain: f64) -> Spec {
         "E" => outside(i, seed, gain, c),
         "F" => several(i, seed, gain, c),
         "G" | "S" => single(group, i, seed, gain, c),
-        other => panic!("no group {other}: A to G, or S"),
+        "M" => {
+            let (size, mut spec) = (large(c, gain), start(group, "outside", i % 3 == 2, seed, c));
+            forms::plant(&mut spec, forms::NEW, i, size, c);
+            spec
+        }
+        "H" | "I" | "J" | "K" | "L" => crate::laboratory::spec(group, i, seed, gain, c),
+        other => panic!("no group {other}: A to M, or S"),
     }
 }
 
 /// Effects that stand beside something else: spread over the catalogue by the number, turbulence not among them.
-fn partner(i: usize) -> &'static str {
+pub(crate) fn partner(i: usize) -> &'static str {
     let others: Vec<&str> = FAMILIES.into_iter().filter(|f| *f != "turbulence").collect();
     others[(i * 7 + 3) % others.len()]
 }
@@ -161,7 +168,7 @@ fn noisy(i: usize, seed: u64, gain: f64, c: &mut Chance) -> Spec {
     spec
 }
 
-fn with_effect(spec: &mut Spec, family: &str, size: f64, c: &mut Chance) {
+pub(crate) fn with_effect(spec: &mut Spec, family: &str, size: f64, c: &mut Chance) {
     spec.what.push_str(" + effect");
     spec.tag("effect", family);
     spec.tag("times", size);
@@ -218,7 +225,7 @@ fn outside(i: usize, seed: u64, gain: f64, c: &mut Chance) -> Spec {
     let which = i * 5 % count;
     let mut spec = start("E", "outside", i % 3 == 2, seed, c);
     if which < forms::FORMS.len() {
-        forms::plant(&mut spec, which, size, c);
+        forms::plant(&mut spec, forms::FORMS, which, size, c);
     } else {
         let name = LATER[which - forms::FORMS.len()];
         plant(&mut spec, name, size, c);

@@ -27,6 +27,18 @@ impl Hand {
             unsteady,
         }
     }
+    /// The same before a model of another size: times grow with its root, as speeds do.
+    pub(crate) fn sized(self, size: f64) -> Self {
+        let slow = size.sqrt();
+        Self {
+            gain: self.gain / slow,
+            lead: self.lead * slow,
+            lag: self.lag * slow,
+            fan: self.fan / slow,
+            unsteady: self.unsteady.map(|(a, w, phase)| (a * slow, w / slow, phase)),
+            ..self
+        }
+    }
     pub(crate) fn start(&self, height: f64) -> [f64; 3] {
         [self.trim, 0.0, height]
     }

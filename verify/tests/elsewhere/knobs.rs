@@ -102,6 +102,25 @@ knobs! {
     Ice "ice" "C_A grows by this part in ten seconds";
     OneSided "one_sided" "static moment only of one sign of α";
     CrossDamp "cross_damp" "C_m by r̂, C_n by −q̂";
+    RollDrag "roll_drag" "C_A by p̂²";
+    Torsion "torsion" "torsion of the line by the roll angle, N m/rad";
+    LagM "lag_m" "part of the static moment that comes late";
+    LagMTime "lag_m_time" "how late, s";
+    DeadBand "dead_band" "recorded speed moves only after this change, m/s";
+    Wavy "wavy" "static moment by sin 6 α_T";
+    Edge "edge" "C_A lost and C_N gained beyond an angle";
+    EdgeAt "edge_at" "sine of that angle";
+    VaneSpeed "vane_speed" "C_l by V/V_trim − 1";
+    Pulley "pulley" "pull by its own size and the sign of the line's rate, part";
+    Plume "plume" "density lost in a column of warm air, part";
+    Parallax "parallax" "Y off by X Y, 1/m";
+    YawTone "yaw_tone" "C_n of a tone";
+    YawToneHz "yaw_tone_hz" "its frequency";
+    Sag "sag" "C_m that comes within four seconds and stays";
+    WallAt "wall_at" "radius at which a wall is touched, m";
+    WallStiff "wall_stiff" "its stiffness, N/m";
+    WallDamp "wall_damp" "its damping, N s/m";
+    Heating "heating" "temperature rises by this part in ten seconds, recorded";
     AxialBurst "axial_burst" "C_A that flips between two values";
 }
 

@@ -19,6 +19,7 @@ mod groups;
 mod hand;
 mod instruments;
 mod knobs;
+mod laboratory;
 mod motion;
 mod outside;
 mod score;

@@ -141,7 +141,9 @@ impl<'a> World<'a> {
         let w = times(&self.inertia_inverse, back(&r, [y[9], y[10], y[11]]));
         let u = sub(v_body, wind_body);
         let speed = norm(u);
-        let density = self.craft.density() * (1.0 - self.knobs.get(K::Warm) * t / 10.0);
+        let density = self.craft.density() * (1.0 - self.knobs.get(K::Warm) * t / 10.0)
+            / (1.0 + self.knobs.get(K::Heating) * t / 10.0)
+            * outside::thinned(self, x);
         let c = self.craft;
         let arm = sub(c.hook, c.cm);
         let to_ring = sub(back(&r, sub(outside::ring(self, t), x)), arm);

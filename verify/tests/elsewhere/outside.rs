@@ -30,6 +30,12 @@ pub(crate) fn wind(world: &World<'_>, t: f64, x: V, speed_w: f64) -> V {
     wind
 }
 
+/// Density over that of the gas at rest.
+pub(crate) fn thinned(world: &World<'_>, x: V) -> f64 {
+    let away2 = (x[1] + 0.1).powi(2) + (x[2] - 0.15).powi(2);
+    1.0 - world.knobs.get(K::Plume) * (-away2 / (2.0 * 0.15 * 0.15)).exp()
+}
+
 /// Where the ring is.
 pub(crate) fn ring(world: &World<'_>, t: f64) -> V {
     let (k, mut ring) = (world.knobs, world.craft.ring);
@@ -63,6 +69,25 @@ pub(crate) fn early(world: &World<'_>, i: &Instant, state: &State, load: &mut Lo
     if k.any(&[K::Jump]) {
         stiff += k.get(K::Jump) * 0.5 * (1.0 + ((s - k.get(K::JumpAt)) / 0.01).tanh()) / s.max(0.02);
     }
+    c[0] += k.get(K::RollDrag) * (p * hat).powi(2);
+    if k.any(&[K::LagM]) {
+        let late = a[5] * k.get(K::LagM);
+        c[4] += late * (state[23] - z);
+        c[5] -= late * (state[22] - y);
+    }
+    if k.any(&[K::Edge]) {
+        let beyond = 0.5 * (1.0 + ((s - k.get(K::EdgeAt)) / 0.02).tanh());
+        c[0] -= k.get(K::Edge) * beyond;
+        c[1] -= k.get(K::Edge) * beyond * y / s.max(0.01);
+        c[2] += k.get(K::Edge) * beyond * z / s.max(0.01);
+    }
+    c[3] += k.get(K::VaneSpeed) * (i.speed / world.trim - 1.0);
+    c[5] += k.get(K::YawTone) * (TAU * k.get(K::YawToneHz) * i.t + world.phase).sin();
+    let wave = k.get(K::Wavy) * (6.0 * s).sin() / s.max(0.01);
+    (c[4], c[5]) = (c[4] + wave * z, c[5] - wave * y);
+    c[4] += k.get(K::Sag) * (1.0 - (-i.t.max(0.0) / 4.0).exp());
+    load.m[0] -= k.get(K::Torsion) * i.r[2][1].atan2(i.r[1][1]);
+    let c = &mut load.c;
     c[3] += k.get(K::RollPitch) * y * z;
     c[4] += stiff * z + world.own_cm0 + k.get(K::QQ) * q * q.abs() * hat * hat + k.get(K::CrossDamp) * r * hat;
     c[5] += -stiff * y + k.get(K::QQ) * r * r.abs() * hat * hat - k.get(K::CrossDamp) * q * hat;
@@ -80,6 +105,14 @@ pub(crate) fn early(world: &World<'_>, i: &Instant, state: &State, load: &mut Lo
         let size = -i.q * world.craft.area() * k.get(K::Wall) * away2;
         let push = back(&i.r, [0.0, size * i.x[1], size * i.x[2]]);
         load.f = crate::algebra::add(load.f, push);
+    }
+    if k.any(&[K::WallStiff]) {
+        let (away, at) = (i.x[1].hypot(i.x[2]), k.get(K::WallAt));
+        if away > at {
+            let outward = [0.0, i.x[1] / away, i.x[2] / away];
+            let size = (k.get(K::WallStiff) * (away - at) + k.get(K::WallDamp) * dot(outward, i.v)).max(0.0);
+            load.f = crate::algebra::sub(load.f, back(&i.r, outward.map(|o| o * size)));
+        }
     }
     if k.any(&[K::Fluid]) {
         let coupling = k.get(K::Fluid) / k.get(K::FluidTime);
@@ -111,10 +144,10 @@ pub(crate) fn inner(world: &World<'_>, i: &Instant, y: &State, dy: &mut [f64; ST
             dy[19 + j] = (i.w[j] - y[19 + j]) / k.get(K::FluidTime);
         }
     }
-    if k.any(&[K::LagN]) {
-        let (a, b) = flow_across(i);
-        dy[22] = (a - y[22]) / k.get(K::LagN);
-        dy[23] = (b - y[23]) / k.get(K::LagN);
+    if k.any(&[K::LagN, K::LagM]) {
+        let ((a, b), late) = (flow_across(i), k.get(K::LagN).max(k.get(K::LagMTime)));
+        dy[22] = (a - y[22]) / late;
+        dy[23] = (b - y[23]) / late;
     }
     if k.any(&[K::Bend]) {
         let w0 = TAU * k.get(K::BendHz);

@@ -3,7 +3,7 @@
 use crate::air::{Gusts, narrow};
 use crate::chance::Chance;
 use crate::craft::Craft;
-use crate::flight::{Flown, Plan, fly, released};
+use crate::flight::{Flown, Plan, STEEP, fly, released};
 use crate::hand::Hand;
 use crate::instruments::{Noise, Row, record};
 use crate::knobs::{Knob as K, Knobs};
@@ -27,6 +27,14 @@ pub(crate) struct Spec {
     pub(crate) knobs: Knobs,
     pub(crate) gusts: Option<Gusts>,
     pub(crate) noise: Noise,
+    /// Runs of another craft, by their place.
+    pub(crate) own_craft: Vec<(usize, Craft)>,
+    /// Noise of each run over that of the others; one beyond its end.
+    pub(crate) run_noise: Vec<f64>,
+    /// Length scale of craft, tether and test section over the thesis'.
+    pub(crate) size: f64,
+    /// Least and largest angle of release, degrees.
+    pub(crate) release_deg: [f64; 2],
     /// True when the campaign states uncertainties of its constants.
     pub(crate) uncertain: bool,
     pub(crate) tags: Map<String, Value>,
@@ -55,6 +63,10 @@ impl Spec {
             knobs: Knobs::default(),
             gusts: None,
             noise: Noise::default(),
+            own_craft: Vec::new(),
+            run_noise: Vec::new(),
+            size: 1.0,
+            release_deg: [14.0, 25.0],
             uncertain: false,
             tags: Map::new(),
             seed,
@@ -68,6 +80,7 @@ impl Spec {
     /// Runs: two to four released at 14-25° and one to three left to themselves; two of them are held out.
     pub(crate) fn plans(&self) -> Vec<Plan> {
         let mut c = Chance::new(self.seed, 10);
+        let slow = self.size.sqrt();
         let rate_hz = if self.other { [100.0, 110.0, 120.0, 125.0, 130.0, 140.0, 150.0][c.below(7)] } else { 150.0 };
         let tilted = if self.other { 3 + c.below(2) } else { 3 };
         let free = if self.other { 2 + c.below(2) } else { 2 };
@@ -75,7 +88,7 @@ impl Spec {
         for k in 0..tilted + free {
             let perturbed = k < tilted;
             let number = if perturbed { k + 1 } else { k + 1 - tilted };
-            let seconds = |a: f64, b: f64, c: &mut Chance| (c.uniform(a, b) * 10.0).round() / 10.0;
+            let seconds = |a: f64, b: f64, c: &mut Chance| (slow * c.uniform(a, b) * 10.0).round() / 10.0;
             let kind = if perturbed { "perturbed" } else { "unperturbed" };
             plans.push(Plan {
                 name: format!("{kind}-{number}"),
@@ -84,6 +97,8 @@ impl Spec {
                 duration: if perturbed { seconds(12.0, 16.0, &mut c) } else { seconds(18.0, 27.0, &mut c) },
                 rate_hz,
                 start: [[0.0; 3]; 4],
+                size: self.size,
+                steep: if self.release_deg[1] > 30.0 { 1.2 } else { STEEP },
             });
         }
         plans.sort_by_key(|p| p.hold_out);
@@ -92,10 +107,11 @@ impl Spec {
 
     /// The world of run `k`; its random air is drawn from the campaign's seed.
     pub(crate) fn world(&self, k: usize, duration: f64) -> World<'_> {
-        let trim = self.craft.trim();
+        let craft = self.craft_of(k);
+        let trim = craft.trim();
         let mut c = Chance::new(self.seed, 100 + k as u64);
-        let hand = Hand::new(trim, &mut c);
-        let mut world = World::new(&self.craft, &self.knobs, trim, Drive::Hand(hand), k as f64 + 1.0);
+        let hand = Hand::new(trim, &mut c).sized(self.size);
+        let mut world = World::new(craft, &self.knobs, trim, Drive::Hand(hand), k as f64 + 1.0);
         world.phase = c.phase();
         world.own_cm0 = self.knobs.get(K::Scatter) * c.normal();
         world.gusts = self.gusts.map(|g| g.draw(trim, duration, &mut c));
@@ -105,6 +121,11 @@ impl Spec {
             world.shedding = Some([one(), one()]);
         }
         world
+    }
+
+    /// Who flies in run `k`.
+    fn craft_of(&self, k: usize) -> &Craft {
+        self.own_craft.iter().find(|(run, _)| *run == k).map_or(&self.craft, |(_, craft)| craft)
     }
 
     /// Seconds that are flown before the record begins, for instruments that look back.
@@ -120,12 +141,14 @@ impl Spec {
             let mut c = Chance::new(self.seed, 200 + k as u64);
             let flown = (0..8).find_map(|_| {
                 let perturbed = plan.kind == "perturbed";
-                let tilt = if perturbed { c.uniform(14.0, 25.0) } else { c.uniform(0.8, 2.5) };
-                plan.start = released(&mut c, tilt.to_radians(), if perturbed { 0.15 } else { 0.02 });
+                let tilt = if perturbed { c.uniform(self.release_deg[0], self.release_deg[1]) } else { c.uniform(0.8, 2.5) };
+                plan.start = released(&mut c, tilt.to_radians(), if perturbed { 0.15 } else { 0.02 }, self.size);
                 fly(&world, &plan, self.lead())
             })?;
             let mut c = Chance::new(self.seed, 300 + k as u64);
-            let rows = record(&flown, &self.craft, &self.knobs, world.trim, &self.noise, &mut c);
+            let times = self.run_noise.get(k).copied().unwrap_or(1.0);
+            let noise = Noise { gain: self.noise.gain.map(|g| g * times), ..self.noise.clone() };
+            let rows = record(&flown, self.craft_of(k), &self.knobs, world.trim, &noise, &mut c);
             Some(Run { plan, flown, rows })
         };
         self.plans().into_iter().enumerate().map(one).collect()

@@ -2,6 +2,7 @@
 
 use crate::craft::{AERO, Craft, GAS, GRAVITY};
 use crate::instruments::Row;
+use crate::knobs::Knob;
 use crate::spec::{Run, Spec};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
@@ -33,15 +34,18 @@ pub(crate) fn campaign(root: &Path, name: &str, spec: &Spec, runs: &[Run]) -> st
     let folder = root.join(name);
     std::fs::create_dir_all(&folder)?;
     for run in runs {
-        std::fs::write(folder.join(format!("{}.csv", run.plan.name)), csv(&run.rows, &spec.craft))?;
+        std::fs::write(
+            folder.join(format!("{}.csv", run.plan.name)),
+            csv(&run.rows, &spec.craft, spec.knobs.get(Knob::Heating)),
+        )?;
     }
     std::fs::write(folder.join("campaign.toml"), toml(name, spec, runs))
 }
 
-fn csv(rows: &[Row], craft: &Craft) -> String {
+fn csv(rows: &[Row], craft: &Craft, heating: f64) -> String {
     let mut text = String::from("t_s,X_m,Y_m,Z_m,Rx_deg,Ry_deg,Rz_deg,ps_Pa,VW_m_s,Ts_K\n");
     for [t, x, y, z, a, b, c, v] in rows {
-        let (ps, ts) = (craft.pressure, craft.temperature);
+        let (ps, ts) = (craft.pressure, craft.temperature * (1.0 + heating * t / 10.0));
         let _ = writeln!(text, "{t:.6},{x:.5},{y:.5},{z:.5},{a:.4},{b:.4},{c:.4},{ps:.1},{v:.5},{ts:.3}");
     }
     text
@@ -120,7 +124,7 @@ pub(crate) fn answer(name: &str, spec: &Spec) -> Value {
     let n = &spec.noise;
     if *n != crate::instruments::Noise::default() {
         a["sensor"] = json!({"gain": n.gain, "ar": n.ar, "student": n.heavy, "drop": n.drop, "gaps": n.gaps, "quantum": n.quantum,
-            "hum": n.hum, "outliers": n.outliers});
+            "hum": n.hum, "outliers": n.outliers, "corner_hz": n.corner_hz, "resampled_hz": n.resampled_hz, "wander": n.wander});
     }
     a
 }
