@@ -64,8 +64,7 @@ pub(crate) fn tether(world: &World<'_>, i: &Instant) -> (V, V) {
     let (direction, length, rate) = i.line;
     let nominal = crate::algebra::norm(c.ring) - crate::algebra::norm(c.hook);
     let steady = i.q * c.drag_area - c.line_weight;
-    let slow = steady * (1.0 + k.get(K::TethLen) * (length - nominal)) + outside::line(world, length - nominal, rate);
-    let slow = slow * (1.0 + k.get(K::Pulley) * (rate / 0.02).tanh());
+    let slow = steady * (1.0 + k.get(K::TethLen) * (length - nominal)) + outside::line(world, steady, length - nominal, rate);
     let whole = slow + k.get(K::TethC) * rate;
     // Slack, not stiff.
     let pull = if whole < 0.0 && slow > 0.0 {

@@ -1,5 +1,6 @@
 //! Groups of records as laboratories have them: H filtered or taken again before they were written, I runs that differ, J instruments that
-//! wander and clocks that are apart, K other sizes, L walls, steep angles and a gas that warms. Every second one has an effect too, but for J.
+//! wander and clocks that are apart, K other sizes, L walls, steep angles and a gas that warms. Every second one has an effect of the catalogue too,
+//! where nothing else is to be found.
 
 use crate::chance::Chance;
 use crate::craft::Craft;

@@ -32,6 +32,9 @@ pub(crate) fn wind(world: &World<'_>, t: f64, x: V, speed_w: f64) -> V {
 
 /// Density over that of the gas at rest.
 pub(crate) fn thinned(world: &World<'_>, x: V) -> f64 {
+    if !world.knobs.any(&[K::Plume]) {
+        return 1.0;
+    }
     let away2 = (x[1] + 0.1).powi(2) + (x[2] - 0.15).powi(2);
     1.0 - world.knobs.get(K::Plume) * (-away2 / (2.0 * 0.15 * 0.15)).exp()
 }
@@ -44,10 +47,10 @@ pub(crate) fn ring(world: &World<'_>, t: f64) -> V {
     ring
 }
 
-/// Pull of the line besides.
-pub(crate) fn line(world: &World<'_>, beyond: f64, rate: f64) -> f64 {
+/// Pull of the line besides its steady one.
+pub(crate) fn line(world: &World<'_>, steady: f64, beyond: f64, rate: f64) -> f64 {
     let k = world.knobs;
-    k.get(K::Stick) * (rate / 0.02).tanh() + k.get(K::Snap) * (beyond - 0.05).max(0.0)
+    (k.get(K::Stick) + k.get(K::Pulley) * steady) * (rate / 0.02).tanh() + k.get(K::Snap) * (beyond - 0.05).max(0.0)
 }
 
 /// Coefficients, force and moment that need no acceleration.
@@ -82,17 +85,25 @@ pub(crate) fn early(world: &World<'_>, i: &Instant, state: &State, load: &mut Lo
         c[2] += k.get(K::Edge) * beyond * z / s.max(0.01);
     }
     c[3] += k.get(K::VaneSpeed) * (i.speed / world.trim - 1.0);
-    c[5] += k.get(K::YawTone) * (TAU * k.get(K::YawToneHz) * i.t + world.phase).sin();
-    let wave = k.get(K::Wavy) * (6.0 * s).sin() / s.max(0.01);
-    (c[4], c[5]) = (c[4] + wave * z, c[5] - wave * y);
-    c[4] += k.get(K::Sag) * (1.0 - (-i.t.max(0.0) / 4.0).exp());
-    load.m[0] -= k.get(K::Torsion) * i.r[2][1].atan2(i.r[1][1]);
-    let c = &mut load.c;
+    if k.any(&[K::YawTone]) {
+        c[5] += k.get(K::YawTone) * (TAU * k.get(K::YawToneHz) * i.t + world.phase).sin();
+    }
+    if k.any(&[K::Wavy]) {
+        let wave = k.get(K::Wavy) * (6.0 * s).sin() / s.max(0.01);
+        c[4] += wave * z;
+        c[5] -= wave * y;
+    }
+    if k.any(&[K::Sag]) {
+        c[4] += k.get(K::Sag) * (1.0 - (-i.t.max(0.0) / 4.0).exp());
+    }
     c[3] += k.get(K::RollPitch) * y * z;
     c[4] += stiff * z + world.own_cm0 + k.get(K::QQ) * q * q.abs() * hat * hat + k.get(K::CrossDamp) * r * hat;
     c[5] += -stiff * y + k.get(K::QQ) * r * r.abs() * hat * hat - k.get(K::CrossDamp) * q * hat;
     c[4] += k.get(K::OneSided) * z.max(0.0) + k.get(K::Bend) * state[24];
     load.m[0] -= k.get(K::Swivel) * (p / 0.03).tanh();
+    if k.any(&[K::Torsion]) {
+        load.m[0] -= k.get(K::Torsion) * i.r[2][1].atan2(i.r[1][1]);
+    }
     if k.any(&[K::Magnet]) {
         let field = back(&i.r, [0.3, 0.8, 0.52]);
         let torque = cross([0.0, k.get(K::Magnet), 0.0], field);

@@ -77,7 +77,7 @@ impl Spec {
         self.tags.insert(key.to_owned(), value.into());
     }
 
-    /// Runs: two to four released at 14-25° and one to three left to themselves; two of them are held out.
+    /// Runs: two to four released at an angle (`release_deg`) and one to three left to themselves; two of them are held out.
     pub(crate) fn plans(&self) -> Vec<Plan> {
         let mut c = Chance::new(self.seed, 10);
         let slow = self.size.sqrt();
