@@ -6,7 +6,7 @@ use crate::gram::Gram;
 use crate::hum::{Hum, take_off};
 use crate::joined::joined;
 use crate::model::{Id, Member, Model, Number, PLAUSIBLE, VAGUE_PRIOR};
-use crate::noise::{ChannelNoise, declared, learn};
+use crate::noise::{ChannelNoise, by_run, declared, learn};
 use crate::random::Spectra;
 use crate::run::Prepared;
 use crate::search::is_within;
@@ -213,7 +213,7 @@ impl Engine {
         }
         let (gas, wind) = (campaign.plant.environment.gas_constant_j_kg_k, noise[POSE]);
         let runs = records.par_iter().map(|(i, r)| Prepared::new(*i, &owned.runs[*i].name, r, gas, NODE_S, &wind)).collect();
-        Some(Self {
+        let engine = Self {
             campaign: owned,
             runs,
             noise,
@@ -228,14 +228,30 @@ impl Engine {
             bursts_std: [0.0; 2],
             held: Vec::new(),
             work: Arc::default(),
-        })
+        };
+        Some(engine.in_noise(noise))
+    }
+
+    /// The runs in noise of that size and colour, each with as much of it as its own record has; all with the same where noise is declared.
+    fn in_noise(mut self, noise: PerChannel<ChannelNoise>) -> Self {
+        self.noise = noise;
+        if !self.campaign.knowledge.exact_noise {
+            let tunnel = |run: &Prepared| match &self.campaign.runs[run.index].data {
+                Data::Tunnel(record) => Some(record),
+                Data::Point(_) => None,
+            };
+            let records: Vec<&Record> = self.runs.iter().filter_map(tunnel).collect();
+            let ratios = by_run(&records, &noise);
+            self.runs.iter_mut().zip(ratios).for_each(|(run, ratio)| run.noise = ratio);
+        }
+        self
     }
 
     /// Other runs of the campaign, or of one like it, in the noise of these; `None` without a tunnel run among them.
     #[must_use]
     pub fn beside(&self, campaign: &Campaign, runs: &[usize]) -> Option<Self> {
         let own = Campaign { knowledge: self.campaign.knowledge.clone(), ..campaign.clone() };
-        Some(Self { noise: self.noise, slack: self.slack, spectra: self.spectra, ..Self::new(&own, runs)? })
+        Some(Self { slack: self.slack, spectra: self.spectra, ..Self::new(&own, runs)?.in_noise(self.noise) })
     }
 
     /// The campaign with what its runs leave uncertain: the instant of a pose within its sample interval.

@@ -216,11 +216,12 @@ impl<'a> Filter<'a> {
         let craft = Craft::complete(s.plant).ok()?;
         let step_s = run.step_s() / (1.0 + s.plant.sensors.time_base);
         let random = inputs(s.plant, run.speed_m_s, step_s, s.spectra);
+        let noise: PerChannel<ChannelNoise> = std::array::from_fn(|c| s.noise[c].times(run.noise[c]));
         let coloured: Vec<(usize, MeanNoise)> =
-            (0..POSE).filter(|&c| s.noise[c].coloured > 0.0).map(|c| (c, s.noise[c].of_means(run.block))).collect();
+            (0..POSE).filter(|&c| noise[c].coloured > 0.0).map(|c| (c, noise[c].of_means(run.block))).collect();
         let nm = if s.plant.vehicle.loose.is_some() { MOTION } else { STATES };
         let states = nm + random.iter().map(|r| r.order).sum::<usize>() + 2 * coloured.len();
-        let white = std::array::from_fn(|c| s.noise[c].white.max(1e-6 * s.noise[c].coloured));
+        let white = std::array::from_fn(|c| noise[c].white.max(1e-6 * noise[c].coloured));
         Some(Self {
             run,
             plant: s.plant,

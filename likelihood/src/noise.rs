@@ -28,6 +28,20 @@ impl ChannelNoise {
     pub fn std(&self) -> f64 {
         (self.white + self.coloured).sqrt()
     }
+    /// Logarithm of the noise's variance in a spectrum over this one's, and the variance of that logarithm; none of too few ordinates of noise alone.
+    fn log_ratio(&self, spectrum: &[Ordinate]) -> Option<[f64; 2]> {
+        let r = self.correlation;
+        let expected = |o: &Ordinate| self.white + self.coloured * (1.0 - r * r) / (1.0 + r * r - 2.0 * r * o.w.cos());
+        let ratios: Vec<f64> = spectrum.iter().filter(|o| o.noise_alone).map(|o| o.power / expected(o)).collect();
+        let n = ratios.len() as f64;
+        // A window makes neighbours alike: half of the ordinates are independent.
+        (ratios.len() >= FEWEST).then(|| [mean_of_exponential(&ratios).ln(), 2.0 / n])
+    }
+    /// With that many times the variance.
+    #[must_use]
+    pub(crate) fn times(self, ratio: f64) -> Self {
+        Self { white: ratio * self.white, coloured: ratio * self.coloured, ..self }
+    }
     /// The coloured part of means of `m` samples in a row, by which the last sample leads to the next mean: a mean of a first-order process is
     /// none itself.
     pub(crate) fn of_means(&self, m: usize) -> MeanNoise {
@@ -80,7 +94,7 @@ pub(crate) fn learn(records: &[&Record], sensors: &Sensors) -> PerChannel<Channe
     let share = |c: usize| records.iter().map(|r| r.noise_share(c)).fold(1.0, f64::min);
     let prior = std::array::from_fn(|c| ChannelNoise::white(std[c] * share(c).sqrt()));
     let spectra: PerChannel<Vec<Ordinate>> = std::array::from_fn(|c| records.iter().flat_map(|r| spectrum(r, c)).collect());
-    if spectra.iter().any(|s| s.iter().filter(|o| o.noise_alone).count() < 50) {
+    if spectra.iter().any(|s| s.iter().filter(|o| o.noise_alone).count() < FEWEST) {
         return prior;
     }
     let plain: PerChannel<f64> = std::array::from_fn(|c| {
@@ -109,6 +123,25 @@ pub(crate) fn learn(records: &[&Record], sensors: &Sensors) -> PerChannel<Channe
         let variance = searches[c].at(share, r).1;
         ChannelNoise { white: (1.0 - share) * variance, coloured: share * variance, correlation: r }
     })
+}
+
+/// Fewest ordinates of noise alone from which a run's own noise is learnt.
+const FEWEST: usize = 50;
+
+/// Variance of the pose noise in each run over that in all runs together, by channel. The ratios are drawn towards one by as much as their own
+/// error explains their spread (empirical Bayes: Efron and Morris 1973).
+#[must_use]
+pub(crate) fn by_run(records: &[&Record], noise: &PerChannel<ChannelNoise>) -> Vec<PerChannel<f64>> {
+    let mut all = vec![[1.0; CHANNELS]; records.len()];
+    for (c, whole) in noise.iter().enumerate().take(POSE) {
+        let seen: Vec<Option<[f64; 2]>> = records.iter().map(|r| whole.log_ratio(&spectrum(r, c))).collect();
+        let squares: Vec<f64> = seen.iter().flatten().map(|[log, variance]| log * log - variance).collect();
+        let spread = (squares.iter().sum::<f64>() / squares.len().max(1) as f64).max(0.0);
+        for (run, seen) in all.iter_mut().zip(&seen) {
+            run[c] = seen.map_or(1.0, |[log, variance]| (log * spread / (spread + variance)).exp());
+        }
+    }
+    all
 }
 
 /// One ordinate of a spectrum.
@@ -177,6 +210,16 @@ fn filled(record: &Record, channel: usize) -> (Vec<f64>, f64) {
     (series, ratio)
 }
 
+/// Mean of numbers that are spread exponentially; those far beyond it, as of lines, count as far as such a tail goes.
+fn mean_of_exponential(all: &[f64]) -> f64 {
+    let n = all.len() as f64;
+    let mut mean = all.iter().sum::<f64>() / n;
+    for _ in 0..3 {
+        mean = all.iter().map(|p| p.min(12.0 * mean)).sum::<f64>() / n;
+    }
+    mean
+}
+
 /// White plus first-order noise, beside a motion's steep spectrum or not, on one channel.
 struct Search<'a> {
     spectrum: &'a [Ordinate],
@@ -194,15 +237,11 @@ impl Search<'_> {
             if self.motion { &[0.0, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 3e3, 1e4, 1e5] } else { &[0.0] };
         for motion in sizes {
             let whole: Vec<f64> = self.spectrum.iter().zip(&shapes).map(|(o, s)| s + motion * o.ratio.powi(-STEEP)).collect();
-            let each = || self.spectrum.iter().zip(&whole).map(|(o, s)| o.power / s);
-            let n = whole.len() as f64;
-            let mut variance = each().sum::<f64>() / n;
-            for _ in 0..3 {
-                variance = each().map(|p| p.min(12.0 * variance)).sum::<f64>() / n;
-            }
-            let cost = n * variance.ln()
+            let each: Vec<f64> = self.spectrum.iter().zip(&whole).map(|(o, s)| o.power / s).collect();
+            let variance = mean_of_exponential(&each);
+            let cost = whole.len() as f64 * variance.ln()
                 + whole.iter().map(|s| s.ln()).sum::<f64>()
-                + each().map(|p| p.min(12.0 * variance)).sum::<f64>() / variance;
+                + each.iter().map(|p| p.min(12.0 * variance)).sum::<f64>() / variance;
             if cost < best.0 {
                 best = (cost, variance);
             }

@@ -6,7 +6,7 @@
 use crate::intensity::Intensity;
 use crate::noise::ChannelNoise;
 use crate::wind::Speed;
-use windfall_model::{POSE, Record};
+use windfall_model::{CHANNELS, POSE, PerChannel, Record};
 
 /// Mean over the samples of a block that were measured.
 #[derive(Clone, Copy, Debug, Default)]
@@ -46,6 +46,8 @@ pub(crate) struct Prepared {
     pub(crate) speed: Speed,
     /// Mean airspeed, m/s.
     pub(crate) speed_m_s: f64,
+    /// Variance of its noise over that of all runs together, by channel.
+    pub(crate) noise: PerChannel<f64>,
     /// Variance of the gusts along the run over its mean.
     pub(crate) intensity: Intensity,
 }
@@ -66,6 +68,7 @@ impl Prepared {
             start: [[0.0; 2]; POSE],
             speed: Speed::new(&sampled, every as f64 * dt, noise, &missing).from(first as f64 * dt),
             speed_m_s: record.mean_airspeed_m_s(),
+            noise: [1.0; CHANNELS],
             intensity: Intensity::default(),
         }
         .in_nodes(record, gas_constant, node_s)

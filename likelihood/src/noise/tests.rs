@@ -227,3 +227,32 @@ fn recover_colours_that_differ() {
         assert!((neighbours - if c == 2 { 0.0 } else { 0.8 }).abs() < 0.3, "{c}: {noise:?}");
     }
 }
+
+/// Runs of one noise keep it; of three runs of which one has four times the noise each has its own. 650 independent ordinates: 4 % a sigma.
+#[test]
+fn recover_noise_of_each_run() {
+    let mut rng = ChaCha8Rng::seed_from_u64(6);
+    let mut run = |std: f64| {
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        record(|| std * normal())
+    };
+    let whole = ChannelNoise::white(1e-3);
+    let alike = [run(1e-3), run(1e-3), run(1e-3)];
+    let ratios = by_run(&alike.iter().collect::<Vec<_>>(), &[whole; CHANNELS]);
+    assert!(ratios.iter().all(|r| (r[0] - 1.0).abs() < 0.15 && r[POSE] == 1.0), "{ratios:?}");
+    let [first, second, _] = &alike;
+    let other = run(4e-3);
+    let found = by_run(&[first, second, &other], &[whole; CHANNELS]);
+    assert!((found[2][1] / 16.0 - 1.0).abs() < 0.2 && (found[0][1] - 1.0).abs() < 0.2, "{found:?}");
+    // Coloured noise: the ratio is to the noise's spectrum, not to its variance.
+    let expected = ChannelNoise { white: 0.0, coloured: 1e-6, correlation: 0.9 };
+    let (mut state, r) = (0.0, 0.9_f64);
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let red = record(|| {
+        let e: f64 = StandardNormal.sample(&mut rng);
+        state = r * state + (1.0 - r * r).sqrt() * 2e-3 * e;
+        state
+    });
+    let found = by_run(&[&red], &[expected; CHANNELS])[0][0];
+    assert!((found / 4.0 - 1.0).abs() < 0.2, "{found}");
+}
