@@ -1,7 +1,7 @@
 //! likelihood: passes over all runs, and climbing to the most likely numbers. In: campaign, model. Out: normal equations, fitted models.
 
 use crate::columns::{Basis, SensitivityColumn, Site};
-use crate::filter::{Departed, Keep, PassSetting, Seen, pass};
+use crate::filter::{Departed, Keep, PassSetting, Seen, number_plants, pass};
 use crate::gram::Gram;
 use crate::hum::{Hum, take_off};
 use crate::joined::joined;
@@ -375,7 +375,8 @@ impl Engine {
             };
             let columns: Vec<SensitivityColumn> = columns.iter().map(of_run).collect();
             let (noise, slack, spectra, unseen) = (&self.noise, self.slack, self.spectra, self.unseen);
-            pass(run, &PassSetting { plant: &own, noise, columns: &columns, beside, slack, spectra, unseen, keep })
+            let numbers = number_plants(&own);
+            pass(run, &PassSetting { plant: &own, noise, columns: &columns, numbers: &numbers, beside, slack, spectra, unseen, keep })
         };
         let seen: Vec<Result<Seen, Departed>> = self.runs.par_iter().map(one).collect();
         seen.into_iter().collect()

@@ -22,7 +22,7 @@ pub(crate) use beside::NodeInnovations;
 use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, Simd, WithSimd};
 use rows::VECTOR;
-use windfall_model::{Campaign, Entry, POSE, PerChannel, Plant};
+use windfall_model::{Campaign, Disturbance, Entry, POSE, PerChannel, Plant, RunNumber};
 use windfall_pid::equations::{ADDED, Craft, LOOSE, MOTION, STATES, TunnelAir};
 
 /// Spread of the first state about its start: wide, so that the data decide (m, rad, m/s, rad/s).
@@ -74,12 +74,17 @@ impl Departed {
     }
 }
 
+/// Step of a number that differs from run to run, in its unit.
+const NUMBER_STEP: f64 = 1e-4;
+
 /// What a pass is made at.
 #[derive(Clone, Copy)]
 pub(crate) struct PassSetting<'a> {
     pub(crate) plant: &'a Plant,
     pub(crate) noise: &'a PerChannel<ChannelNoise>,
     pub(crate) columns: &'a [SensitivityColumn],
+    /// Of each number that differs from run to run, in their order: the plant with the number [`NUMBER_STEP`] away.
+    pub(crate) numbers: &'a [Plant],
     /// Plants that differ in their random inputs alone, of the same kinds: what filters with those see is found beside.
     pub(crate) beside: &'a [Plant],
     /// Share of [`SLACK`] that the accelerations are left free by from node to node.
@@ -99,6 +104,7 @@ impl<'a> PassSetting<'a> {
             plant,
             noise,
             columns: &[],
+            numbers: &[],
             beside: &[],
             slack: 0.0,
             spectra: Spectra::default(),
@@ -151,6 +157,8 @@ struct Filter<'a> {
     plant: &'a Plant,
     craft: Craft<'a>,
     random: Vec<Input>,
+    /// Numbers that differ from run to run: the place of each among the states, and a plant with the number a small step away.
+    numbers: Vec<(usize, Craft<'a>)>,
     /// Coloured noise of node means, by channel.
     coloured: Vec<(usize, MeanNoise)>,
     white: [f64; POSE],
@@ -165,6 +173,17 @@ struct Filter<'a> {
     /// Columns, and the length of rows that hold them.
     columns: usize,
     nc: usize,
+}
+
+/// Plants with each number that differs from run to run a small step away.
+pub(crate) fn number_plants(plant: &Plant) -> Vec<Plant> {
+    let number = |d: Disturbance| if let Entry::Number(number) = d.entry { Some(number) } else { None };
+    let moved = |number: RunNumber| {
+        let mut plant = plant.clone();
+        number.change(&mut plant, NUMBER_STEP);
+        plant
+    };
+    plant.disturbances(1.0).into_iter().filter_map(number).map(moved).collect()
 }
 
 /// Runs the filter over a run. `plant` and the columns' plants are those of this run.
@@ -221,12 +240,17 @@ impl<'a> Filter<'a> {
             (0..POSE).filter(|&c| noise[c].coloured > 0.0).map(|c| (c, noise[c].of_means(run.block))).collect();
         let nm = if s.plant.vehicle.loose.is_some() { MOTION } else { STATES };
         let states = nm + random.iter().map(|r| r.order).sum::<usize>() + 2 * coloured.len();
+        let is_number = |(_, input): &(usize, &Input)| matches!(input.entry, Entry::Number(_));
+        let places: Vec<usize> = placed(nm, &random).filter(is_number).map(|(at, _)| at).collect();
+        let crafts = s.numbers.iter().map(|plant| Craft::complete(plant).ok()).collect::<Option<Vec<_>>>()?;
+        let numbers = places.into_iter().zip(crafts).collect();
         let white = std::array::from_fn(|c| noise[c].white.max(1e-6 * noise[c].coloured));
         Some(Self {
             run,
             plant: s.plant,
             craft,
             random,
+            numbers,
             coloured,
             white,
             slack: s.slack,
@@ -358,7 +382,7 @@ impl<'a> Filter<'a> {
     fn intensity(&self, input: &Input, k: usize) -> f64 {
         match input.entry {
             Entry::AirVelocity(axis) => self.run.intensity.at(axis, self.run.nodes[k].t_s),
-            Entry::Coefficient(_) => 1.0,
+            _ => 1.0,
         }
     }
 
@@ -369,11 +393,7 @@ impl<'a> Filter<'a> {
 
     /// The same of other inputs.
     fn placed<'i>(&self, random: &'i [Input]) -> impl Iterator<Item = (usize, &'i Input)> {
-        random.iter().scan(self.nm, |next, input| {
-            let at = *next;
-            *next += input.order;
-            Some((at, input))
-        })
+        placed(self.nm, random)
     }
 
     /// Inputs at an instant of a step: tunnel speed with its rate, then what the air adds.
@@ -396,6 +416,8 @@ impl<'a> Filter<'a> {
                     added[3 + axis] += (0..ORDER).map(|i| input.rate[i] * q[i]).sum::<f64>();
                 }
                 Entry::Coefficient(c) => added[6 + c] += q[0],
+                Entry::RecordedSpeed => added[0] += q[0],
+                Entry::RecordedPose(_) | Entry::Number(_) => {}
             }
         }
         (air, added)
@@ -477,6 +499,15 @@ impl<'a> Filter<'a> {
     }
 }
 
+/// Random inputs with the places of their first states, the first at `from`.
+fn placed(from: usize, random: &[Input]) -> impl Iterator<Item = (usize, &Input)> {
+    random.iter().scan(from, |next, input| {
+        let at = *next;
+        *next += input.order;
+        Some((at, input))
+    })
+}
+
 /// States of a random input, zero beyond its order.
 fn states(z: &[f64], at: usize, order: usize) -> [f64; ORDER] {
     let mut q = [0.0; ORDER];
@@ -510,6 +541,8 @@ struct Work {
     turned: Vec<f64>,
     s: Vec<f64>,
     gamma: Vec<f64>,
+    /// Slopes of the rates of motion by each number that differs from run to run.
+    by_number: Vec<[f64; MOTION]>,
     /// Slopes of the rates of motion by motion, and their second and third powers.
     powers: [Vec<f64>; 3],
     /// What motion makes of slopes by what the air adds, once and twice.
@@ -535,6 +568,7 @@ impl Work {
             turned: vec![0.0; n * n],
             s: vec![0.0; n * nc],
             gamma: vec![0.0; f.nm * f.nm],
+            by_number: Vec::new(),
             powers: std::array::from_fn(|_| vec![0.0; f.nm * f.nm]),
             pushed: [[[0.0; ADDED]; MOTION]; 2],
             terms: Vec::new(),

@@ -126,6 +126,10 @@ impl Member {
         let mut forms = vec![self.values.clone()];
         let mut seen: Vec<(&[f64], usize)> = Vec::new();
         for (i, p) in self.parameters.iter().enumerate() {
+            if p.role == Role::AeroPlace {
+                forms = with_each(&forms, i, &p.places());
+                continue;
+            }
             let Role::Shape(tried) = p.role else { continue };
             if self.random
                 && let Some((_, twin)) = seen.iter().find(|(list, _)| *list == tried)

@@ -133,8 +133,16 @@ fn driven(a: &Rates, b: &States, step_s: f64) -> Driven {
 }
 
 fn input(d: &Disturbance, step_s: f64, spectra: Spectra) -> Input {
+    let is_gust = matches!(d.entry, Entry::AirVelocity(_));
+    let spectra = if is_gust { spectra } else { Spectra::default() };
     // Rates of the states, where white noise enters, and the form by the states.
     let (order, (a, b, form)) = match d.shape {
+        Shape::Constant => return constant(d),
+        Shape::DrydenLongitudinal { time_s } if !is_gust => {
+            let mut a = -Rates::identity();
+            a[(0, 0)] = -1.0 / time_s;
+            (1, (a, States::x(), States::x()))
+        }
         Shape::DrydenLongitudinal { time_s } if spectra.von_karman => (3, ratio(time_s, &ALONG)),
         Shape::DrydenLateral { time_s } if spectra.von_karman => (4, ratio(time_s, &ACROSS)),
         Shape::DrydenLongitudinal { time_s } => (3, gust(time_s, 1.0)),
@@ -158,7 +166,7 @@ fn input(d: &Disturbance, step_s: f64, spectra: Spectra) -> Input {
         _ => 1.0,
     };
     let size = d.rms * (share / (form.transpose() * p * form)[(0, 0)]).sqrt();
-    let rate = if matches!(d.entry, Entry::AirVelocity(_)) { a.row(0).transpose() } else { States::zeros() };
+    let rate = if is_gust { a.row(0).transpose() } else { States::zeros() };
     let step = driven(&a, &(b * size), step_s);
     // Rows that make the integrals of the input and of its rate from those of the states.
     let mut of_sums = SMatrix::<f64, REACH, WITH_SUMS>::zeros();
@@ -184,6 +192,27 @@ fn input(d: &Disturbance, step_s: f64, spectra: Spectra) -> Input {
         crossed: std::array::from_fn(|r| std::array::from_fn(|c| crossed[(r, c)])),
         stationary: rows(&(p * (size * size))),
         broad: if matches!(d.shape, Shape::Band { .. }) { OUTSIDE * d.rms } else { 0.0 },
+    }
+}
+
+/// One number for the whole of a run.
+fn constant(d: &Disturbance) -> Input {
+    let mut one = [[0.0; ORDER]; ORDER];
+    one[0][0] = 1.0;
+    let mut stationary = [[0.0; ORDER]; ORDER];
+    stationary[0][0] = d.rms * d.rms;
+    Input {
+        entry: d.entry,
+        order: 1,
+        rate: [0.0; ORDER],
+        whole: one,
+        added: [[0.0; ORDER]; ORDER],
+        stages: [one; QUARTERS],
+        reach: [[0.0; ORDER]; REACH],
+        reach_added: [[0.0; REACH]; REACH],
+        crossed: [[0.0; ORDER]; REACH],
+        stationary,
+        broad: 0.0,
     }
 }
 

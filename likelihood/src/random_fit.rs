@@ -220,7 +220,11 @@ pub(crate) fn random_numbers(model: &Model) -> Vec<(usize, usize)> {
         .enumerate()
         .filter(|(_, m)| m.random)
         .flat_map(|(k, m)| (0..m.values.len()).map(move |i| (k, i)))
-        .filter(|&(k, i)| model.members[k].parameters[i].role == Role::Strength || model.members[k].values[i] > 0.0)
+        .filter(|&(k, i)| match model.members[k].parameters[i].role {
+            Role::Strength => true,
+            Role::AeroPlace => false,
+            _ => model.members[k].values[i] > 0.0,
+        })
         .collect()
 }
 

@@ -15,7 +15,7 @@ use crate::engine::{Engine, Fit, penalty};
 use crate::model::Model;
 use crate::random_fit::{log_range, random_numbers};
 use nalgebra::DMatrix;
-use windfall_model::{Role, Shape};
+use windfall_model::{Disturbance, Entry, Role, Shape};
 use windfall_pid::NORMAL_95;
 
 /// What is known of one number of a random member.
@@ -78,9 +78,12 @@ impl Engine {
         /// Most steps of scoring in the other form, which starts near.
         const STEPS: usize = 4;
         let own = self.ranges_in(&fit.model);
-        let dryden = |d: &Shape| matches!(d, Shape::DrydenLongitudinal { .. } | Shape::DrydenLateral { .. });
+        let dryden = |d: &Disturbance| {
+            let is_of_form = matches!(d.shape, Shape::DrydenLongitudinal { .. } | Shape::DrydenLateral { .. });
+            is_of_form && matches!(d.entry, Entry::AirVelocity(_))
+        };
         let plant = fit.model.plant(&self.campaign);
-        if self.spectra.von_karman || !plant.disturbances(1.0).iter().any(|d| dryden(&d.shape)) {
+        if self.spectra.von_karman || !plant.disturbances(1.0).iter().any(dryden) {
             return own;
         }
         let mut other = self.clone();

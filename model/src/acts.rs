@@ -5,6 +5,8 @@
 pub enum Acts {
     /// A body with attitude, in the tunnel or in free flight.
     Lander,
+    /// Runs of a lander whose records are at hand: what drifts in them, or differs between them.
+    Runs,
     /// A body without attitude in free flight.
     PointMass,
     /// Such a body whose height is that of a pressure altimeter.
@@ -27,6 +29,7 @@ impl Acts {
     pub fn on(self, body: Self) -> bool {
         self == Self::Any
             || self == body
+            || (self == Self::Runs && body == Self::Lander)
             || (self == Self::PointMass && body == Self::Altimeter)
             || (self == Self::Attitude && matches!(body, Self::Lander | Self::FreeFlight))
             || (self == Self::PointOrPivot && matches!(body, Self::PointMass | Self::Altimeter | Self::Pivot))

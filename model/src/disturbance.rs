@@ -2,6 +2,8 @@
 //!
 //! The simulator draws them, the tracer uses their cross-spectra; both read the same few numbers.
 
+use crate::channel::POSE;
+use crate::run_scatter::RunNumber;
 use std::f64::consts::{PI, SQRT_2};
 
 /// Gusts of the tunnel, of Dryden's form (MIL-F-8785C 1980; Dryden, NACA TR 342, 1930) or limited to a band. Zero rms in a declared model.
@@ -30,6 +32,21 @@ pub struct WakeShedding {
     pub bandwidth: f64,
 }
 
+/// Slow wander of what the instruments show: a first-order process of the time constant [`DRIFT_TIME_S`]. Over much shorter times it is a random
+/// walk of rms √(2/T) per root second. Zero rms in a declared model.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Drift {
+    /// rms of each axis of the recorded position, m.
+    pub position_rms_m: f64,
+    /// rms of each recorded angle, rad.
+    pub attitude_rms_rad: f64,
+    /// rms of the recorded tunnel speed, m/s.
+    pub speed_rms_m_s: f64,
+}
+
+/// Time constant of an instrument's drift, s: of the order of a run, so that it can be told from an offset and from noise.
+pub const DRIFT_TIME_S: f64 = 30.0;
+
 /// Where a random input enters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Entry {
@@ -37,6 +54,12 @@ pub enum Entry {
     AirVelocity(usize),
     /// Coefficient by index 0..6 (C_A, C_Y, C_N, C_l, C_m, C_n).
     Coefficient(usize),
+    /// The recorded tunnel speed, m/s.
+    RecordedSpeed,
+    /// A recorded channel of the pose by its place, m or rad.
+    RecordedPose(usize),
+    /// A number of the plant that each run has another value of.
+    Number(RunNumber),
 }
 
 /// Linear shaping filter of second order from white noise: `ẍ = −b ẋ − a x + (c₀ + c₁ s) w`, in the form of its density.
@@ -67,6 +90,8 @@ pub enum Shape {
         /// Half-power bandwidth, rad/s.
         bandwidth_rad_s: f64,
     },
+    /// One number for the whole of a run: all of its density is at ω = 0.
+    Constant,
 }
 
 /// One random input, independent of the others.
@@ -96,6 +121,7 @@ impl Disturbance {
                 let c2 = c * c;
                 (2.0 / PI) * b * c2 / ((c2 - w2).powi(2) + b * b * w2)
             }
+            Shape::Constant => 0.0,
         };
         self.rms * self.rms * unit
     }
@@ -114,6 +140,7 @@ impl Disturbance {
             Shape::Narrow { centre_rad_s: w0, bandwidth_rad_s: bw } => {
                 ([[0.0, 1.0], [-w0 * w0, -bw]], [0.0, self.rms * w0 * (2.0 * bw).sqrt()], [1.0, 0.0])
             }
+            Shape::Constant => ([[0.0; 2]; 2], [0.0; 2], [1.0, 0.0]),
             Shape::Band { centre_rad_s: w, bandwidth_rad_s: b } => {
                 // The output, its rate, its second integral and its first, time in units of 1/ω₀.
                 let (wide, damped) = (b / w, SQRT_2 * b);
@@ -187,5 +214,19 @@ impl WakeShedding {
             shape: Shape::Narrow { centre_rad_s, bandwidth_rad_s: self.bandwidth * centre_rad_s },
         };
         [one(4), one(5)].into_iter().filter(|d| d.rms > 0.0).collect()
+    }
+}
+
+impl Drift {
+    /// Drift of the six channels of the pose and of the tunnel speed; empty where no instrument drifts.
+    #[must_use]
+    pub fn disturbances(&self) -> Vec<Disturbance> {
+        let pose = |place: usize| (Entry::RecordedPose(place), if place < 3 { self.position_rms_m } else { self.attitude_rms_rad });
+        (0..POSE)
+            .map(pose)
+            .chain([(Entry::RecordedSpeed, self.speed_rms_m_s)])
+            .filter(|(_, rms)| *rms > 0.0)
+            .map(|(entry, rms)| Disturbance { entry, rms, shape: Shape::DrydenLongitudinal { time_s: DRIFT_TIME_S } })
+            .collect()
     }
 }

@@ -2,11 +2,12 @@
 
 use crate::aero::{Aero, Wrench, wrench_at_cm};
 use crate::air::{Environment, dynamic_pressure_pa};
-use crate::disturbance::{Disturbance, Turbulence, WakeShedding};
+use crate::disturbance::{Disturbance, Drift, Turbulence, WakeShedding};
 use crate::flow::{FlowState, MeanFlow};
 use crate::frames::{Body, Rotation, Tunnel, Vec3};
 use crate::free_flight::FreeFlight;
 use crate::point::{CoefficientTable, PointAir, PointMass};
+use crate::run_scatter::RunScatter;
 use crate::sensors::Sensors;
 use crate::tether::Tether;
 use crate::vehicle::Vehicle;
@@ -26,6 +27,10 @@ pub struct Plant {
     pub turbulence: Turbulence,
     /// Random wake moment.
     pub shedding: WakeShedding,
+    /// Slow drift of the instruments.
+    pub drift: Drift,
+    /// What differs from run to run.
+    pub scatter: RunScatter,
     /// Contacts with a pole or line.
     pub contacts: Vec<Contact>,
     /// Gravity and gas.
@@ -204,11 +209,14 @@ impl Plant {
             || self.aero.extra.iter().any(|(c, _, t)| force(*c) && t.factors.iter().any(damps))
     }
 
-    /// Random inputs at mean airspeed `speed` (m/s): turbulence and wake shedding, each with its spectrum.
+    /// Random inputs at mean airspeed `speed` (m/s), each with its spectrum: turbulence, wake shedding, drift of instruments, and numbers that
+    /// differ from run to run.
     #[must_use]
     pub fn disturbances(&self, speed_m_s: f64) -> Vec<Disturbance> {
         let mut all = self.turbulence.disturbances(speed_m_s);
         all.extend(self.shedding.disturbances(speed_m_s, self.vehicle.diameter_m));
+        all.extend(self.drift.disturbances());
+        all.extend(self.scatter.disturbances());
         all
     }
 

@@ -183,6 +183,13 @@ plant_numbers! {
     plant "shedding.moment_rms" "", "-" PURE ANY, Effect "rms of the wake's moment coefficients", p => &mut p.shedding.moment_rms;
     plant "shedding.strouhal" "", "-" PURE ANY, Effect "Strouhal number of the wake", p => &mut p.shedding.strouhal;
     plant "shedding.bandwidth" "", "-" PURE ANY, Effect "relative bandwidth of the wake", p => &mut p.shedding.bandwidth;
+    plant "drift.position_rms_m" "", "m" LENGTH ANY, Effect "rms of the drift of each axis of the position", p => &mut p.drift.position_rms_m;
+    plant "drift.attitude_rms_rad" "", "rad" PURE ANY, Effect "rms of the drift of each angle", p => &mut p.drift.attitude_rms_rad;
+    plant "drift.speed_rms_m_s" "", "m/s" SPEED ANY, Effect "rms of the drift of the recorded tunnel speed", p => &mut p.drift.speed_rms_m_s;
+    plant "scatter.mass" "", "-" PURE ANY, Effect "scatter of the mass from run to run, as a share of it", p => &mut p.scatter.mass;
+    plant "scatter.attachment_m" "", "m" LENGTH ANY, Effect "scatter of the tether's attachment from run to run, each axis", p => &mut p.scatter.attachment_m;
+    plant "scatter.aero" "", "-" PURE ANY, Effect "scatter of an aerodynamic parameter from run to run, as a share of it", p => &mut p.scatter.aero;
+    plant "scatter.aero_place" "", "-" PURE ANY, Effect "place of that parameter in the structure", p => &mut p.scatter.aero_place;
     plant "environment.gravity_m_s2" "", "m/s2" ACCELERATION [0.0, 300.0], Declared "acceleration of gravity", p => &mut p.environment.gravity_m_s2;
     plant "environment.gas_constant_j_kg_k" "", "J/(kg K)" PURE [10.0, 1e4], Declared "specific gas constant", p => &mut p.environment.gas_constant_j_kg_k;
     plant "environment.air_density_kg_m3" "", "kg/m3" DENSITY [0.0, 1e3], DeclaredOfPoint "density of the air", p => &mut p.point.air_density_kg_m3;

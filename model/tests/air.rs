@@ -7,7 +7,7 @@ use windfall_model::planet::{
     Air, Atmosphere, AtmosphereTable, Gravity, GustProfile, Planet, Reference, Spheroid, WindTable, Winds,
 };
 use windfall_model::{
-    CoefficientTable, Disturbance, Entry, FreeFlight, PointMass, Record, Setting, Shape, ShapingFilter, StateForm, Thrust,
+    CoefficientTable, DRIFT_TIME_S, Disturbance, Drift, Entry, FreeFlight, PointMass, Record, RunNumber, RunScatter, Setting, Shape, ShapingFilter, StateForm, Thrust,
     Turbulence, WakeShedding,
 };
 
@@ -113,6 +113,7 @@ fn exact_gusts_and_vortices_scale_with_the_speed() {
             Shape::Band { centre_rad_s, bandwidth_rad_s } | Shape::Narrow { centre_rad_s, bandwidth_rad_s } => {
                 (centre_rad_s, bandwidth_rad_s)
             }
+            Shape::Constant => panic!("no gust"),
         };
         t.disturbances(7.0).into_iter().map(|d| (d.entry, d.rms, numbers(d.shape).0, numbers(d.shape).1)).collect()
     };
@@ -134,6 +135,22 @@ fn exact_gusts_and_vortices_scale_with_the_speed() {
         close(centre_rad_s, 14.0 * PI, 1e-15);
         close(bandwidth_rad_s, 3.5 * PI, 1e-15);
     }
+}
+
+/// Drift has an input for each channel, and what differs between runs one for each number, which is changed by that share of itself or by that length.
+#[test]
+fn exact_drift_and_scatter() {
+    let all = Drift { position_rms_m: 0.1, attitude_rms_rad: 0.2, speed_rms_m_s: 0.3 }.disturbances();
+    let pose = (0..6).map(|c| (Entry::RecordedPose(c), if c < 3 { 0.1 } else { 0.2 }));
+    let expected: Vec<(Entry, f64)> = pose.chain([(Entry::RecordedSpeed, 0.3)]).collect();
+    assert_eq!(all.iter().map(|d| (d.entry, d.rms)).collect::<Vec<_>>(), expected);
+    assert!(all.iter().all(|d| d.shape == Shape::DrydenLongitudinal { time_s: DRIFT_TIME_S }));
+    let all = RunScatter { mass: 0.1, attachment_m: 0.2, aero: 0.3, aero_place: 1.0 }.disturbances();
+    let numbers = [RunNumber::Mass, RunNumber::Attachment(1), RunNumber::Attachment(2), RunNumber::Aero(1)];
+    assert_eq!(all.iter().map(|d| d.entry).collect::<Vec<_>>(), numbers.map(Entry::Number));
+    assert_eq!(all.iter().map(|d| d.rms).collect::<Vec<_>>(), [0.1, 0.2, 0.2, 0.3]);
+    assert!(all.iter().all(|d| d.shape == Shape::Constant && d.density(0.1) == 0.0));
+    assert!(RunScatter::default().disturbances().is_empty() && Drift::default().disturbances().is_empty());
 }
 
 /// A turning sphere of 1 km with shear in its wind, and a body that climbs straight up from its ground: air and ground velocity by components,

@@ -55,6 +55,8 @@ fn plant(wind_axes: bool) -> Plant {
         flow: MeanFlow::default(),
         turbulence: Turbulence::default(),
         shedding: WakeShedding::default(),
+        drift: Default::default(),
+        scatter: Default::default(),
         contacts: Vec::new(),
         environment: Environment { gravity_m_s2: GRAVITY, gas_constant_j_kg_k: f64::NAN },
         sensors: Sensors::default(),

@@ -111,6 +111,8 @@ fn plant() -> Plant {
         flow: FLOW,
         turbulence: Turbulence::default(),
         shedding: WakeShedding::default(),
+        drift: Default::default(),
+        scatter: Default::default(),
         contacts: vec![contact()],
         environment: Environment { gravity_m_s2: 9.8, gas_constant_j_kg_k: 287.0 },
         sensors: Sensors::default(),

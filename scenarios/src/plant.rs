@@ -63,6 +63,8 @@ pub(crate) fn read_declared(file: &Table<'_>, scenario: bool) -> Option<Declared
         flow: MeanFlow::default(),
         turbulence: Turbulence::default(),
         shedding: WakeShedding::default(),
+        drift: Default::default(),
+        scatter: Default::default(),
         contacts: Vec::new(),
         environment: environment?,
         sensors,

@@ -65,7 +65,7 @@ fn effect(text: &mut String, e: &Effect) {
         Acts::Pivot => " (point mass on a pivot)",
         Acts::PointOrPivot => " (point mass, free or on a pivot)",
         Acts::FreeFlight => " (rigid body in free flight)",
-        Acts::Lander | Acts::Attitude | Acts::Any => "",
+        Acts::Lander | Acts::Runs | Acts::Attitude | Acts::Any => "",
     };
     let _ = write!(text, "\n### `{}`{acts}\n\n{} Source: {}.\n", e.family, e.physics, e.source);
     text.push_str("\n| parameter | unit | allowed | kind |\n|---|---|---|---|\n");
@@ -79,6 +79,7 @@ fn parameter(text: &mut String, p: &Parameter) {
         Role::Shape(_) => "shape",
         Role::Instant => "instant",
         Role::Run => "number of a run, from 0",
+        Role::AeroPlace => "place of a parameter in the aerodynamic structure, from 0",
         Role::Reference => "speed at which strengths are stated; the trim speed where it is 0 or left out",
     };
     let mut range = allowed_range([p.lowest(), p.high], "-").replace("must be a finite number", "finite");

@@ -219,7 +219,7 @@ fn ready<'a>(order: &Order<'a>, index: usize, stepping: Stepping) -> Result<(Kin
     if let Stepping::Rk4 { steps_per_sample } = stepping {
         check_step(order.flight, steps_per_sample, setup.step_max_s)?;
     }
-    let terms = LaneTerms::new(&order.plant.aero)
+    let terms = LaneTerms::new(&setup.plant.aero)
         .ok_or(SimError::NotInBatch { what: "an aerodynamic structure of this many different terms" })?;
     if terms.layout.force_needs_rates() {
         return Err(SimError::NotInBatch { what: "a force that depends on the rate of a wind angle" });
@@ -263,7 +263,7 @@ fn check_step(flight: &Flight, steps_per_sample: u32, step_max_s: f64) -> Result
 }
 
 fn parts(setup: &Setup<'_>) -> Parts {
-    let plant = setup.plant;
+    let plant = &setup.plant;
     let i = plant.vehicle.inertia;
     Parts {
         tether: plant.tether.is_some(),

@@ -66,6 +66,7 @@ pub(crate) fn grid_s(d: &Disturbance, diameter_m: f64, speed_m_s: f64) -> f64 {
     let own = match d.shape {
         Shape::DrydenLongitudinal { time_s } | Shape::DrydenLateral { time_s } => time_s,
         Shape::Narrow { centre_rad_s, .. } | Shape::Band { centre_rad_s, .. } => 1.0 / centre_rad_s,
+        Shape::Constant => f64::INFINITY,
     };
     (own / 16.0).min(diameter_m / speed_m_s / 6.0)
 }

@@ -7,14 +7,16 @@
 //! 3. attitude `R · Rx·Ry·Rz(misalignment)` as angles, roll unwrapped;
 //! 4. that position times 1 + length scale; times of all samples times 1 + time base;
 //! 5. tunnel speed at t − wind delay (held before the first sample), times 1 + wind scale;
-//! 6. noise on the seven channels, each from its own stream, when the flight asks for it;
-//! 7. dynamic pressure ½ρV_W² of the recorded tunnel speed; static pressure and temperature as they are.
+//! 6. drift of the seven channels, each from its own stream;
+//! 7. noise on the seven channels, each from its own stream, when the flight asks for it;
+//! 8. dynamic pressure ½ρV_W² of the recorded tunnel speed; static pressure and temperature as they are.
 
+use crate::noise::realise;
 use crate::seed::{Channel, Seed};
 use crate::smooth::{Smooth, hermite};
 use crate::truth::{Truth, angles};
 use windfall_model::frames::{Body, EulerXyz, Rotation, Tunnel, Vec3};
-use windfall_model::{Flight, Plant, Record, dynamic_pressure_pa};
+use windfall_model::{Entry, Flight, POSE, Plant, Record, dynamic_pressure_pa};
 
 /// What the instruments of `plant` make of a true flight.
 #[must_use]
@@ -43,6 +45,16 @@ pub(crate) fn recorded(plant: &Plant, flight: &Flight, truth: &Truth, seed: Seed
         }
     }
     let mut vw_m_s = wind(truth, s.wind_delay_s, s.wind_scale, flight.rate_hz);
+    for d in plant.drift.disturbances() {
+        let (series, place) = match d.entry {
+            Entry::RecordedPose(place @ 0..3) => (&mut position_m[place], place),
+            Entry::RecordedPose(place) => (&mut attitude_rad[place - 3], place),
+            _ => (&mut vw_m_s, POSE),
+        };
+        let channel = Channel::Drift(u8::try_from(place).expect("channels are below 7"));
+        let wander = realise(&d, 1.0 / flight.rate_hz, n, seed.normals(channel));
+        series.iter_mut().zip(wander).for_each(|(value, by)| *value += by);
+    }
     if flight.sensor_noise {
         let [x, y, z] = &mut position_m;
         let [rx, ry, rz] = &mut attitude_rad;

@@ -26,6 +26,10 @@ pub enum Channel {
     Coefficient(u8),
     /// Scatter of a descent's start.
     Start,
+    /// Drift of a recorded channel, 0 to 6 as sensor noise.
+    Drift(u8),
+    /// Numbers that differ from run to run, by their place.
+    Number(u8),
     /// What a study varies, 0 to 127.
     Varied(u8),
 }
@@ -38,6 +42,8 @@ impl Channel {
             Self::Gust(axis) => 16 + u64::from(axis),
             Self::Coefficient(c) => 24 + u64::from(c),
             Self::Start => 32,
+            Self::Drift(c) => 40 + u64::from(c),
+            Self::Number(place) => 48 + u64::from(place & 63),
             Self::Varied(v) => 128 + u64::from(v & 127),
         }
     }

@@ -7,6 +7,7 @@ use crate::seed::{Channel, Seed};
 use crate::smooth::Smooth;
 use crate::state::BASE;
 use nalgebra::{Matrix3, Matrix6};
+use std::borrow::Cow;
 use std::sync::OnceLock;
 use windfall_model::{AeroProgram, Entry, Flight, Operator, Plant, TunnelSpeed, trim_speed};
 
@@ -16,7 +17,8 @@ const GRID_POINTS: f64 = 2e7;
 /// Everything that the equations of motion need, constant during a flight.
 #[derive(Debug)]
 pub(crate) struct Setup<'a> {
-    pub(crate) plant: &'a Plant,
+    /// The run's own, with what differs from run to run drawn.
+    pub(crate) plant: Cow<'a, Plant>,
     pub(crate) program: AeroProgram,
     pub(crate) density_kg_m3: f64,
     pub(crate) area_m2: f64,
@@ -50,6 +52,8 @@ impl<'a> Setup<'a> {
     /// As [`Setup::new`], but a given history of the tunnel speed is left to the caller.
     pub(crate) fn without_history(plant: &'a Plant, flight: &Flight, seed: Seed) -> Result<Self, SimError> {
         check(plant, flight)?;
+        let own = of_run(plant, seed);
+        let plant: &Plant = &own;
         let density_kg_m3 = plant.environment.density_kg_m3(flight.ps_pa, flight.ts_k);
         let inertia = plant.vehicle.inertia.matrix();
         let inertia_inverse = inertia.try_inverse().filter(|_| plant.vehicle.inertia.is_physical()).ok_or(SimError::Setup {
@@ -59,7 +63,7 @@ impl<'a> Setup<'a> {
         })?;
         let loose = plant.vehicle.loose.is_some();
         let mut setup = Self {
-            plant,
+            plant: own.clone(),
             program: AeroProgram::new(&plant.aero),
             density_kg_m3,
             area_m2: plant.vehicle.area_m2(),
@@ -92,7 +96,7 @@ impl<'a> Setup<'a> {
     }
 
     fn draw_disturbances(&mut self, flight: &Flight, seed: Seed) -> Result<(), SimError> {
-        let speed = mean_airspeed(self.plant, flight, self.density_kg_m3);
+        let speed = mean_airspeed(&self.plant, flight, self.density_kg_m3);
         for d in self.plant.disturbances(speed) {
             let grid_s = noise::grid_s(&d, self.plant.vehicle.diameter_m, speed);
             let points = flight.duration_s / grid_s;
@@ -107,6 +111,8 @@ impl<'a> Setup<'a> {
             match d.entry {
                 Entry::AirVelocity(axis) => self.gusts.push((axis, smooth(Channel::Gust(small(axis))))),
                 Entry::Coefficient(index) => self.coefficient_noise.push((index, smooth(Channel::Coefficient(small(index))))),
+                // The record's, and the run's own plant.
+                Entry::RecordedSpeed | Entry::RecordedPose(_) | Entry::Number(_) => {}
             }
         }
         Ok(())
@@ -126,6 +132,18 @@ impl<'a> Setup<'a> {
             self.step_max_s = self.step_max_s.min(hand.step_max_s());
         }
     }
+}
+
+/// The plant of one run: numbers that differ from run to run drawn.
+fn of_run(plant: &Plant, seed: Seed) -> Cow<'_, Plant> {
+    let mut own = Cow::Borrowed(plant);
+    for (place, d) in (0_u8..).zip(plant.scatter.disturbances()) {
+        if let Entry::Number(number) = d.entry {
+            let drawn = d.rms * seed.normals(Channel::Number(place)).next().unwrap_or(0.0);
+            number.change(own.to_mut(), drawn);
+        }
+    }
+    own
 }
 
 fn small(index: usize) -> u8 {

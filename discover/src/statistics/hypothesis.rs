@@ -18,7 +18,7 @@ pub(super) struct Hypothesis {
 /// Means over runs tell neither the run in which something acts nor the form of a spectrum; both are null. A speed at which strengths are
 /// stated tells nothing.
 fn is_searched(p: &Parameter) -> bool {
-    !matches!(p.role, Role::Run | Role::Reference) && !p.parts_forms()
+    !matches!(p.role, Role::Run | Role::AeroPlace | Role::Reference) && !p.parts_forms()
 }
 
 /// Values where everything is: one number in [0, 1] for each searched parameter.

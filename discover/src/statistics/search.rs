@@ -154,7 +154,7 @@ impl Search<'_> {
         let nothing = Found { h: null.clone(), x: Vec::new(), misfit: f64::INFINITY };
         let mut screened = Vec::new();
         let mut starts = Vec::new();
-        for effect in CATALOGUE.into_iter().filter(|e| e.acts.on(Acts::Lander)) {
+        for effect in pool() {
             let points = self.cover(&null.with(effect), &nothing, self.options.screen_points, self.options.screen_runs);
             let largest_change = points.iter().map(|(_, m)| change(&declared, m, &spread)).fold(0.0, f64::max);
             let gap_closed = points.iter().map(|(_, m)| closed(start, self.gap(m))).fold(0.0, f64::max);
@@ -276,7 +276,7 @@ impl Search<'_> {
     /// Pairs of an effect that leads and one that moves the figures, searched coarsely; best first.
     fn pairs(&self, singles: &[Found], screened: &[Screened]) -> Vec<Found> {
         let moves = |e: &Effect| screened.iter().any(|s| s.moves && s.family == e.family);
-        let others: Vec<&'static Effect> = CATALOGUE.into_iter().filter(|e| e.acts.on(Acts::Lander) && moves(e)).collect();
+        let others: Vec<&'static Effect> = pool().filter(|e| moves(e)).collect();
         let mut all: Vec<Found> = Vec::new();
         for lead in singles {
             for effect in others.iter().filter(|e| !lead.h.families().contains(&e.family)) {
@@ -380,6 +380,11 @@ fn distinct(all: Vec<Found>) -> Vec<Found> {
         }
     }
     kept
+}
+
+/// Effects that statistics of runs can tell: without the records neither drift nor what differs between runs is seen.
+fn pool() -> impl Iterator<Item = &'static Effect> {
+    CATALOGUE.into_iter().filter(|e| e.acts.on(Acts::Lander) && e.acts != Acts::Runs)
 }
 
 #[cfg(test)]

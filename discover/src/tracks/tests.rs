@@ -25,6 +25,8 @@ pub(crate) fn ball(cd: f64) -> Plant {
         flow: MeanFlow::default(),
         turbulence: Turbulence::default(),
         shedding: WakeShedding::default(),
+        drift: Default::default(),
+        scatter: Default::default(),
         contacts: Vec::new(),
         environment: Environment { gravity_m_s2: GRAVITY_M_S2, gas_constant_j_kg_k: 287.0 },
         sensors: Sensors {

@@ -267,6 +267,9 @@ fn to_noise(engine: &Engine, fit: Fit, random: bool) -> Option<Fit> {
 
 /// Forms of a random input that are scanned: every value of its first shape, the middle ones of the others.
 pub(super) fn scanned(m: &Member) -> Vec<Vec<f64>> {
+    if m.parameters.iter().any(|p| p.role == Role::AeroPlace) {
+        return m.forms();
+    }
     let shapes: Vec<(usize, &[f64])> = m
         .parameters
         .iter()

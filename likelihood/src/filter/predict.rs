@@ -2,7 +2,7 @@
 
 use super::beside::Beside;
 use super::rows::{VECTOR, add_rows};
-use super::{Filter, Keep, Ready, SLACK, Stage, Work, states, times};
+use super::{Filter, Keep, NUMBER_STEP, Ready, SLACK, Stage, Work, states, times};
 use crate::columns::{Site, View};
 use crate::random::{Input, REACH};
 use crate::shock::GustNoise;
@@ -47,11 +47,16 @@ impl Filter<'_> {
         let (air, added) = self.air(z, k, Stage::Quarter(2), [0.0; 3]);
         let local = self.craft.local(&flown.middle, air, &added, &mut work.terms)?;
         work.values.clone_from(&work.terms);
+        self.by_numbers(&flown.middle, air, &added, &local, work)?;
         self.transition(k, &local, !beside.is_empty(), work);
         self.step_beside(k, z, beside, &local, work);
         self.push(&At { middle: flown.middle, air, added, local }, columns, view, work)?;
         self.carry(s, columns, &flown.first, work);
         z[..nm].copy_from_slice(&flown.end[..nm]);
+        for (at, _) in &self.numbers {
+            let number = z[*at];
+            (0..nm).for_each(|i| z[i] += work.phi[i * self.n + at] * number);
+        }
         for (at, input) in self.inputs() {
             let q = times(&input.whole, states(z, at, input.order));
             z[at..at + input.order].copy_from_slice(&q[..input.order]);
@@ -62,6 +67,23 @@ impl Filter<'_> {
         }
         let Work { phi, q, half, turned, .. } = work;
         self.spread_on(p, phi, q, [half, turned]);
+        Some(())
+    }
+
+    /// Slopes of the rates of motion by each number that differs from run to run, in the middle of a step.
+    fn by_numbers(
+        &self,
+        middle: &[f64; MOTION],
+        air: TunnelAir,
+        added: &[f64; ADDED],
+        local: &Local,
+        work: &mut Work,
+    ) -> Option<()> {
+        work.by_number.clear();
+        for (_, craft) in &self.numbers {
+            let moved = craft.rates(middle, air, added, &mut work.terms)?;
+            work.by_number.push(std::array::from_fn(|i| (moved[i] - local.rate[i]) / NUMBER_STEP));
+        }
         Some(())
     }
 
@@ -164,6 +186,13 @@ impl Filter<'_> {
         work.phi.fill(0.0);
         work.q.fill(0.0);
         self.of_motion(local, work);
+        for ((at, _), by) in self.numbers.iter().zip(&work.by_number) {
+            for i in 0..self.nm {
+                let gamma = &work.gamma[i * self.nm..(i + 1) * self.nm];
+                work.phi[i * n + at] = gamma.iter().zip(by).map(|(g, b)| g * b).sum();
+            }
+            work.phi[at * n + at] = 1.0;
+        }
         if !self.random.is_empty() {
             self.of_inputs(local, work);
         }
@@ -259,13 +288,17 @@ impl Filter<'_> {
         let (n, nm) = (self.n, self.nm);
         // Rates of motion by the input and by its rate, and what motion makes of those.
         let (own, rate) = match input.entry {
-            Entry::AirVelocity(axis) => (axis, Some(3 + axis)),
-            Entry::Coefficient(c) => (6 + c, None),
+            Entry::AirVelocity(axis) => (Some(axis), Some(3 + axis)),
+            Entry::RecordedSpeed => (Some(0), None),
+            Entry::Coefficient(c) => (Some(6 + c), None),
+            Entry::RecordedPose(_) => (None, None),
+            // Moves by the transition that is there, and has no noise.
+            Entry::Number(_) => return,
         };
         let mut moved = [[0.0; MOTION]; REACH];
         for (k, slopes) in slopes.into_iter().enumerate() {
             for i in 0..nm {
-                moved[2 * k][i] = slopes[i][own];
+                moved[2 * k][i] = own.map_or(0.0, |own| slopes[i][own]);
                 moved[2 * k + 1][i] = rate.map_or(0.0, |rate| slopes[i][rate]);
             }
         }

@@ -6,7 +6,7 @@ use super::{Filter, Ready, SETTLED_S, Seen, Work};
 use crate::columns::{Shown, Site, View, shown};
 use crate::run::Node;
 use crate::shock::Innovation;
-use windfall_model::POSE;
+use windfall_model::{Entry, POSE};
 use windfall_pid::equations::{Dual, MOTION, STATES};
 
 impl Filter<'_> {
@@ -84,6 +84,11 @@ impl Filter<'_> {
         for (at, channel, _) in self.colours() {
             h[channel * n + at] = 1.0;
         }
+        for (at, input) in self.inputs() {
+            if let Entry::RecordedPose(channel) = input.entry {
+                h[channel * n + at] = 1.0;
+            }
+        }
         all.map(|channel| channel.value)
     }
 
@@ -142,7 +147,8 @@ impl Filter<'_> {
             axpy(hc[i], &p[i * n..(i + 1) * n], ph);
             axpy(hc[i], &s[i * nc..(i + 1) * nc], d);
             carried += hc[i] * (z[i] - before[i]);
-            if i >= self.states - 2 * self.coloured.len() {
+            // Noise and drift, which the channels show beside the motion.
+            if i >= self.nm {
                 noise_state += hc[i] * before[i];
             }
         }

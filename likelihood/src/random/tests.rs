@@ -201,3 +201,22 @@ fn exact_form_behind_a_lag() {
         }
     }
 }
+
+/// Drift of a recorded channel is a first-order process of one state; a number of a run stays as it is and differs between runs.
+#[test]
+fn exact_drift_and_number() {
+    let (t, h, rms) = (30.0_f64, 0.02_f64, 0.3_f64);
+    let steep = Spectra { von_karman: true, steep: true };
+    for entry in [Entry::RecordedPose(4), Entry::RecordedSpeed] {
+        let i = input(&Disturbance { entry, rms, shape: Shape::DrydenLongitudinal { time_s: t } }, h, steep);
+        let kept = (-h / t).exp();
+        assert_eq!((i.order, i.rate), (1, [0.0; ORDER]));
+        assert!((i.whole[0][0] - kept).abs() < 1e-12 && (i.stationary[0][0] - rms * rms).abs() < 1e-12);
+        assert!((i.added[0][0] / (rms * rms * (1.0 - kept * kept)) - 1.0).abs() < 1e-9);
+        assert!((i.reach[0][0] / h - 1.0).abs() < h / t && i.reach[1] == [0.0; ORDER]);
+    }
+    let number = Entry::Number(windfall_model::RunNumber::Mass);
+    let i = input(&Disturbance { entry: number, rms, shape: Shape::Constant }, h, Spectra::default());
+    assert_eq!((i.order, i.whole[0][0], i.stationary[0][0], i.added), (1, 1.0, rms * rms, [[0.0; ORDER]; ORDER]));
+    assert!(i.stages.iter().all(|s| s[0][0] == 1.0) && i.broad == 0.0);
+}

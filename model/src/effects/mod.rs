@@ -26,6 +26,8 @@ pub enum Role {
     Instant,
     /// Index of the run in which the effect acts: every run is tried.
     Run,
+    /// Place of a parameter in the aerodynamic structure: every one is tried.
+    AeroPlace,
     /// Tunnel speed at which strengths are stated, m/s: another one is another way to write the same effect. Held; a search states what it
     /// finds at the trim speed.
     Reference,
@@ -86,6 +88,9 @@ impl Parameter {
     /// The same parameter beside this plant: an amount may take away what the plant has of it, and no more.
     #[must_use]
     pub fn beside(mut self, plant: &Plant) -> Self {
+        if self.role == Role::AeroPlace {
+            self.high = plant.aero.values.len().saturating_sub(1) as f64;
+        }
         if let Some(Net(of)) = self.net {
             self.low = (-of(plant)).clamp(-self.high, 0.0);
         }
@@ -138,6 +143,10 @@ impl Parameter {
     fn shape(name: &str, unit: &'static str, low: f64, high: f64, null: f64, tried: &'static [f64]) -> Self {
         Self { low, high, usual: high, null, role: Role::Shape(tried), step: 0.0, ..Self::strength(name, unit, 0.0) }
     }
+    /// Place of a parameter in the aerodynamic structure.
+    fn aero_place(name: &str) -> Self {
+        Self { low: 0.0, high: 99.0, usual: 99.0, null: 0.0, role: Role::AeroPlace, step: 0.0, ..Self::strength(name, "-", 0.0) }
+    }
     /// Tunnel speed at which strengths are stated; null is near the SAGE model's trim in the tunnel.
     fn reference() -> Self {
         Self {
@@ -154,6 +163,11 @@ impl Parameter {
     #[must_use]
     pub fn left_out(&self) -> f64 {
         if self.role == Role::Reference { 0.0 } else { self.null }
+    }
+    /// Places of an aerodynamic structure's parameters.
+    #[must_use]
+    pub fn places(&self) -> Vec<f64> {
+        std::iter::successors(Some(0.0), |place| Some(place + 1.0)).take_while(|place| *place <= self.high).collect()
     }
     /// A strength per unit of a run input. Settings come in any unit, from fractions to thousands of revolutions, so the step
     /// is tiny; flights are simulated to 1e-11, which bears it.

@@ -49,6 +49,8 @@ fn plant(apparent: bool, loose: bool) -> Plant {
         },
         turbulence: Turbulence::default(),
         shedding: WakeShedding::default(),
+        drift: Default::default(),
+        scatter: Default::default(),
         contacts: vec![Contact {
             run: 0,
             start_s: 0.3,

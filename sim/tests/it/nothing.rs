@@ -12,7 +12,7 @@ const BRING: [&str; 3] = ["loose-mass", "contact", "apparent-mass"];
 
 fn quiet() -> impl Strategy<Value = &'static Effect> {
     let all: Vec<&'static Effect> =
-        CATALOGUE.into_iter().filter(|e| e.acts == Acts::Lander && !BRING.contains(&e.family)).collect();
+        CATALOGUE.into_iter().filter(|e| matches!(e.acts, Acts::Lander | Acts::Runs) && !BRING.contains(&e.family)).collect();
     prop::sample::select(all)
 }
 

@@ -25,6 +25,8 @@ pub(crate) fn lander() -> Plant {
         flow: MeanFlow::default(),
         turbulence: Turbulence::default(),
         shedding: WakeShedding::default(),
+        drift: Default::default(),
+        scatter: Default::default(),
         contacts: vec![],
         environment: Environment { gravity_m_s2: 9.80665, gas_constant_j_kg_k: 287.05287 },
         sensors: Sensors::default(),

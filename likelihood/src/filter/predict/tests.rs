@@ -2,12 +2,12 @@
 
 use super::super::dense::slopes;
 use super::super::tests::{noise, numbers, plant, run, state};
-use super::super::{PassSetting, ready};
+use super::super::{PassSetting, number_plants, ready};
 use super::*;
 use crate::columns::{Basis, SensitivityColumn};
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 use std::f64::consts::TAU;
-use windfall_model::{ApparentMass, Disturbance, LooseMass, Shape};
+use windfall_model::{ApparentMass, DRIFT_TIME_S, Disturbance, Drift, LooseMass, RunScatter, Shape};
 use windfall_pid::equations::Craft;
 
 /// `∫ e^{Fs} W e^{Fᵀs} ds` and `e^{Fh}` (Van Loan 1978).
@@ -36,6 +36,7 @@ fn continuous(d: &Disturbance) -> (DMatrix<f64>, f64) {
         Shape::Narrow { centre_rad_s: w, bandwidth_rad_s: b } => {
             (DMatrix::from_row_slice(2, 2, &[0.0, 1.0, -w * w, -b]), d.rms * w * (2.0 * b).sqrt())
         }
+        Shape::Constant => (DMatrix::zeros(1, 1), 0.0),
         Shape::Band { .. } => panic!("no band here"),
     }
 }
@@ -63,27 +64,37 @@ fn nilpotent() -> (Local, impl Fn(usize) -> usize) {
     (local, level)
 }
 
-/// Transition and noise of motion, gusts, moments of the wake, the tunnel speed's record and coloured noise of means are those of the matrix
+/// Transition and noise of motion, gusts, moments of the wake, drifts, a mass that differs between runs, the tunnel speed's record and coloured noise of means are those of the matrix
 /// exponential of all of them together, with what gusts leave in each step and the free accelerations of a search's start. To the rounding of
 /// an exponential.
 #[test]
 fn exact_transition_of_a_nilpotent_motion() {
-    let (plant, noise, mut run) = (plant(), noise(), run());
+    let (mut plant, noise, mut run) = (plant(), noise(), run());
+    plant.drift = Drift { position_rms_m: 0.003, attitude_rms_rad: 0.002, speed_rms_m_s: 0.05 };
+    plant.scatter = RunScatter { mass: 0.02, ..RunScatter::default() };
     run.speed.density = 0.37;
     let logs = [[0.3, 0.5], [-0.4, 0.2], [0.7, -0.2]];
     run.intensity.logs = logs.map(|l| l.to_vec());
-    let setting = PassSetting { slack: 0.3, keep: Keep::Gusts, ..PassSetting::plain(&plant, &noise) };
+    let moved = number_plants(&plant);
+    let setting = PassSetting { slack: 0.3, keep: Keep::Gusts, numbers: &moved, ..PassSetting::plain(&plant, &noise) };
     let mut f = Filter::new(&run, &setting).expect("a whole model");
     f.random[1].broad = 0.2;
     let (n, h, k) = (f.states, f.step_s, 5);
     let (local, level) = nilpotent();
+    let mut next = numbers(4);
+    let by_number: [f64; MOTION] = std::array::from_fn(|i| if level(i) < 3 { next() } else { 0.0 });
     let mut rates = DMatrix::zeros(n, n);
     (0..MOTION).for_each(|i| (0..MOTION).for_each(|j| rates[(i, j)] = local.by_state[i][j]));
     let wind = DVector::from_fn(n, |i, _| if i < MOTION { local.by_speed[i][0] } else { 0.0 });
     let mut white = &wind * wind.transpose() * (0.37 / 1.03 / 1.03);
     let mut gusts = Vec::new();
     for ((at, input), d) in f.inputs().zip(&plant.disturbances(run.speed_m_s)) {
-        let (a, b) = continuous(d);
+        let (a, b) = match d.entry {
+            Entry::RecordedSpeed | Entry::RecordedPose(_) => {
+                (DMatrix::from_element(1, 1, -1.0 / DRIFT_TIME_S), d.rms * (2.0 / DRIFT_TIME_S).sqrt())
+            }
+            _ => continuous(d),
+        };
         let last = at + input.order - 1;
         rates.view_mut((at, at), (input.order, input.order)).copy_from(&a);
         for i in 0..MOTION {
@@ -93,6 +104,9 @@ fn exact_transition_of_a_nilpotent_motion() {
                     (0..3).for_each(|c| rates[(i, at + c)] += local.by_added[i][3 + axis] * a[(0, c)]);
                 }
                 Entry::Coefficient(c) => rates[(i, at)] = local.by_added[i][6 + c],
+                Entry::RecordedSpeed => rates[(i, at)] = local.by_added[i][0],
+                Entry::RecordedPose(_) => {}
+                Entry::Number(_) => rates[(i, at)] = by_number[i],
             }
         }
         // Knots half a second apart.
@@ -121,6 +135,7 @@ fn exact_transition_of_a_nilpotent_motion() {
         q.view_mut((at, at), (2, 2)).copy_from_slice(&covariances.map(|x| x * noise[c].coloured * (1.0 - r * r)));
     }
     let mut work = Work::new(&f);
+    work.by_number = vec![by_number];
     f.transition(k, &local, false, &mut work);
     for i in 0..n {
         for j in 0..n {
