@@ -48,7 +48,7 @@ pub use innovations::{InnovationLine, InnovationShape};
 pub use judged::{CheckLine, CheckedRuns, Finding, Level, NotNamed};
 pub use result::{
     After, CandidateLine, Closing, ConstantLine, EffectBound, EffectLine, Form, FormCheck, HeldOut, HeldOutTrajectory, NoiseLine,
-    SetLine, Shift, Unexplained, Verdict,
+    RunValue, SetLine, Shift, Unexplained, Verdict,
 };
 pub use sides::Sides;
 pub use signals::{BodyShape, RunTracks, SignalTracks, TrackSignal};

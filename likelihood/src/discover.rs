@@ -48,6 +48,8 @@ pub struct Discovery {
     pub before: Option<Fit>,
     /// Why there is none.
     pub before_fault: Result<(), String>,
+    /// Where the declared model departs, if neither it nor any set of effects stays near the runs: `after` has accelerations left free then.
+    pub departs: Option<String>,
     /// Fit of the best set.
     pub after: Fit,
     /// Sets weighed at the end, best first.
@@ -101,11 +103,15 @@ fn against_family() -> f64 {
 pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     let mut log = Vec::new();
     let declared = Model::declared(&engine.campaign);
-    let best = searched(engine, &declared, &mut log)?;
+    let best = searched(engine, &declared, &mut log);
     log.push(format!("work {:.0}", engine.passes()));
     let unfinished_passes = engine.is_exhausted().then(|| engine.passes().round());
     engine.count_anew();
-    let (_, after, weighed) = best.ok_or("no set of effects could be fitted")?;
+    let ((_, after, weighed), departs) = match best {
+        Ok(Some(best)) => (best, None),
+        Ok(None) => followed_freely(engine, &declared, &mut log).ok_or("no set of effects could be fitted")?,
+        Err(words) => followed_freely(engine, &declared, &mut log).ok_or(words)?,
+    };
     let (after, weighed) = rivals_fitted(engine, after, weighed, &mut log);
     let (after, weighed) = selected(engine, after, weighed, &mut log);
     let (after, weighed) = told_from_none(engine, after, weighed, &mut log);
@@ -140,6 +146,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     Ok(Discovery {
         before,
         before_fault,
+        departs,
         after,
         sets,
         gram: weighed.gram,
@@ -200,6 +207,25 @@ fn searched(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Res
         best = in_bursts(engine, best, log);
     }
     Ok(Some(best))
+}
+
+/// The declared model with its accelerations left free by the least that keeps it near its runs, where no set of effects does; and the words
+/// of where it departs without. The engine's accelerations stay free by that.
+fn followed_freely(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Option<(Scored, Option<String>)> {
+    /// Shares of the accelerations of free flight, each about three times the one before.
+    const FREEDOM: [f64; 7] = [0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0];
+    let departs = engine.climb(declared, false, 0).err().map(|d| d.words(&engine.campaign));
+    let departs = departs.unwrap_or_else(|| "no set of effects keeps the model near its runs".to_owned());
+    for slack in FREEDOM {
+        engine.slack = slack;
+        if let Ok(fit) = engine.climb(declared, false, 12)
+            && let Some(weighed) = weigh::weigh(engine, &fit.model)
+        {
+            log.push(format!("accelerations left free by {slack}: chi {:.3}", fit.chi));
+            return Some(((score(engine, &fit), fit, weighed), Some(departs)));
+        }
+    }
+    None
 }
 
 /// The fit of the declared model alone where it leaves hardly more than noise, for which effects were found: a random input may explain as much.

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use windfall_model::{Campaign, Constant, Data, Disturbance, Effect, Entry, POSE, PerChannel, Plant, Record, Role, Shape};
+use windfall_model::{Campaign, Constant, Data, Disturbance, Effect, Entry, POSE, PerChannel, Plant, Record, Role, RunNumber, Shape};
 use windfall_pid::StopReason;
 
 /// Runs of a campaign made ready, with their noise.
@@ -77,6 +77,19 @@ impl Fit {
         let place = self.numbers.iter().position(|n| n.id == id)?;
         Some(self.covariance[(place, place)].sqrt()).filter(|s| s.is_finite())
     }
+}
+
+/// A number that differs from run to run, in one run: what it is more than the common one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OfRun {
+    /// Index of the run in the campaign.
+    pub run: usize,
+    /// Which number.
+    pub number: RunNumber,
+    /// Mean of its departure, in the unit of [`RunNumber::change`].
+    pub value: f64,
+    /// Standard deviation of that, all common numbers as fitted.
+    pub std: f64,
 }
 
 /// Key of the instant at which a pose is taken within its sample interval: known to half of that interval where nothing is declared.
@@ -346,6 +359,24 @@ impl Engine {
     pub(crate) fn with_rows(&self, model: &Model, numbers: &[Number], beside: &[Model]) -> Result<Vec<Seen>, Departed> {
         let others: Vec<Plant> = beside.iter().map(|other| other.plant(&self.campaign)).collect();
         self.passed_beside(model, numbers, &[], &others, Keep::Rows)
+    }
+
+    /// Numbers that differ from run to run in a model, run by run; nothing where it departs.
+    #[must_use]
+    pub fn by_run(&self, model: &Model) -> Vec<OfRun> {
+        let Ok(seen) = self.passed(model, &[], &[], Keep::Nothing) else { return Vec::new() };
+        let entries = model.plant(&self.campaign).disturbances(1.0).into_iter().map(|d| d.entry);
+        let numbers: Vec<RunNumber> = entries.filter_map(|e| if let Entry::Number(n) = e { Some(n) } else { None }).collect();
+        let of_run = |(run, seen): (&Prepared, &Seen)| {
+            let one = |(number, [value, std]): (&RunNumber, &[f64; 2])| OfRun {
+                run: run.index,
+                number: *number,
+                value: *value,
+                std: *std,
+            };
+            numbers.iter().zip(&seen.numbers).map(one).collect::<Vec<_>>()
+        };
+        self.runs.iter().zip(&seen).flat_map(of_run).collect()
     }
 
     fn passed(&self, model: &Model, numbers: &[Number], generic: &[(Site, Basis)], keep: Keep) -> Result<Vec<Seen>, Departed> {

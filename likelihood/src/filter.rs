@@ -51,6 +51,8 @@ pub(crate) struct Seen {
     pub(crate) rows: Vec<f64>,
     /// What a basis may look at, a row a node.
     pub(crate) views: Vec<View>,
+    /// Numbers that differ from run to run, in their order: mean and standard deviation, given the run.
+    pub(crate) numbers: Vec<[f64; 2]>,
     /// What the filter did, where asked for.
     pub(crate) trace: Trace,
     /// Number of its states.
@@ -279,6 +281,7 @@ impl<'a> Filter<'a> {
             beside: Vec::new(),
             rows: Vec::new(),
             views: Vec::with_capacity(self.run.nodes.len()),
+            numbers: Vec::new(),
             trace: Trace::default(),
             states: n,
         };
@@ -310,6 +313,7 @@ impl<'a> Filter<'a> {
             }
         }
         self.gather(&mut rows, &mut seen);
+        seen.numbers = self.numbers.iter().map(|(at, _)| [z[*at], p[at * n + at].max(0.0).sqrt()]).collect();
         seen.beside = beside.into_iter().map(|other| other.seen).collect();
         seen.b = DVector::from_fn(nc, |i, _| seen.g[(i, nc)]);
         seen.g = seen.g.view((0, 0), (nc, nc)).into_owned();

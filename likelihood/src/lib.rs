@@ -42,7 +42,7 @@ pub use check::Lead;
 pub use discover::{
     CONTRADICTED, Contest, Discovery, FamilySet, RivalPair, Rivals, UNFLOWN, Unseen, discover, identify, log_odds,
 };
-pub use engine::{Engine, Fit};
+pub use engine::{Engine, Fit, OfRun};
 pub use gram::{Gram, Posterior};
 pub use hum::Hum;
 pub use innovations::Innovations;

@@ -152,6 +152,7 @@ fn effect(e: &EffectLine, held_out: bool) -> String {
     let rows: Vec<Vec<Cell>> = e.shown_parameters().map(parameter).collect();
     out += &table(&["parameter", "estimate", "± 95 %", "95 % interval", "unit"], &rows);
     out += &crate::fitted::flown(e);
+    out += &crate::fitted::by_run(e);
     let held = match e.held_out_gain {
         Some(gain) if gain > 0.0 => format!("Confirmed on runs held out: log-likelihood + {}.", number(gain)),
         Some(gain) => format!("Not confirmed on runs held out: log-likelihood − {}.", number(-gain)),

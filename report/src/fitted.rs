@@ -4,7 +4,7 @@ use crate::html::{Cell, escape, table};
 use crate::words::{number, with_interval};
 use std::fmt::Write as _;
 use windfall_discover::NORMAL_95;
-use windfall_discover::close::{Closing, EffectLine, FlownValue, Instead, ParameterLine};
+use windfall_discover::close::{Closing, EffectLine, FlownValue, Instead, ParameterLine, RunValue};
 use windfall_discover::words::listed;
 
 /// Declared parameters: in the file, fitted with the declared model, and with effects; and what would do as well.
@@ -59,6 +59,20 @@ fn instead(c: &Closing) -> String {
         let _ = writeln!(out, "<p>{}</p>", escape(&words));
     }
     out
+}
+
+/// What differs from run to run, run by run.
+pub(crate) fn by_run(e: &EffectLine) -> String {
+    if e.by_run.is_empty() {
+        return String::new();
+    }
+    let row = |r: &RunValue| {
+        let (estimate, half) = with_interval(r.value, Some(NORMAL_95 * r.std_error));
+        let value = Cell::Number(half.map_or(estimate.clone(), |h| format!("{estimate} ± {h}")));
+        vec![Cell::text(&r.run), Cell::text(&r.name), value, Cell::text(&r.unit)]
+    };
+    let rows: Vec<Vec<Cell>> = e.by_run.iter().map(row).collect();
+    table(&["run", "number", "departure ± 95 %", "unit"], &rows)
 }
 
 /// Coefficients of an effect that follow settings of the runs, where they were flown.

@@ -2,7 +2,7 @@
 
 use super::checks::failing_channels;
 use super::judged::{CheckedRuns, Finding, Level, NotNamed};
-use super::{Closing, EffectLine, HeldOut, ParameterLine, Verdict};
+use super::{Closing, EffectLine, HeldOut, ParameterLine, RunValue, Verdict};
 use crate::words::{listed, number, plain_key};
 use windfall_pid::NORMAL_95;
 
@@ -84,7 +84,10 @@ fn lacks(c: &Closing) -> String {
         Verdict::Consistent => {
             format!("The declared model leaves noise: no effect of the {weighed} weighed is needed.{}", moved_words(c))
         }
-        Verdict::Effect => format!("The declared model lacks {names}."),
+        Verdict::Effect => {
+            let different: String = c.effects.iter().filter_map(EffectLine::most_different).map(difference).collect();
+            format!("The declared model lacks {names}.{different}")
+        }
         Verdict::Unexplained if c.effects.is_empty() => format!(
             "The declared model leaves a residual beyond noise in {} that no effect of the {weighed} weighed accounts for.",
             listed(&channels(c).iter().map(|u| plain_key(u).0).collect::<Vec<_>>()),
@@ -108,6 +111,14 @@ fn moved_words(c: &Closing) -> String {
     };
     let all: Vec<String> = c.after.parameters.iter().filter(far).map(one).collect();
     if all.is_empty() || !c.is_of_tracks() { String::new() } else { format!(" It needs {}.", listed(&all)) }
+}
+
+/// By how much a run differs from what all have in common.
+fn difference(r: &RunValue) -> String {
+    let (scale, unit) = if r.unit == "-" { (100.0, "%") } else { (1e3, "mm") };
+    let [value, half] = [r.value, NORMAL_95 * r.std_error].map(|x| scale * x);
+    let sign = if value < 0.0 { "-" } else { "+" };
+    format!(" {} differs most in {}: {sign}{} ± {} {unit} (95 %).", r.name, r.run, number(value.abs()), number(half))
 }
 
 fn effect_name(e: &EffectLine) -> String {

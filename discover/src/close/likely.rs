@@ -2,7 +2,7 @@
 
 use super::chance::p_value;
 use super::checks;
-use super::result::{ConstantLine, Form, FormCheck, NoiseLine, Residuals};
+use super::result::{ConstantLine, Form, FormCheck, NoiseLine, Residuals, RunValue};
 use super::sets::{contradicted, not_named, probability, rivals, sets, unsettled};
 use super::{
     After, CandidateLine, ChannelResidual, CheckLine, CheckedRuns, Closing, EffectBound, EffectLine, Finding, HeldOut, Options,
@@ -10,8 +10,10 @@ use super::{
 };
 use crate::DiscoverError;
 use statrs::distribution::{ContinuousCDF, Normal};
-use windfall_likelihood::{Discovery, Engine, Fit, Id, Lead, Member, NOISE_KNOWN, discover};
-use windfall_model::{CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, POSE, Plant, Role, Use};
+use windfall_likelihood::{Discovery, Engine, Fit, Id, Lead, Member, NOISE_KNOWN, OfRun, discover};
+use windfall_model::{
+    CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, Entry, POSE, Plant, Role, RunNumber, RunScatter, Use,
+};
 use windfall_pid::NORMAL_95;
 use windfall_pid::bandwidth::bandwidth_lines;
 use windfall_replay::{ReplayError, hold_out};
@@ -88,6 +90,28 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         false_alarm_rate: options.false_alarm,
         sides,
     })
+}
+
+/// What a member's numbers are in each run, those that differ from run to run.
+fn by_run(m: &Member, fit: &Fit, engine: &Engine) -> Vec<RunValue> {
+    let plant = &engine.campaign().plant;
+    let mut own = Plant { scatter: RunScatter::default(), ..plant.clone() };
+    (m.effect.apply)(&mut own, &m.values);
+    let numbers: Vec<Entry> = own.scatter.disturbances().into_iter().map(|d| d.entry).collect();
+    if numbers.is_empty() {
+        return Vec::new();
+    }
+    let parameters = &plant.aero.structure.parameters;
+    let one = |of: OfRun| {
+        let (name, unit) = match of.number {
+            RunNumber::Mass => ("mass".to_owned(), "-"),
+            RunNumber::Attachment(axis) => (format!("attachment {}", ["x", "y", "z"][axis.min(2)]), "m"),
+            RunNumber::Aero(place) => (parameters.get(place).cloned().unwrap_or_default(), "-"),
+        };
+        let run = engine.campaign().runs.get(of.run).map_or_else(String::new, |r| r.name.clone());
+        RunValue { run, name, unit: unit.to_owned(), value: of.value, std_error: of.std }
+    };
+    engine.by_run(&fit.model).into_iter().filter(|of| numbers.contains(&Entry::Number(of.number))).map(one).collect()
 }
 
 /// Unit of a channel of the pose in reports over SI: degrees of angles.
@@ -210,6 +234,7 @@ fn effect_line(
                 .collect(),
         }),
         held_out_gain: None,
+        by_run: by_run(m, fit, engine),
         steep_edges: gust && engine.has_steep_edges(m),
         bursts: if gust { engine.bursts() } else { None },
         physics: m.effect.physics.to_owned(),
@@ -332,6 +357,10 @@ fn unexplained(found: &Discovery, contradicted: &[&str], engine: &Engine, option
     let mut all: Vec<Unexplained> = leads.filter(enough).flat_map(words).collect();
     if !contradicted.is_empty() && all.is_empty() {
         all.push(Unexplained { channel: worst_channel(found).to_owned(), description: unsettled(contradicted) });
+    }
+    if let Some(words) = &found.departs {
+        let description = format!("no set of effects keeps the model near its runs: {words}");
+        all.push(Unexplained { channel: worst_channel(found).to_owned(), description });
     }
     if let Err(words) = &found.before_fault
         && all.is_empty()

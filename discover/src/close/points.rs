@@ -161,6 +161,7 @@ fn effect_line(
         without.map(|w| problem.predictive(fit) - problem.predictive(&w.fit))
     };
     EffectLine {
+        by_run: Vec::new(),
         family: effect.family.to_owned(),
         parameters: settings
             .outward(fit, place)

@@ -64,6 +64,9 @@ pub struct EffectLine {
     /// Coefficients of it that follow settings of the runs, at the settings flown; `parameters` has them at settings of zero, with slopes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub flown: Vec<FlownCoefficient>,
+    /// Of what differs from run to run: what it is in each run identified on.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub by_run: Vec<RunValue>,
     /// Chance of such a find anywhere in the catalogue from noise alone.
     pub p_value: f64,
     /// Probability that it is part of the set, given the data and the catalogue.
@@ -92,7 +95,29 @@ pub struct EffectLine {
     pub separate_by: String,
 }
 
+/// What a number that differs from run to run is in one run, less what it is in common.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunValue {
+    /// Name of the run.
+    pub run: String,
+    /// Name of the number.
+    pub name: String,
+    /// Its unit: `-` of a share of the number itself, else `m`.
+    pub unit: String,
+    /// Its departure.
+    pub value: f64,
+    /// Standard error of that, all common numbers as fitted.
+    pub std_error: f64,
+}
+
 impl EffectLine {
+    /// The run in which a number differs most from the common one, in standard errors.
+    #[must_use]
+    pub fn most_different(&self) -> Option<&RunValue> {
+        let sure = |r: &RunValue| r.value.abs() / r.std_error;
+        self.by_run.iter().max_by(|a, b| sure(a).total_cmp(&sure(b)))
+    }
+
     /// Its numbers but coefficients at settings of zero, which are shown at the settings flown.
     pub fn shown_parameters(&self) -> impl Iterator<Item = &ParameterLine> {
         let at_zero = |p: &&ParameterLine| self.flown.iter().any(|f| f.name == p.name.trim_end_matches("_constant"));

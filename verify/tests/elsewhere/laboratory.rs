@@ -93,21 +93,27 @@ fn differing(spec: &mut Spec, i: usize, c: &mut Chance) {
         }
     };
     named(spec, what);
-    if what != "noise by run" {
-        spec.families.push("unexplained".to_owned());
-        spec.tag("form", what);
-    }
+    let right = match what {
+        "mass" => "mass-scatter",
+        "coefficient" => "aero-scatter",
+        "attachment" => "attachment-scatter",
+        // All coefficients of half of the runs.
+        "two vehicles" => "unexplained",
+        _ => return,
+    };
+    spec.families.push(right.to_owned());
+    spec.tag("form", what);
 }
 
 fn wandering(spec: &mut Spec, i: usize, c: &mut Chance) {
     let (what, right) = match i % 4 {
         0 => {
             spec.noise.wander[6] = c.factor(2.0, 8.0);
-            ("speed wanders", "unexplained")
+            ("speed wanders", "speed-drift")
         }
         1 => {
             (0..3).for_each(|k| spec.noise.wander[k] = c.factor(0.7, 2.0));
-            ("cameras wander", "unexplained")
+            ("cameras wander", "pose-drift")
         }
         2 => {
             spec.knobs.set(K::Vdelay, c.factor(0.5, 4.0));
