@@ -1,7 +1,7 @@
 //! likelihood: passes over all runs, and climbing to the most likely numbers. In: campaign, model. Out: normal equations, fitted models.
 
 use crate::columns::{Basis, SensitivityColumn, Site};
-use crate::filter::{Departed, Keep, PassSetting, Seen, number_plants, pass};
+use crate::filter::{Departed, Keep, PassSetting, RunState, Seen, number_plants, pass};
 use crate::gram::Gram;
 use crate::hum::{Hum, take_off};
 use crate::joined::joined;
@@ -88,7 +88,7 @@ pub struct OfRun {
     pub number: RunNumber,
     /// Mean of its departure, in the unit of [`RunNumber::change`].
     pub value: f64,
-    /// Standard deviation of that, all common numbers as fitted.
+    /// Standard deviation of that.
     pub std: f64,
 }
 
@@ -361,18 +361,18 @@ impl Engine {
         self.passed_beside(model, numbers, &[], &others, Keep::Rows)
     }
 
-    /// Numbers that differ from run to run in a model, run by run; nothing where it departs.
+    /// Numbers that differ from run to run in a fit, run by run; nothing where it departs. Their errors have what the fit leaves of its own
+    /// numbers in them.
     #[must_use]
-    pub fn by_run(&self, model: &Model) -> Vec<OfRun> {
-        let Ok(seen) = self.passed(model, &[], &[], Keep::Nothing) else { return Vec::new() };
-        let entries = model.plant(&self.campaign).disturbances(1.0).into_iter().map(|d| d.entry);
+    pub fn by_run(&self, fit: &Fit) -> Vec<OfRun> {
+        let Ok(seen) = self.passed(&fit.model, &fit.numbers, &[], Keep::Nothing) else { return Vec::new() };
+        let entries = fit.model.plant(&self.campaign).disturbances(1.0).into_iter().map(|d| d.entry);
         let numbers: Vec<RunNumber> = entries.filter_map(|e| if let Entry::Number(n) = e { Some(n) } else { None }).collect();
         let of_run = |(run, seen): (&Prepared, &Seen)| {
-            let one = |(number, [value, std]): (&RunNumber, &[f64; 2])| OfRun {
-                run: run.index,
-                number: *number,
-                value: *value,
-                std: *std,
+            let one = |(number, state): (&RunNumber, &RunState)| {
+                let slopes = DVector::from_column_slice(&state.slopes);
+                let variance = state.variance + slopes.dot(&(&fit.covariance * &slopes));
+                OfRun { run: run.index, number: *number, value: state.mean, std: variance.max(0.0).sqrt() }
             };
             numbers.iter().zip(&seen.numbers).map(one).collect::<Vec<_>>()
         };

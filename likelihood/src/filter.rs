@@ -51,12 +51,20 @@ pub(crate) struct Seen {
     pub(crate) rows: Vec<f64>,
     /// What a basis may look at, a row a node.
     pub(crate) views: Vec<View>,
-    /// Numbers that differ from run to run, in their order: mean and standard deviation, given the run.
-    pub(crate) numbers: Vec<[f64; 2]>,
+    /// Numbers that differ from run to run, in their order, given the run.
+    pub(crate) numbers: Vec<RunState>,
     /// What the filter did, where asked for.
     pub(crate) trace: Trace,
     /// Number of its states.
     pub(crate) states: usize,
+}
+
+/// A number that differs from run to run, after a run: mean, variance, and slopes of the mean by the columns.
+#[derive(Clone, Debug)]
+pub(crate) struct RunState {
+    pub(crate) mean: f64,
+    pub(crate) variance: f64,
+    pub(crate) slopes: Vec<f64>,
 }
 
 /// Why a pass ended before its run.
@@ -313,7 +321,12 @@ impl<'a> Filter<'a> {
             }
         }
         self.gather(&mut rows, &mut seen);
-        seen.numbers = self.numbers.iter().map(|(at, _)| [z[*at], p[at * n + at].max(0.0).sqrt()]).collect();
+        let state = |(at, _): &(usize, Craft<'_>)| RunState {
+            mean: z[*at],
+            variance: p[at * n + at],
+            slopes: s[at * self.nc..at * self.nc + nc].to_vec(),
+        };
+        seen.numbers = self.numbers.iter().map(state).collect();
         seen.beside = beside.into_iter().map(|other| other.seen).collect();
         seen.b = DVector::from_fn(nc, |i, _| seen.g[(i, nc)]);
         seen.g = seen.g.view((0, 0), (nc, nc)).into_owned();

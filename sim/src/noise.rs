@@ -158,6 +158,7 @@ mod tests {
                 Shape::Band { centre_rad_s: c, bandwidth_rad_s: b } => {
                     Shape::Band { centre_rad_s: 0.5 * c, bandwidth_rad_s: 0.5 * b }
                 }
+                Shape::Constant => Shape::Constant,
             };
             // A small body, by which the grid is set, and a large one, by which it is not.
             for diameter_m in [0.02, 1e3] {

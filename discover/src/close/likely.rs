@@ -111,7 +111,7 @@ fn by_run(m: &Member, fit: &Fit, engine: &Engine) -> Vec<RunValue> {
         let run = engine.campaign().runs.get(of.run).map_or_else(String::new, |r| r.name.clone());
         RunValue { run, name, unit: unit.to_owned(), value: of.value, std_error: of.std }
     };
-    engine.by_run(&fit.model).into_iter().filter(|of| numbers.contains(&Entry::Number(of.number))).map(one).collect()
+    engine.by_run(fit).into_iter().filter(|of| numbers.contains(&Entry::Number(of.number))).map(one).collect()
 }
 
 /// Unit of a channel of the pose in reports over SI: degrees of angles.

@@ -106,7 +106,7 @@ pub struct RunValue {
     pub unit: String,
     /// Its departure.
     pub value: f64,
-    /// Standard error of that, all common numbers as fitted.
+    /// Standard error of that.
     pub std_error: f64,
 }
 

@@ -259,5 +259,16 @@ fn recover_drift_and_what_differs_between_runs() {
         }
         assert!(fit.total > none.total + 10.0, "{family}: {} {}", fit.total, none.total);
         assert!(fit.chi < 1.1, "{family}: {}", fit.chi);
+        let found = engine.by_run(&fit);
+        if family == "mass-scatter" {
+            assert_eq!(found.iter().map(|of| of.run).collect::<Vec<_>>(), [0, 1, 2, 3]);
+            for of in found {
+                let seed = windfall_sim::Seed { campaign: 8, run: of.run as u64 };
+                let drawn = values[0] * seed.normals(windfall_sim::Channel::Number(0)).next().unwrap_or(0.0);
+                assert!((of.value - drawn).abs() < 4.0 * of.std && of.std < 0.02, "{of:?} for {drawn}");
+            }
+        } else {
+            assert_eq!(found.is_empty(), family.ends_with("drift"), "{family}");
+        }
     }
 }

@@ -112,7 +112,7 @@ fn balance<const N: usize>(setup: &Setup<'_>, y: &SVector<f64, N>, vw: [f64; 2])
     assert_eq!(setup.states(), N);
     let mut dy = SVector::<f64, N>::zeros();
     setup.rate(y, &mut dy);
-    let (plant, at) = (setup.plant, |v: &SVector<f64, N>, k: usize| [v[k], v[k + 1], v[k + 2]]);
+    let (plant, at) = (&setup.plant, |v: &SVector<f64, N>, k: usize| [v[k], v[k + 1], v[k + 2]]);
     let turn = |h: f64| Rotation::<Tunnel, Body>::from_quaternion(std::array::from_fn(|k| y[6 + k] + h * dy[6 + k]));
     let vector = |a: [f64; 3]| Vec3::<Body>::new(a[0], a[1], a[2]);
     let (r, w, w_rate) = (turn(0.0), at(y, 10), at(&dy, 10));

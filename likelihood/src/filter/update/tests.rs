@@ -71,6 +71,7 @@ fn exact_update_of_all_channels_at_once() {
         beside: Vec::new(),
         rows: Vec::new(),
         views: Vec::new(),
+        numbers: Vec::new(),
         trace: Trace { nodes: vec![Taken::default()] },
         states: n,
     };
