@@ -125,7 +125,7 @@ fn exact_instrument_mass_and_swivel_effects_add_to_what_is_there() {
 }
 
 /// One strength of an effect after the other: what it does to the numbers of a plant that has them all. Most are added; some multiply what is
-/// there, or a displaced mass. Sizes of gusts add as squares and are left out.
+/// there, or a displaced mass. Sizes of gusts, of drift and of scatter add as squares and are left out.
 #[test]
 fn exact_strengths_add_to_the_numbers_of_the_plant() {
     const STRENGTH: f64 = 0.25;
@@ -148,7 +148,8 @@ fn exact_strengths_add_to_the_numbers_of_the_plant() {
         for k in (0..parameters.len()).filter(|&k| parameters[k].role == effects::Role::Strength) {
             let (mut without, mut strong) = (with(None), with(Some(k)));
             assert!(strong != without, "{} {}: a strength that changes nothing", e.family, parameters[k].name);
-            for n in PLANT_NUMBERS.iter().filter(|n| !n.key.starts_with("turbulence.")) {
+            let is_size = |key: &str| ["turbulence.", "drift.", "scatter."].iter().any(|part| key.starts_with(part));
+            for n in PLANT_NUMBERS.iter().filter(|n| !is_size(n.key)) {
                 let before = (n.lens)(&mut without).map_or(0.0, |x| *x);
                 let change = (n.lens)(&mut strong).map_or(0.0, |x| *x) - before;
                 let is = |expected: f64| (change - expected).abs() < 1e-12;
