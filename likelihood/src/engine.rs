@@ -15,7 +15,9 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use windfall_model::{Campaign, Constant, Data, Disturbance, Effect, Entry, POSE, PerChannel, Plant, Record, Role, RunNumber, Shape};
+use windfall_model::{
+    Campaign, Constant, Data, Disturbance, Effect, Entry, POSE, PerChannel, Plant, Record, Role, RunNumber, Shape,
+};
 use windfall_pid::StopReason;
 
 /// Runs of a campaign made ready, with their noise.
@@ -407,7 +409,10 @@ impl Engine {
             let columns: Vec<SensitivityColumn> = columns.iter().map(of_run).collect();
             let (noise, slack, spectra, unseen) = (&self.noise, self.slack, self.spectra, self.unseen);
             let numbers = number_plants(&own);
-            pass(run, &PassSetting { plant: &own, noise, columns: &columns, numbers: &numbers, beside, slack, spectra, unseen, keep })
+            pass(
+                run,
+                &PassSetting { plant: &own, noise, columns: &columns, numbers: &numbers, beside, slack, spectra, unseen, keep },
+            )
         };
         let seen: Vec<Result<Seen, Departed>> = self.runs.par_iter().map(one).collect();
         seen.into_iter().collect()

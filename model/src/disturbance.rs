@@ -221,7 +221,8 @@ impl Drift {
     /// Drift of the six channels of the pose and of the tunnel speed; empty where no instrument drifts.
     #[must_use]
     pub fn disturbances(&self) -> Vec<Disturbance> {
-        let pose = |place: usize| (Entry::RecordedPose(place), if place < 3 { self.position_rms_m } else { self.attitude_rms_rad });
+        let pose =
+            |place: usize| (Entry::RecordedPose(place), if place < 3 { self.position_rms_m } else { self.attitude_rms_rad });
         (0..POSE)
             .map(pose)
             .chain([(Entry::RecordedSpeed, self.speed_rms_m_s)])

@@ -7,8 +7,8 @@ use windfall_model::planet::{
     Air, Atmosphere, AtmosphereTable, Gravity, GustProfile, Planet, Reference, Spheroid, WindTable, Winds,
 };
 use windfall_model::{
-    CoefficientTable, DRIFT_TIME_S, Disturbance, Drift, Entry, FreeFlight, PointMass, Record, RunNumber, RunScatter, Setting, Shape, ShapingFilter, StateForm, Thrust,
-    Turbulence, WakeShedding,
+    CoefficientTable, DRIFT_TIME_S, Disturbance, Drift, Entry, FreeFlight, PointMass, Record, RunNumber, RunScatter, Setting,
+    Shape, ShapingFilter, StateForm, Thrust, Turbulence, WakeShedding,
 };
 
 #[track_caller]

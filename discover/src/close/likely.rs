@@ -11,9 +11,7 @@ use super::{
 use crate::DiscoverError;
 use statrs::distribution::{ContinuousCDF, Normal};
 use windfall_likelihood::{Discovery, Engine, Fit, Id, Lead, Member, NOISE_KNOWN, OfRun, discover};
-use windfall_model::{
-    CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, Entry, POSE, Plant, Role, RunNumber, RunScatter, Use,
-};
+use windfall_model::{CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, Entry, POSE, Plant, Role, RunNumber, RunScatter, Use};
 use windfall_pid::NORMAL_95;
 use windfall_pid::bandwidth::bandwidth_lines;
 use windfall_replay::{ReplayError, hold_out};

@@ -144,7 +144,9 @@ impl TrackModel {
                 match p.role {
                     Role::Strength => p.step,
                     Role::Instant => 0.01,
-                    Role::Shape(_) | Role::Run | Role::AeroPlace | Role::Reference => 0.02 * self.effects[e].values[i].abs().max(1e-6),
+                    Role::Shape(_) | Role::Run | Role::AeroPlace | Role::Reference => {
+                        0.02 * self.effects[e].values[i].abs().max(1e-6)
+                    }
                 }
             }
         }

@@ -257,7 +257,7 @@ fn to_noise(engine: &Engine, fit: Fit, random: bool) -> Option<Fit> {
     let mut fit = fit;
     let most = if random { catalogue().map(|(_, e)| Member::null(e, &engine.campaign)).filter(|m| m.random).count() } else { 0 };
     for _ in 0..most {
-        if fit.chi < LEFT {
+        if fit.chi < LEFT || engine.is_exhausted() {
             break;
         }
         fit = engine.settle_random(&with_random(engine, &fit)?, 3);

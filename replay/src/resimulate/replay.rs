@@ -34,7 +34,13 @@ impl Replay {
         let first = release(&states[0]);
         let mut plant = plant.clone();
         plant.sensors = measured_noise(&smoothed, &plant.sensors);
-        let still = Plant { turbulence: windfall_model::Turbulence::default(), shedding: Default::default(), drift: Default::default(), scatter: Default::default(), ..plant.clone() };
+        let still = Plant {
+            turbulence: windfall_model::Turbulence::default(),
+            shedding: Default::default(),
+            drift: Default::default(),
+            scatter: Default::default(),
+            ..plant.clone()
+        };
         let flight = order(record, &states, first, 1.0 + plant.sensors.time_base);
         // The knots that cross-validation found, so that a simulated run goes through the same smoothing.
         let smoother = Smoother::Spline { knot_s: 0.5 / smoothed.bandwidth_hz[0] };
