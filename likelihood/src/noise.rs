@@ -135,13 +135,16 @@ pub(crate) fn by_run(records: &[&Record], noise: &PerChannel<ChannelNoise>) -> V
     let mut all = vec![[1.0; CHANNELS]; records.len()];
     for (c, whole) in noise.iter().enumerate().take(POSE) {
         let seen: Vec<Option<[f64; 2]>> = records.iter().map(|r| whole.log_ratio(&spectrum(r, c))).collect();
-        let squares: Vec<f64> = seen.iter().flatten().map(|[log, variance]| log * log - variance).collect();
-        let spread = (squares.iter().sum::<f64>() / squares.len().max(1) as f64).max(0.0);
-        for (run, seen) in all.iter_mut().zip(&seen) {
-            run[c] = seen.map_or(1.0, |[log, variance]| (log * spread / (spread + variance)).exp());
-        }
+        all.iter_mut().zip(shrunk(&seen)).for_each(|(run, log)| run[c] = log.exp());
     }
     all
+}
+
+/// Numbers with their variances, drawn towards zero by what their own variances leave of their spread; zero of what is not known.
+fn shrunk(seen: &[Option<[f64; 2]>]) -> Vec<f64> {
+    let squares: Vec<f64> = seen.iter().flatten().map(|[x, variance]| x * x - variance).collect();
+    let spread = (squares.iter().sum::<f64>() / squares.len().max(1) as f64).max(0.0);
+    seen.iter().map(|seen| seen.map_or(0.0, |[x, variance]| x * spread / (spread + variance))).collect()
 }
 
 /// One ordinate of a spectrum.

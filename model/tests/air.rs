@@ -137,7 +137,7 @@ fn exact_gusts_and_vortices_scale_with_the_speed() {
     }
 }
 
-/// Drift has an input for each channel, and what differs between runs one for each number, which is changed by that share of itself or by that length.
+/// Drift has an input for each channel, and what differs between runs one for each number.
 #[test]
 fn exact_drift_and_scatter() {
     let all = Drift { position_rms_m: 0.1, attitude_rms_rad: 0.2, speed_rms_m_s: 0.3 }.disturbances();

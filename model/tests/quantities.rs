@@ -4,7 +4,7 @@ use windfall_model::frames::Vec3;
 use windfall_model::{
     Acts, Aero, ApparentMass, CATALOGUE, Coefficient, Contact, Environment, Factor, Flight, FlowState, FreeFlight, FroudeScale,
     Given, Inertia, LooseMass, MeanFlow, Numerics, Operator, PLANT_NUMBERS, Pivot, Plant, PlantNumber, PointMass, PointRecord,
-    Record, Release, Sensors, Structure, Term, TestSection, Tether, TunnelSpeed, Turbulence, Use, Variable, Vehicle,
+    Record, Release, RunNumber, Sensors, Structure, Term, TestSection, Tether, TunnelSpeed, Turbulence, Use, Variable, Vehicle,
     WakeShedding, effects, trim_speed,
 };
 
@@ -410,4 +410,24 @@ fn exact_drag_by_input_is_added() {
         (drag.apply)(&mut ball, &[0.0, 0.25]);
         assert_eq!(ball.point.drag_per_input, after);
     }
+}
+
+/// A number that differs from run to run is changed by a share of itself, or by a length; a place beyond the structure changes nothing.
+#[test]
+fn exact_numbers_of_a_run() {
+    let mut base = plant();
+    base.aero.values[0] = 2.0;
+    let changed = |number: RunNumber| {
+        let mut plant = base.clone();
+        number.change(&mut plant, 0.25);
+        plant
+    };
+    let heavier = changed(RunNumber::Mass);
+    assert!((heavier.vehicle.mass_kg / base.vehicle.mass_kg - 1.25).abs() < 1e-15);
+    assert_eq!(heavier.vehicle.inertia, base.vehicle.inertia);
+    assert!((changed(RunNumber::Aero(0)).aero.values[0] / base.aero.values[0] - 1.25).abs() < 1e-15);
+    assert!(changed(RunNumber::Aero(99)) == base);
+    let hook = |plant: &Plant| plant.tether.as_ref().map(|t| t.p_origin_hook.to_array()).expect("on a tether");
+    let (moved, before) = (hook(&changed(RunNumber::Attachment(2))), hook(&base));
+    assert!(moved[..2] == before[..2] && (moved[2] - before[2] - 0.25).abs() < 1e-15);
 }

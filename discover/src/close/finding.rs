@@ -118,7 +118,7 @@ fn difference(r: &RunValue) -> String {
     let (scale, unit) = if r.unit == "-" { (100.0, "%") } else { (1e3, "mm") };
     let [value, half] = [r.value, NORMAL_95 * r.std_error].map(|x| scale * x);
     let sign = if value < 0.0 { "-" } else { "+" };
-    format!(" {} differs most in {}: {sign}{} ± {} {unit} (95 %).", r.name, r.run, number(value.abs()), number(half))
+    format!(" Run {} differs most: {} {sign}{} ± {}\u{a0}{unit} (95 %).", r.run, r.name, number(value.abs()), number(half))
 }
 
 fn effect_name(e: &EffectLine) -> String {

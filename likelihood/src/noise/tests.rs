@@ -256,3 +256,13 @@ fn recover_noise_of_each_run() {
     let found = by_run(&[&red], &[expected; CHANNELS])[0][0];
     assert!((found / 4.0 - 1.0).abs() < 0.2, "{found}");
 }
+
+/// Squares 0.09, 0.25 and 0.01 over variances 0.03, 0.05 and 0.01 leave a spread of 0.26/3; what is no more than its own error is none.
+#[test]
+fn exact_numbers_drawn_towards_zero() {
+    let spread = 0.26 / 3.0;
+    let found = shrunk(&[Some([0.3, 0.03]), None, Some([-0.5, 0.05]), Some([0.1, 0.01])]);
+    let expected = [0.3 * spread / (spread + 0.03), 0.0, -0.5 * spread / (spread + 0.05), 0.1 * spread / (spread + 0.01)];
+    assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{found:?} {expected:?}");
+    assert_eq!(shrunk(&[Some([0.1, 0.02]), Some([-0.1, 0.03])]), [0.0, 0.0]);
+}

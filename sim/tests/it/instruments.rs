@@ -2,8 +2,8 @@
 
 use crate::common::*;
 use windfall_model::frames::{EulerXyz, Vec3};
-use windfall_model::{Flight, Integrator, Numerics, Plant, Record, Release, Sensors, TunnelSpeed};
-use windfall_sim::{Seed, fly};
+use windfall_model::{Drift, Flight, Integrator, Numerics, Plant, Record, Release, RunScatter, Sensors, TunnelSpeed};
+use windfall_sim::{Channel, Seed, fly};
 
 /// Table A.3 of the thesis.
 pub(crate) fn sensors() -> Sensors {
@@ -213,4 +213,53 @@ fn law_roll_is_unwrapped() {
         assert!(roll.windows(2).all(|w| (w[1] - w[0]).abs() < 0.1));
         assert!(roll[roll.len() - 1] > 6.0);
     }
+}
+
+/// Drift adds a process of 30 s to the channels that drift, and leaves the flight alone: its steps from sample to sample have the variance
+/// σ² 2 h/T of a random walk (600 steps: 3 % a sigma of their size; bound 15 %).
+#[test]
+fn law_drift_is_in_the_record_alone() {
+    let mut plant = lander();
+    let clean = recorded(&plant);
+    let step = |rms: f64| rms * (2.0 / 150.0 / windfall_model::DRIFT_TIME_S).sqrt();
+    let wander = |record: &Record, c: usize| -> Vec<f64> {
+        record.channels()[c].iter().zip(clean.channels()[c]).map(|(a, b)| a - b).collect()
+    };
+    for (drift, drifting, rms) in [
+        (Drift { position_rms_m: 0.02, ..Drift::default() }, 0..3, 0.02),
+        (Drift { attitude_rms_rad: 0.03, ..Drift::default() }, 3..6, 0.03),
+        (Drift { speed_rms_m_s: 0.04, ..Drift::default() }, 6..7, 0.04),
+    ] {
+        plant.drift = drift;
+        let record = recorded(&plant);
+        for c in 0..7 {
+            let wander = wander(&record, c);
+            if drifting.contains(&c) {
+                let square = wander.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / (wander.len() - 1) as f64;
+                assert!((square.sqrt() / step(rms) - 1.0).abs() < 0.15, "{c}: {} {}", square.sqrt(), step(rms));
+            } else {
+                assert!(wander.iter().all(|x| *x == 0.0), "{c}");
+            }
+        }
+    }
+    plant.drift = Drift { position_rms_m: 0.02, ..Drift::default() };
+    let both = recorded(&plant);
+    assert!(wander(&both, 0).iter().zip(wander(&both, 1)).any(|(a, b)| (a - b).abs() > 1e-4));
+}
+
+/// A run of a plant whose mass differs from run to run is one of the plant with the mass that was drawn, and another run has another.
+#[test]
+fn exact_runs_of_another_mass() {
+    let mut plant = lander();
+    plant.scatter = RunScatter { mass: 0.04, ..RunScatter::default() };
+    let one = |run: u64| {
+        let seed = Seed { campaign: 3, run };
+        let flown = fly(&plant, &order(), seed).expect("flies").record;
+        let drawn = 0.04 * seed.normals(Channel::Number(0)).next().expect("without end");
+        let mut own = lander();
+        own.vehicle.mass_kg *= 1.0 + drawn;
+        assert_eq!(flown, fly(&own, &order(), seed).expect("flies").record);
+        drawn
+    };
+    assert!((one(0) - one(1)).abs() > 1e-3);
 }

@@ -77,3 +77,20 @@ fn law_effects_that_held_out_runs_contradict_are_no_success() {
     assert!(found.sentence.contains("swirl comes nearest to it, but its form does not hold"), "{}", found.sentence);
     assert!(of_gain(-9.9).ok && !of_gain(f64::NEG_INFINITY).ok && !of_gain(f64::NAN).ok);
 }
+
+/// Of what differs from run to run the run that differs most surely is said, with its interval: shares in per cent, lengths in mm.
+#[test]
+fn exact_words_of_what_differs() {
+    let of = |run: &str, unit: &str, value: f64, std_error: f64| RunValue {
+        run: run.to_owned(),
+        name: "mass".to_owned(),
+        unit: unit.to_owned(),
+        value,
+        std_error,
+    };
+    let mut c = closing(&["mass-scatter"], None);
+    c.effects[0].by_run = vec![of("a", "-", 0.05, 0.03), of("b", "-", -0.012, 0.002), of("c", "-", 0.001, 0.001)];
+    assert!(c.lacks().contains("mass-scatter. Run b differs most: mass -1.200 ± 0.392\u{a0}% (95 %)."), "{}", c.lacks());
+    c.effects[0].by_run = vec![of("a", "m", 0.005, 0.001)];
+    assert!(c.lacks().contains("Run a differs most: mass +5.000 ± 1.960\u{a0}mm (95 %)."), "{}", c.lacks());
+}
