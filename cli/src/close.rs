@@ -114,6 +114,12 @@ fn effect(text: &mut String, e: &EffectLine) {
         });
         let _ = writeln!(text, "  {}", folded(&format!("{name}: {least} to {most}"), 2));
     }
+    for r in &e.by_run {
+        let (departure, half) = with_interval(r.value, Some(NORMAL_95 * r.std_error));
+        let half = half.map_or_else(String::new, |h| format!(" ± {h} (95 %)"));
+        let unit = if r.unit == "-" { " of itself" } else { " m" };
+        let _ = writeln!(text, "  {}: {} differs by {departure}{half}{unit}", r.run, r.name);
+    }
     if let Some([calm, strong]) = e.bursts {
         let _ = writeln!(text, "  in bursts: between {calm:.2} and {strong:.2} of its mean size in nine tenths of the time");
     }

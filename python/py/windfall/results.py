@@ -20,9 +20,9 @@ __all__ = [
     "InnovationShape", "Instead", "InstrumentError", "Instruments", "LandingScatter", "Many", "NextRun", "NoiseLine", "NotNamed",
     "NumberLine", "OutcomeParameter", "ParameterLine", "ParameterShare", "ParameterSummary", "Plan", "PlanOption",
     "PooledParameter", "Pressure", "Quantile", "Rate", "Record", "RecoveredDraw", "RecoveryLine", "Refused", "ReliabilityPoint",
-    "Residuals", "Resimulation", "Result", "RunComparison", "Screened", "Separated", "Separation", "SetLine", "ShapeReport",
-    "Sharpened", "Shift", "SimulatedHistory", "Statistic", "StatisticsClosing", "StatisticsOptions", "SteadyFall", "Structure",
-    "Study", "Tally", "TargetPlan", "TermEstimate", "TouchDownLine", "TrajectoryError", "Unexplained", "VariedLine",
+    "Residuals", "Resimulation", "Result", "RunComparison", "RunValue", "Screened", "Separated", "Separation", "SetLine",
+    "ShapeReport", "Sharpened", "Shift", "SimulatedHistory", "Statistic", "StatisticsClosing", "StatisticsOptions", "SteadyFall",
+    "Structure", "Study", "Tally", "TargetPlan", "TermEstimate", "TouchDownLine", "TrajectoryError", "Unexplained", "VariedLine",
     "Verification", "WindTunnelLine", "WindTunnelModel", "WordLine",
 ]
 
@@ -438,6 +438,16 @@ class FlownCoefficient(Record):
     most: FlownValue
 
 
+class RunValue(Record):
+    """What a number that differs from run to run is in one run, less what it is in common."""
+
+    run: str
+    name: str
+    unit: str
+    value: float
+    std_error: float
+
+
 class FormCheck(Record):
     """One check of a form."""
 
@@ -458,6 +468,7 @@ class EffectLine(Record):
     family: str
     parameters: list[ParameterLine]
     flown: list[FlownCoefficient]
+    by_run: list[RunValue]
     p_value: float
     probability: float | None
     rivals: list[str]
