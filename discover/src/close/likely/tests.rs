@@ -28,6 +28,7 @@ fn nothing(model: Model) -> Discovery {
     Discovery {
         before: None,
         before_fault: Ok(()),
+        departs: None,
         after,
         sets: Vec::new(),
         gram,
