@@ -175,3 +175,14 @@ fn law_runs_that_choose() {
     let (by, ahead, left) = chosen(0.0, 0.0, 1.0);
     assert!(by.abs() < 3.0 && ahead < 0.0 && left.is_empty(), "{by} {ahead} {left:?}");
 }
+
+/// Where no set of effects keeps a model near its runs, the declared one is followed with the least freedom of its accelerations that does, and
+/// nothing is named; the words say where it departs, or that no set does.
+#[test]
+fn law_what_nothing_follows_is_followed_freely() {
+    let (mut engine, model) = in_gusts();
+    let declared = model.calm();
+    let ((_, fit, _), words) = followed_freely(&mut engine, &declared, &mut Vec::new()).expect("a model that flies");
+    assert!(engine.slack > 0.0 && fit.model.members.is_empty() && fit.chi.is_finite());
+    assert_eq!(words.as_deref(), Some("no set of effects keeps the model near its runs"));
+}

@@ -90,7 +90,7 @@ fn exact_words_of_what_differs() {
     };
     let mut c = closing(&["mass-scatter"], None);
     c.effects[0].by_run = vec![of("a", "-", 0.05, 0.03), of("b", "-", -0.012, 0.002), of("c", "-", 0.001, 0.001)];
-    assert!(c.lacks().contains("mass-scatter. Run b differs most: mass -1.200 ± 0.392\u{a0}% (95 %)."), "{}", c.lacks());
+    assert!(c.lacks().contains("mass-scatter. Run b differs most: mass -1.200 ± 0.3920\u{a0}% (95 %)."), "{}", c.lacks());
     c.effects[0].by_run = vec![of("a", "m", 0.005, 0.001)];
     assert!(c.lacks().contains("Run a differs most: mass +5.000 ± 1.960\u{a0}mm (95 %)."), "{}", c.lacks());
 }
