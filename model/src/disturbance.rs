@@ -2,7 +2,6 @@
 //!
 //! The simulator draws them, the tracer uses their cross-spectra; both read the same few numbers.
 
-use crate::channel::POSE;
 use crate::run_scatter::RunNumber;
 use std::f64::consts::{PI, SQRT_2};
 
@@ -36,10 +35,10 @@ pub struct WakeShedding {
 /// walk of rms √(2/T) per root second. Zero rms in a declared model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drift {
-    /// rms of each axis of the recorded position, m.
-    pub position_rms_m: f64,
-    /// rms of each recorded angle, rad.
-    pub attitude_rms_rad: f64,
+    /// rms of the recorded position along X, Y and Z, m.
+    pub position_rms_m: [f64; 3],
+    /// rms of the recorded angles R_x, R_y and R_z, rad.
+    pub attitude_rms_rad: [f64; 3],
     /// rms of the recorded tunnel speed, m/s.
     pub speed_rms_m_s: f64,
 }
@@ -221,10 +220,8 @@ impl Drift {
     /// Drift of the six channels of the pose and of the tunnel speed; empty where no instrument drifts.
     #[must_use]
     pub fn disturbances(&self) -> Vec<Disturbance> {
-        let pose =
-            |place: usize| (Entry::RecordedPose(place), if place < 3 { self.position_rms_m } else { self.attitude_rms_rad });
-        (0..POSE)
-            .map(pose)
+        let pose = self.position_rms_m.into_iter().chain(self.attitude_rms_rad).enumerate();
+        pose.map(|(place, rms)| (Entry::RecordedPose(place), rms))
             .chain([(Entry::RecordedSpeed, self.speed_rms_m_s)])
             .filter(|(_, rms)| *rms > 0.0)
             .map(|(entry, rms)| Disturbance { entry, rms, shape: Shape::DrydenLongitudinal { time_s: DRIFT_TIME_S } })

@@ -183,8 +183,12 @@ plant_numbers! {
     plant "shedding.moment_rms" "", "-" PURE ANY, Effect "rms of the wake's moment coefficients", p => &mut p.shedding.moment_rms;
     plant "shedding.strouhal" "", "-" PURE ANY, Effect "Strouhal number of the wake", p => &mut p.shedding.strouhal;
     plant "shedding.bandwidth" "", "-" PURE ANY, Effect "relative bandwidth of the wake", p => &mut p.shedding.bandwidth;
-    plant "drift.position_rms_m" "", "m" LENGTH ANY, Effect "rms of the drift of each axis of the position", p => &mut p.drift.position_rms_m;
-    plant "drift.attitude_rms_rad" "", "rad" PURE ANY, Effect "rms of the drift of each angle", p => &mut p.drift.attitude_rms_rad;
+    plant "drift.position_rms_m" "X", "m" LENGTH ANY, Effect "rms of the drift of the position", p => &mut p.drift.position_rms_m[0];
+    plant "drift.position_rms_m" "Y", "m" LENGTH ANY, Effect "rms of the drift of the position", p => &mut p.drift.position_rms_m[1];
+    plant "drift.position_rms_m" "Z", "m" LENGTH ANY, Effect "rms of the drift of the position", p => &mut p.drift.position_rms_m[2];
+    plant "drift.attitude_rms_deg" "x", "rad" PURE ANY, Effect "rms of the drift of an angle", p => &mut p.drift.attitude_rms_rad[0];
+    plant "drift.attitude_rms_deg" "y", "rad" PURE ANY, Effect "rms of the drift of an angle", p => &mut p.drift.attitude_rms_rad[1];
+    plant "drift.attitude_rms_deg" "z", "rad" PURE ANY, Effect "rms of the drift of an angle", p => &mut p.drift.attitude_rms_rad[2];
     plant "drift.speed_rms_m_s" "", "m/s" SPEED ANY, Effect "rms of the drift of the recorded tunnel speed", p => &mut p.drift.speed_rms_m_s;
     plant "scatter.mass" "", "-" PURE ANY, Effect "scatter of the mass from run to run, as a share of it", p => &mut p.scatter.mass;
     plant "scatter.attachment_m" "", "m" LENGTH ANY, Effect "scatter of the tether's attachment from run to run, each axis", p => &mut p.scatter.attachment_m;

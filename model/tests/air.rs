@@ -140,8 +140,8 @@ fn exact_gusts_and_vortices_scale_with_the_speed() {
 /// Drift has an input for each channel, and what differs between runs one for each number.
 #[test]
 fn exact_drift_and_scatter() {
-    let all = Drift { position_rms_m: 0.1, attitude_rms_rad: 0.2, speed_rms_m_s: 0.3 }.disturbances();
-    let pose = (0..6).map(|c| (Entry::RecordedPose(c), if c < 3 { 0.1 } else { 0.2 }));
+    let all = Drift { position_rms_m: [0.1, 0.2, 0.3], attitude_rms_rad: [0.4, 0.0, 0.6], speed_rms_m_s: 0.3 }.disturbances();
+    let pose = [(0, 0.1), (1, 0.2), (2, 0.3), (3, 0.4), (5, 0.6)].map(|(c, rms)| (Entry::RecordedPose(c), rms)).into_iter();
     let expected: Vec<(Entry, f64)> = pose.chain([(Entry::RecordedSpeed, 0.3)]).collect();
     assert_eq!(all.iter().map(|d| (d.entry, d.rms)).collect::<Vec<_>>(), expected);
     assert!(all.iter().all(|d| d.shape == Shape::DrydenLongitudinal { time_s: DRIFT_TIME_S }));

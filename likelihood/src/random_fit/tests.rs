@@ -242,7 +242,7 @@ fn several(family: &str, values: &[f64]) -> (Engine, Model) {
 #[test]
 fn recover_drift_and_what_differs_between_runs() {
     for (family, values) in [
-        ("pose-drift", &[4e-3, 6e-3][..]),
+        ("pose-drift", &[4e-3, 4e-3, 8e-3, 6e-3, 3e-3, 6e-3][..]),
         ("speed-drift", &[0.2]),
         ("mass-scatter", &[0.04]),
         ("attachment-scatter", &[0.02]),

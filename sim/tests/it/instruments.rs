@@ -226,8 +226,8 @@ fn law_drift_is_in_the_record_alone() {
         record.channels()[c].iter().zip(clean.channels()[c]).map(|(a, b)| a - b).collect()
     };
     for (drift, drifting, rms) in [
-        (Drift { position_rms_m: 0.02, ..Drift::default() }, 0..3, 0.02),
-        (Drift { attitude_rms_rad: 0.03, ..Drift::default() }, 3..6, 0.03),
+        (Drift { position_rms_m: [0.02; 3], ..Drift::default() }, 0..3, 0.02),
+        (Drift { attitude_rms_rad: [0.03; 3], ..Drift::default() }, 3..6, 0.03),
         (Drift { speed_rms_m_s: 0.04, ..Drift::default() }, 6..7, 0.04),
     ] {
         plant.drift = drift;
@@ -242,7 +242,7 @@ fn law_drift_is_in_the_record_alone() {
             }
         }
     }
-    plant.drift = Drift { position_rms_m: 0.02, ..Drift::default() };
+    plant.drift = Drift { position_rms_m: [0.02; 3], ..Drift::default() };
     let both = recorded(&plant);
     assert!(wander(&both, 0).iter().zip(wander(&both, 1)).any(|(a, b)| (a - b).abs() > 1e-4));
 }

@@ -70,7 +70,7 @@ fn nilpotent() -> (Local, impl Fn(usize) -> usize) {
 #[test]
 fn exact_transition_of_a_nilpotent_motion() {
     let (mut plant, noise, mut run) = (plant(), noise(), run());
-    plant.drift = Drift { position_rms_m: 0.003, attitude_rms_rad: 0.002, speed_rms_m_s: 0.05 };
+    plant.drift = Drift { position_rms_m: [0.003, 0.004, 0.002], attitude_rms_rad: [0.002; 3], speed_rms_m_s: 0.05 };
     plant.scatter = RunScatter { mass: 0.02, ..RunScatter::default() };
     run.speed.density = 0.37;
     let logs = [[0.3, 0.5], [-0.4, 0.2], [0.7, -0.2]];
