@@ -88,7 +88,7 @@ pub struct OfRun {
     pub run: usize,
     /// Which number.
     pub number: RunNumber,
-    /// Mean of its departure, in the unit of [`RunNumber::change`].
+    /// Mean of its departure, in the unit of [`Plant::change`].
     pub value: f64,
     /// Standard deviation of that.
     pub std: f64,

@@ -190,7 +190,7 @@ pub(crate) fn number_plants(plant: &Plant) -> Vec<Plant> {
     let number = |d: Disturbance| if let Entry::Number(number) = d.entry { Some(number) } else { None };
     let moved = |number: RunNumber| {
         let mut plant = plant.clone();
-        number.change(&mut plant, NUMBER_STEP);
+        plant.change(number, NUMBER_STEP);
         plant
     };
     plant.disturbances(1.0).into_iter().filter_map(number).map(moved).collect()

@@ -2,7 +2,6 @@
 //!
 //! The simulator draws them, the tracer uses their cross-spectra; both read the same few numbers.
 
-use crate::run_scatter::RunNumber;
 use std::f64::consts::{PI, SQRT_2};
 
 /// Gusts of the tunnel, of Dryden's form (MIL-F-8785C 1980; Dryden, NACA TR 342, 1930) or limited to a band. Zero rms in a declared model.
@@ -45,6 +44,17 @@ pub struct Drift {
 
 /// Time constant of an instrument's drift, s: of the order of a run, so that it can be told from an offset and from noise.
 pub const DRIFT_TIME_S: f64 = 30.0;
+
+/// A number of the plant that each run may have its own value of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RunNumber {
+    /// Mass, as a share of the declared one; inertia is as declared.
+    Mass,
+    /// Place of the tether's attachment along body axis 0 = x, 1 = y, 2 = z, m.
+    Attachment(usize),
+    /// Parameter of the aerodynamic structure by its place, as a share of its value.
+    Aero(usize),
+}
 
 /// Where a random input enters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -226,5 +236,37 @@ impl Drift {
             .filter(|(_, rms)| *rms > 0.0)
             .map(|(entry, rms)| Disturbance { entry, rms, shape: Shape::DrydenLongitudinal { time_s: DRIFT_TIME_S } })
             .collect()
+    }
+}
+
+/// Standard deviations from run to run. Zero in a declared model.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RunScatter {
+    /// Of the mass, as a share of it.
+    pub mass: f64,
+    /// Of the tether's attachment across the body, along each of y and z, m.
+    pub attachment_m: f64,
+    /// Of one aerodynamic parameter, as a share of it.
+    pub aero: f64,
+    /// Place of that parameter in the structure, from 0.
+    pub aero_place: f64,
+}
+
+impl RunScatter {
+    /// The numbers that differ, each with its standard deviation; empty where all runs are alike.
+    #[must_use]
+    pub fn disturbances(&self) -> Vec<Disturbance> {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place in a short list")]
+        let place = self.aero_place.round().max(0.0) as usize;
+        [
+            (RunNumber::Mass, self.mass),
+            (RunNumber::Attachment(1), self.attachment_m),
+            (RunNumber::Attachment(2), self.attachment_m),
+            (RunNumber::Aero(place), self.aero),
+        ]
+        .into_iter()
+        .filter(|(_, std)| *std > 0.0)
+        .map(|(number, rms)| Disturbance { entry: Entry::Number(number), rms, shape: Shape::Constant })
+        .collect()
     }
 }

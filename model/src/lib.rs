@@ -23,7 +23,6 @@ mod plant;
 mod point;
 mod quantity;
 mod record;
-mod run_scatter;
 mod run_use;
 mod scenario;
 mod sensors;
@@ -39,7 +38,9 @@ pub use air::{Environment, dynamic_pressure_pa};
 pub use bandwidth::{Bandwidth, ChannelGroup, ExportCause};
 pub use campaign::{Campaign, Data, Run};
 pub use channel::{CHANNEL_NAMES, CHANNELS, POSE, PerChannel, RunChannel};
-pub use disturbance::{DRIFT_TIME_S, Disturbance, Drift, Entry, Shape, ShapingFilter, StateForm, Turbulence, WakeShedding};
+pub use disturbance::{
+    DRIFT_TIME_S, Disturbance, Drift, Entry, RunNumber, RunScatter, Shape, ShapingFilter, StateForm, Turbulence, WakeShedding,
+};
 pub use effects::{Acts, CATALOGUE, Effect, Net, Parameter, Role};
 pub use flow::{FlowState, MeanFlow, VARIABLES, Variable, Wind};
 pub use free_body::{FreeBody, FreeState};
@@ -50,7 +51,6 @@ pub use plant::{AirState, Contact, Motion, Plant, trim_speed};
 pub use point::{CoefficientTable, Pivot, PointAir, PointMass};
 pub use quantity::{Dimension, Given, PLANT_NUMBERS, PlantNumber};
 pub use record::{Measured, PointRecord, Record, Recording, WindRows};
-pub use run_scatter::{RunNumber, RunScatter};
 pub use run_use::Use;
 pub use scenario::{Flight, Integrator, Numerics, Operator, Release, Scenario, TestSection, TunnelSpeed};
 pub use sensors::Sensors;

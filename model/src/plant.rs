@@ -2,12 +2,11 @@
 
 use crate::aero::{Aero, Wrench, wrench_at_cm};
 use crate::air::{Environment, dynamic_pressure_pa};
-use crate::disturbance::{Disturbance, Drift, Turbulence, WakeShedding};
+use crate::disturbance::{Disturbance, Drift, RunNumber, RunScatter, Turbulence, WakeShedding};
 use crate::flow::{FlowState, MeanFlow};
 use crate::frames::{Body, Rotation, Tunnel, Vec3};
 use crate::free_flight::FreeFlight;
 use crate::point::{CoefficientTable, PointAir, PointMass};
-use crate::run_scatter::RunScatter;
 use crate::sensors::Sensors;
 use crate::tether::Tether;
 use crate::vehicle::Vehicle;
@@ -218,6 +217,23 @@ impl Plant {
         all.extend(self.drift.disturbances());
         all.extend(self.scatter.disturbances());
         all
+    }
+
+    /// Changes a number that may differ from run to run by that much, in its unit.
+    pub fn change(&mut self, number: RunNumber, by: f64) {
+        match number {
+            RunNumber::Mass => self.vehicle.mass_kg *= 1.0 + by,
+            RunNumber::Attachment(axis) => {
+                if let Some(tether) = &mut self.tether {
+                    tether.p_origin_hook.xyz[axis] += by;
+                }
+            }
+            RunNumber::Aero(place) => {
+                if let Some(value) = self.aero.values.get_mut(place) {
+                    *value *= 1.0 + by;
+                }
+            }
+        }
     }
 
     /// The plant as it acts in run number `run` with that run's known settings: contacts of other runs are dropped, and

@@ -419,7 +419,7 @@ fn exact_numbers_of_a_run() {
     base.aero.values[0] = 2.0;
     let changed = |number: RunNumber| {
         let mut plant = base.clone();
-        number.change(&mut plant, 0.25);
+        plant.change(number, 0.25);
         plant
     };
     let heavier = changed(RunNumber::Mass);

@@ -140,7 +140,7 @@ fn of_run(plant: &Plant, seed: Seed) -> Cow<'_, Plant> {
     for (place, d) in (0_u8..).zip(plant.scatter.disturbances()) {
         if let Entry::Number(number) = d.entry {
             let drawn = d.rms * seed.normals(Channel::Number(place)).next().unwrap_or(0.0);
-            number.change(own.to_mut(), drawn);
+            own.to_mut().change(number, drawn);
         }
     }
     own
