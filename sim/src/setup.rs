@@ -9,7 +9,7 @@ use crate::state::BASE;
 use nalgebra::{Matrix3, Matrix6};
 use std::borrow::Cow;
 use std::sync::OnceLock;
-use windfall_model::{AeroProgram, Entry, Flight, Operator, Plant, TunnelSpeed, trim_speed};
+use windfall_model::{AeroProgram, Disturbance, Entry, Flight, Operator, Plant, TunnelSpeed, trim_speed};
 
 /// Points at most of a grid on which an input is drawn beforehand: a third of a gigabyte.
 const GRID_POINTS: f64 = 2e7;
@@ -97,7 +97,9 @@ impl<'a> Setup<'a> {
 
     fn draw_disturbances(&mut self, flight: &Flight, seed: Seed) -> Result<(), SimError> {
         let speed = mean_airspeed(&self.plant, flight, self.density_kg_m3);
-        for d in self.plant.disturbances(speed) {
+        // What drifts is the record's, and what differs from run to run is in the run's own plant.
+        let moves = |d: &Disturbance| matches!(d.entry, Entry::AirVelocity(_) | Entry::Coefficient(_));
+        for d in self.plant.disturbances(speed).into_iter().filter(moves) {
             let grid_s = noise::grid_s(&d, self.plant.vehicle.diameter_m, speed);
             let points = flight.duration_s / grid_s;
             demand(
@@ -111,7 +113,6 @@ impl<'a> Setup<'a> {
             match d.entry {
                 Entry::AirVelocity(axis) => self.gusts.push((axis, smooth(Channel::Gust(small(axis))))),
                 Entry::Coefficient(index) => self.coefficient_noise.push((index, smooth(Channel::Coefficient(small(index))))),
-                // The record's, and the run's own plant.
                 Entry::RecordedSpeed | Entry::RecordedPose(_) | Entry::Number(_) => {}
             }
         }

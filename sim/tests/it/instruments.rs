@@ -258,8 +258,9 @@ fn exact_runs_of_another_mass() {
         let drawn = 0.04 * seed.normals(Channel::Number(0)).next().expect("without end");
         let mut own = lander();
         own.vehicle.mass_kg *= 1.0 + drawn;
-        assert_eq!(flown, fly(&own, &order(), seed).expect("flies").record);
+        assert!(flown == fly(&own, &order(), seed).expect("flies").record);
         drawn
     };
-    assert!((one(0) - one(1)).abs() > 1e-3);
+    let (first, second) = (one(0), one(1));
+    assert!((first - second).abs() > 1e-6, "{first} {second}");
 }
