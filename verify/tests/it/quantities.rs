@@ -3,8 +3,8 @@
 
 use windfall_model::frames::Vec3;
 use windfall_model::{
-    ApparentMass, Environment, Flight, Inertia, LooseMass, MeanFlow, PLANT_NUMBERS, Plant, PlantNumber, Release, Tether,
-    TunnelSpeed, Turbulence, WakeShedding,
+    ApparentMass, Environment, Flight, Inertia, LooseMass, MeanFlow, PLANT_NUMBERS, Plant, PlantNumber, Release, RunScatter,
+    Tether, TunnelSpeed, Turbulence, WakeShedding,
 };
 use windfall_pid::equations::{ADDED, Craft, MOTION, TunnelAir};
 use windfall_sim::{Order, Seed, Stepping, Truth, fly_truth, fly_truth_batch};
@@ -153,13 +153,14 @@ fn faults(n: &PlantNumber, base: &Plant, [whole, plain]: &[[[f64; 12]; 2]; 2]) -
     all
 }
 
-/// Whether a number of gusts or wake shapes the random inputs.
+/// Whether a number of gusts, wake, drift or scatter shapes the random inputs.
 fn shapes(n: &PlantNumber, base: &Plant) -> bool {
     let (rms, scale) = (0.1, 0.8);
     let turbulence =
         Turbulence { axial_rms_m_s: rms, lateral_rms_m_s: rms, axial_scale_m: scale, lateral_scale_m: scale, bandwidth: 0.0 };
     let shedding = WakeShedding { moment_rms: 0.01, strouhal: 0.2, bandwidth: 0.1 };
-    let blown = Plant { turbulence, shedding, ..base.clone() };
+    let scatter = RunScatter { aero: 0.1, ..RunScatter::default() };
+    let blown = Plant { turbulence, shedding, scatter, ..base.clone() };
     let mut moved = blown.clone();
     if let Some(x) = (n.lens)(&mut moved) {
         *x += 0.5;
@@ -168,7 +169,7 @@ fn shapes(n: &PlantNumber, base: &Plant) -> bool {
 }
 
 /// A number that acts on the lander's motion acts in both rooms and in the batch, which have equations of their own, and alike: who forgets
-/// the twin of a force, or to declare where its number is seen, is told so here. Numbers of gusts and wakes shape random inputs, which both
+/// the twin of a force, or to declare where its number is seen, is told so here. Numbers of gusts, wakes, drift and scatter shape random inputs, which both
 /// rooms have of one function; those of instruments have their own tests (`pid/tests`, `sim/tests`), and bodies without attitude, pivots
 /// and free flight their forces in one place, `model`.
 #[test]
@@ -182,8 +183,8 @@ fn law_every_quantity_is_seen() {
         let found = match n.key.split('.').next().unwrap_or_default() {
             "sensors" | "point" | "pivot" | "free_flight" => continue,
             _ if of_points.contains(&n.key) => continue,
-            "turbulence" | "shedding" if shapes(n, &base) => Vec::new(),
-            "turbulence" | "shedding" => vec!["shapes no random input".to_owned()],
+            "turbulence" | "shedding" | "drift" | "scatter" if shapes(n, &base) => Vec::new(),
+            "turbulence" | "shedding" | "drift" | "scatter" => vec!["shapes no random input".to_owned()],
             "vehicle" | "tether" | "flow" | "environment" => faults(n, &base, &before),
             _ => vec!["say in this test where it is seen".to_owned()],
         };
