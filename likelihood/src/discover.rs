@@ -48,7 +48,7 @@ pub struct Discovery {
     pub before: Option<Fit>,
     /// Why there is none.
     pub before_fault: Result<(), String>,
-    /// Where the declared model departs, if neither it nor any set of effects stays near the runs: `after` has accelerations left free then.
+    /// That no set of effects stays near the runs, in words, and where the declared model departs: `after` has accelerations left free then.
     pub departs: Option<String>,
     /// Fit of the best set.
     pub after: Fit,
@@ -107,11 +107,7 @@ pub fn discover(engine: &mut Engine) -> Result<Discovery, String> {
     log.push(format!("work {:.0}", engine.passes()));
     let unfinished_passes = engine.is_exhausted().then(|| engine.passes().round());
     engine.count_anew();
-    let ((_, after, weighed), departs) = match best {
-        Ok(Some(best)) => (best, None),
-        Ok(None) => followed_freely(engine, &declared, &mut log).ok_or("no set of effects could be fitted")?,
-        Err(words) => followed_freely(engine, &declared, &mut log).ok_or(words)?,
-    };
+    let ((_, after, weighed), departs) = or_followed_freely(engine, &declared, best, &mut log)?;
     let (after, weighed) = rivals_fitted(engine, after, weighed, &mut log);
     let (after, weighed) = selected(engine, after, weighed, &mut log);
     let (after, weighed) = told_from_none(engine, after, weighed, &mut log);
@@ -209,20 +205,38 @@ fn searched(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Res
     Ok(Some(best))
 }
 
-/// The declared model with its accelerations left free by the least that keeps it near its runs, where no set of effects does; and the words
-/// of where it departs without. The engine's accelerations stay free by that.
-fn followed_freely(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Option<(Scored, Option<String>)> {
+/// What a search found, or the declared model in free accelerations and why.
+fn or_followed_freely(
+    engine: &mut Engine,
+    declared: &Model,
+    found: Result<Option<Scored>, String>,
+    log: &mut Vec<String>,
+) -> Result<(Scored, Option<String>), String> {
+    let fault = match found {
+        Ok(Some(best)) => return Ok((best, None)),
+        Ok(None) => "no set of effects could be fitted".to_owned(),
+        Err(words) => words,
+    };
+    let (followed, words) = followed_freely(engine, declared, log).ok_or(fault)?;
+    Ok((followed, Some(words)))
+}
+
+/// The declared model with its accelerations left free by the least that keeps it near its runs, where no set of effects does; and that in words,
+/// with where the model departs. The engine's accelerations stay free by that.
+fn followed_freely(engine: &mut Engine, declared: &Model, log: &mut Vec<String>) -> Option<(Scored, String)> {
     /// Shares of the accelerations of free flight, each about three times the one before.
     const FREEDOM: [f64; 7] = [0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0];
-    let departs = engine.climb(declared, false, 0).err().map(|d| d.words(&engine.campaign));
-    let departs = departs.unwrap_or_else(|| "no set of effects keeps the model near its runs".to_owned());
+    let mut words = "no set of effects keeps the model near its runs".to_owned();
+    if let Err(departed) = engine.climb(declared, false, 0) {
+        words += &format!(": {}", departed.words(&engine.campaign));
+    }
     for slack in FREEDOM {
         engine.slack = slack;
         if let Ok(fit) = engine.climb(declared, false, 12)
             && let Some(weighed) = weigh::weigh(engine, &fit.model)
         {
             log.push(format!("accelerations left free by {slack}: chi {:.3}", fit.chi));
-            return Some(((score(engine, &fit), fit, weighed), Some(departs)));
+            return Some(((score(engine, &fit), fit, weighed), words));
         }
     }
     None

@@ -257,7 +257,7 @@ impl Engine {
             };
             let records: Vec<&Record> = self.runs.iter().filter_map(tunnel).collect();
             let ratios = by_run(&records, &noise);
-            self.runs.iter_mut().zip(ratios).for_each(|(run, ratio)| run.noise = ratio);
+            self.runs.iter_mut().zip(ratios).for_each(|(run, ratio)| run.noise_ratio = ratio);
         }
         self
     }
@@ -368,10 +368,9 @@ impl Engine {
     #[must_use]
     pub fn by_run(&self, fit: &Fit) -> Vec<OfRun> {
         let Ok(seen) = self.passed(&fit.model, &fit.numbers, &[], Keep::Nothing) else { return Vec::new() };
-        let entries = fit.model.plant(&self.campaign).disturbances(1.0).into_iter().map(|d| d.entry);
-        let numbers: Vec<RunNumber> = entries.filter_map(|e| if let Entry::Number(n) = e { Some(n) } else { None }).collect();
+        let numbers = fit.model.plant(&self.campaign).scatter.numbers();
         let of_run = |(run, seen): (&Prepared, &Seen)| {
-            let one = |(number, state): (&RunNumber, &RunState)| {
+            let one = |((number, _), state): (&(RunNumber, f64), &RunState)| {
                 let slopes = DVector::from_column_slice(&state.slopes);
                 let variance = state.variance + slopes.dot(&(&fit.covariance * &slopes));
                 OfRun { run: run.index, number: *number, value: state.mean, std: variance.max(0.0).sqrt() }

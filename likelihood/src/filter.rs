@@ -22,7 +22,7 @@ pub(crate) use beside::NodeInnovations;
 use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, Simd, WithSimd};
 use rows::VECTOR;
-use windfall_model::{Campaign, Disturbance, Entry, POSE, PerChannel, Plant, RunNumber};
+use windfall_model::{Campaign, Entry, POSE, PerChannel, Plant, RunNumber};
 use windfall_pid::equations::{ADDED, Craft, LOOSE, MOTION, STATES, TunnelAir};
 
 /// Spread of the first state about its start: wide, so that the data decide (m, rad, m/s, rad/s).
@@ -187,13 +187,12 @@ struct Filter<'a> {
 
 /// Plants with each number that differs from run to run a small step away.
 pub(crate) fn number_plants(plant: &Plant) -> Vec<Plant> {
-    let number = |d: Disturbance| if let Entry::Number(number) = d.entry { Some(number) } else { None };
-    let moved = |number: RunNumber| {
+    let moved = |(number, _): (RunNumber, f64)| {
         let mut plant = plant.clone();
         plant.change(number, NUMBER_STEP);
         plant
     };
-    plant.disturbances(1.0).into_iter().filter_map(number).map(moved).collect()
+    plant.scatter.numbers().into_iter().map(moved).collect()
 }
 
 /// Runs the filter over a run. `plant` and the columns' plants are those of this run.
@@ -245,7 +244,7 @@ impl<'a> Filter<'a> {
         let craft = Craft::complete(s.plant).ok()?;
         let step_s = run.step_s() / (1.0 + s.plant.sensors.time_base);
         let random = inputs(s.plant, run.speed_m_s, step_s, s.spectra);
-        let noise: PerChannel<ChannelNoise> = std::array::from_fn(|c| s.noise[c].times(run.noise[c]));
+        let noise: PerChannel<ChannelNoise> = std::array::from_fn(|c| s.noise[c].times(run.noise_ratio[c]));
         let coloured: Vec<(usize, MeanNoise)> =
             (0..POSE).filter(|&c| noise[c].coloured > 0.0).map(|c| (c, noise[c].of_means(run.block))).collect();
         let nm = if s.plant.vehicle.loose.is_some() { MOTION } else { STATES };

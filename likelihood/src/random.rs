@@ -138,11 +138,7 @@ fn input(d: &Disturbance, step_s: f64, spectra: Spectra) -> Input {
     // Rates of the states, where white noise enters, and the form by the states.
     let (order, (a, b, form)) = match d.shape {
         Shape::Constant => return constant(d),
-        Shape::DrydenLongitudinal { time_s } if !is_gust => {
-            let mut a = -Rates::identity();
-            a[(0, 0)] = -1.0 / time_s;
-            (1, (a, States::x(), States::x()))
-        }
+        Shape::DrydenLongitudinal { time_s } if !is_gust => (1, first_order(time_s)),
         Shape::DrydenLongitudinal { time_s } if spectra.von_karman => (3, ratio(time_s, &ALONG)),
         Shape::DrydenLateral { time_s } if spectra.von_karman => (4, ratio(time_s, &ACROSS)),
         Shape::DrydenLongitudinal { time_s } => (3, gust(time_s, 1.0)),
@@ -193,6 +189,13 @@ fn input(d: &Disturbance, step_s: f64, spectra: Spectra) -> Input {
         stationary: rows(&(p * (size * size))),
         broad: if matches!(d.shape, Shape::Band { .. }) { OUTSIDE * d.rms } else { 0.0 },
     }
+}
+
+/// `1/(1 + T s)` without a lag: rates of the states, where white noise enters, and the form by the states.
+fn first_order(time_s: f64) -> (Rates, States, States) {
+    let mut a = -Rates::identity();
+    a[(0, 0)] = -1.0 / time_s;
+    (a, States::x(), States::x())
 }
 
 /// One number for the whole of a run.

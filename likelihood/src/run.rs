@@ -47,7 +47,7 @@ pub(crate) struct Prepared {
     /// Mean airspeed, m/s.
     pub(crate) speed_m_s: f64,
     /// Variance of its noise over that of all runs together, by channel.
-    pub(crate) noise: PerChannel<f64>,
+    pub(crate) noise_ratio: PerChannel<f64>,
     /// Variance of the gusts along the run over its mean.
     pub(crate) intensity: Intensity,
 }
@@ -68,7 +68,7 @@ impl Prepared {
             start: [[0.0; 2]; POSE],
             speed: Speed::new(&sampled, every as f64 * dt, noise, &missing).from(first as f64 * dt),
             speed_m_s: record.mean_airspeed_m_s(),
-            noise: [1.0; CHANNELS],
+            noise_ratio: [1.0; CHANNELS],
             intensity: Intensity::default(),
         }
         .in_nodes(record, gas_constant, node_s)

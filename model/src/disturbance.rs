@@ -255,18 +255,22 @@ pub struct RunScatter {
 impl RunScatter {
     /// The numbers that differ, each with its standard deviation; empty where all runs are alike.
     #[must_use]
-    pub fn disturbances(&self) -> Vec<Disturbance> {
+    pub fn numbers(&self) -> Vec<(RunNumber, f64)> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place in a short list")]
         let place = self.aero_place.round().max(0.0) as usize;
-        [
+        let all = [
             (RunNumber::Mass, self.mass),
             (RunNumber::Attachment(1), self.attachment_m),
             (RunNumber::Attachment(2), self.attachment_m),
             (RunNumber::Aero(place), self.aero),
-        ]
-        .into_iter()
-        .filter(|(_, std)| *std > 0.0)
-        .map(|(number, rms)| Disturbance { entry: Entry::Number(number), rms, shape: Shape::Constant })
-        .collect()
+        ];
+        all.into_iter().filter(|(_, std)| *std > 0.0).collect()
+    }
+
+    /// The same as random inputs, in their order.
+    #[must_use]
+    pub fn disturbances(&self) -> Vec<Disturbance> {
+        let input = |(number, rms)| Disturbance { entry: Entry::Number(number), rms, shape: Shape::Constant };
+        self.numbers().into_iter().map(input).collect()
     }
 }

@@ -61,16 +61,18 @@ fn instead(c: &Closing) -> String {
     out
 }
 
+/// A number with its interval of 95 %.
+fn interval(value: f64, std_error: f64) -> Cell {
+    let (estimate, half) = with_interval(value, Some(NORMAL_95 * std_error));
+    Cell::Number(half.map_or(estimate.clone(), |h| format!("{estimate} ± {h}")))
+}
+
 /// What differs from run to run, run by run.
 pub(crate) fn by_run(e: &EffectLine) -> String {
     if e.by_run.is_empty() {
         return String::new();
     }
-    let row = |r: &RunValue| {
-        let (estimate, half) = with_interval(r.value, Some(NORMAL_95 * r.std_error));
-        let value = Cell::Number(half.map_or(estimate.clone(), |h| format!("{estimate} ± {h}")));
-        vec![Cell::text(&r.run), Cell::text(&r.name), value, Cell::text(&r.unit)]
-    };
+    let row = |r: &RunValue| vec![Cell::text(&r.run), Cell::text(&r.name), interval(r.value, r.std_error), Cell::text(&r.unit)];
     let rows: Vec<Vec<Cell>> = e.by_run.iter().map(row).collect();
     table(&["run", "number", "departure ± 95 %", "unit"], &rows)
 }
@@ -80,10 +82,7 @@ pub(crate) fn flown(e: &EffectLine) -> String {
     if e.flown.is_empty() {
         return String::new();
     }
-    let value = |v: &FlownValue| {
-        let (estimate, half) = with_interval(v.estimate, Some(NORMAL_95 * v.std_error));
-        Cell::Number(half.map_or(estimate.clone(), |h| format!("{estimate} ± {h}")))
-    };
+    let value = |v: &FlownValue| interval(v.estimate, v.std_error);
     let rows: Vec<Vec<Cell>> = e
         .flown
         .iter()

@@ -138,11 +138,9 @@ impl<'a> Setup<'a> {
 /// The plant of one run: numbers that differ from run to run drawn.
 fn of_run(plant: &Plant, seed: Seed) -> Cow<'_, Plant> {
     let mut own = Cow::Borrowed(plant);
-    for (place, d) in (0_u8..).zip(plant.scatter.disturbances()) {
-        if let Entry::Number(number) = d.entry {
-            let drawn = d.rms * seed.normals(Channel::Number(place)).next().unwrap_or(0.0);
-            own.to_mut().change(number, drawn);
-        }
+    for (place, (number, std)) in (0_u8..).zip(plant.scatter.numbers()) {
+        let drawn = std * seed.normals(Channel::Number(place)).next().unwrap_or(0.0);
+        own.to_mut().change(number, drawn);
     }
     own
 }

@@ -11,7 +11,7 @@ use super::{
 use crate::DiscoverError;
 use statrs::distribution::{ContinuousCDF, Normal};
 use windfall_likelihood::{Discovery, Engine, Fit, Id, Lead, Member, NOISE_KNOWN, OfRun, discover};
-use windfall_model::{CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, Entry, POSE, Plant, Role, RunNumber, RunScatter, Use};
+use windfall_model::{CATALOGUE, CHANNEL_NAMES, Campaign, Data, Effect, POSE, Plant, Role, RunNumber, RunScatter, Use};
 use windfall_pid::NORMAL_95;
 use windfall_pid::bandwidth::bandwidth_lines;
 use windfall_replay::{ReplayError, hold_out};
@@ -95,7 +95,7 @@ fn by_run(m: &Member, fit: &Fit, engine: &Engine) -> Vec<RunValue> {
     let plant = &engine.campaign().plant;
     let mut own = Plant { scatter: RunScatter::default(), ..plant.clone() };
     (m.effect.apply)(&mut own, &m.values);
-    let numbers: Vec<Entry> = own.scatter.disturbances().into_iter().map(|d| d.entry).collect();
+    let numbers: Vec<RunNumber> = own.scatter.numbers().into_iter().map(|(number, _)| number).collect();
     if numbers.is_empty() {
         return Vec::new();
     }
@@ -109,7 +109,7 @@ fn by_run(m: &Member, fit: &Fit, engine: &Engine) -> Vec<RunValue> {
         let run = engine.campaign().runs.get(of.run).map_or_else(String::new, |r| r.name.clone());
         RunValue { run, name, unit: unit.to_owned(), value: of.value, std_error: of.std }
     };
-    engine.by_run(fit).into_iter().filter(|of| numbers.contains(&Entry::Number(of.number))).map(one).collect()
+    engine.by_run(fit).into_iter().filter(|of| numbers.contains(&of.number)).map(one).collect()
 }
 
 /// Unit of a channel of the pose in reports over SI: degrees of angles.
@@ -357,8 +357,7 @@ fn unexplained(found: &Discovery, contradicted: &[&str], engine: &Engine, option
         all.push(Unexplained { channel: worst_channel(found).to_owned(), description: unsettled(contradicted) });
     }
     if let Some(words) = &found.departs {
-        let description = format!("no set of effects keeps the model near its runs: {words}");
-        all.push(Unexplained { channel: worst_channel(found).to_owned(), description });
+        all.push(Unexplained { channel: worst_channel(found).to_owned(), description: words.clone() });
     }
     if let Err(words) = &found.before_fault
         && all.is_empty()
