@@ -193,9 +193,8 @@ fn input(d: &Disturbance, step_s: f64, spectra: Spectra) -> Input {
 
 /// `1/(1 + T s)` without a lag: rates of the states, where white noise enters, and the form by the states.
 fn first_order(time_s: f64) -> (Rates, States, States) {
-    let mut a = -Rates::identity();
-    a[(0, 0)] = -1.0 / time_s;
-    (a, States::x(), States::x())
+    // The other states stay at zero.
+    (Rates::from_diagonal_element(-1.0 / time_s), States::x(), States::x())
 }
 
 /// One number for the whole of a run.

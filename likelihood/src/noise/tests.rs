@@ -88,6 +88,18 @@ fn exact_cost_is_whittles() {
     assert!((variance - 5.7).abs() < 1e-11 && (cost - moved.iter().map(|o| o.power.ln() + 1.0).sum::<f64>()).abs() < 1e-10);
 }
 
+/// A spectrum that is 2.6 times white and coloured noise everywhere has that ratio to it, known to two over its ordinates; one of too few
+/// ordinates has none.
+#[test]
+fn exact_ratio_of_a_spectrum_to_noise() {
+    let (share, r) = (0.4, 0.7);
+    let noise = ChannelNoise { white: 3.0 * (1.0 - share), coloured: 3.0 * share, correlation: r };
+    let of = |n: u32| noise.log_ratio(&ordinates(n, |w, _| 2.6 * 3.0 * shape(share, r, w)));
+    let [log, variance] = of(120).expect("enough ordinates");
+    assert!((log - 2.6_f64.ln()).abs() < 1e-10 && (variance - 2.0 / 120.0).abs() < 1e-15, "{log} {variance}");
+    assert_eq!(of(u32::try_from(FEWEST).expect("few") - 1), None);
+}
+
 /// One ordinate in a thousand is a line: it counts as twelve times the variance, `1000 v = 999·7 + 12 v`. Three rounds from the
 /// mean of all, 77, leave 70 (12/1000)³.
 #[test]

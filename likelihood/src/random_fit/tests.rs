@@ -272,3 +272,29 @@ fn recover_drift_and_what_differs_between_runs() {
         }
     }
 }
+
+/// A run's number is known as the filter knows it within the run, and by what the fit leaves of its own numbers: each moves the number's mean by
+/// its slope. The filter's gain is held in a slope: a tenth of it.
+#[test]
+fn law_a_number_of_a_run_has_the_errors_of_the_fit() {
+    let (engine, model) = flown_by("mass-scatter", &[(Use::Identify, 3.0, &[0.04])]);
+    let mut fit = engine.climb(&model, false, 3).expect("a model that flies");
+    let of = |fit: &Fit| engine.by_run(fit).remove(0);
+    fit.covariance.fill(0.0);
+    let alone = of(&fit);
+    let mut largest = 0.0_f64;
+    for (i, number) in fit.numbers.clone().iter().enumerate() {
+        let std = 1e-2 * number.prior.min(1.0);
+        let mut there = fit.clone();
+        there.model.change(number, std);
+        let moved = of(&there).value - alone.value;
+        fit.covariance[(i, i)] = std * std;
+        let added = of(&fit).std.powi(2) - alone.std.powi(2);
+        fit.covariance[(i, i)] = 0.0;
+        let (by_fit, by_model) = (added.max(0.0).sqrt(), moved.abs());
+        let near = 0.1 * by_model + 1e-3 * alone.std;
+        assert!((by_fit - by_model).abs() < near, "{i}: {by_fit} for {by_model} beside {}", alone.std);
+        largest = largest.max(by_model / alone.std);
+    }
+    assert!(largest > 0.1, "{largest}");
+}

@@ -340,3 +340,30 @@ fn law_spread_does_not_mix_axes() {
     let mean = all.iter().map(|s| s * s.transpose()).sum::<Matrix3<f64>>() / 4.0;
     assert!((mean - Matrix3::from_diagonal(&Vector3::new(0.21, 0.35, 0.14))).amax() < 1e-15, "{mean}");
 }
+
+/// A number that differs from run to run moves the motion over a step as a plant with that number does: to the second order in the number, 0.01.
+#[test]
+fn law_a_number_moves_the_motion_as_its_plant_does() {
+    let none = RunScatter::default();
+    for scatter in
+        [RunScatter { mass: 0.02, ..none }, RunScatter { attachment_m: 0.01, ..none }, RunScatter { aero: 0.1, ..none }]
+    {
+        let (mut plant, noise, run) = (plant(), noise(), run());
+        plant.scatter = scatter;
+        let moved = number_plants(&plant);
+        let step = |plant: &Plant, by: f64| {
+            let setting = PassSetting { numbers: &moved, ..PassSetting::plain(plant, &noise) };
+            let f = Filter::new(&run, &setting).expect("a whole model");
+            let (mut z, view) = (f.start(), f.view(&f.start(), 3));
+            z[f.numbers[0].0] = by;
+            f.predict(3, &mut z, &mut vec![0.0; f.n * f.n], &mut Vec::new(), &mut [], &view, &mut [], &mut Work::new(&f))
+                .expect("a state that flies");
+            DVector::from_column_slice(&z[..f.nm])
+        };
+        let mut other = plant.clone();
+        other.change(plant.scatter.numbers()[0].0, 0.01);
+        let still = step(&plant, 0.0);
+        let (by_state, by_plant) = (step(&plant, 0.01) - &still, step(&other, 0.0) - &still);
+        assert!((&by_state - &by_plant).amax() < 0.03 * by_plant.amax(), "{by_state} {by_plant}");
+    }
+}

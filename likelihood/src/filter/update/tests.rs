@@ -8,13 +8,15 @@ use crate::columns::{Basis, SensitivityColumn};
 use crate::run::Mean;
 use crate::shock::{Taken, Trace};
 use nalgebra::{DMatrix, DVector};
+use windfall_model::Drift;
 
 /// `K = P Hᵀ Σ⁻¹` of all channels at once (Anderson and Moore 1979, §3.1), H by central differences: state, covariance and sensitivities after
 /// a node of a model with every kind of state; innovations and their variances one after another are those of Cholesky's factor of Σ. Slopes
 /// are good to 1e-10.
 #[test]
 fn exact_update_of_all_channels_at_once() {
-    let (plant, noise, mut run) = (plant(), noise(), run());
+    let (mut plant, noise, mut run) = (plant(), noise(), run());
+    plant.drift = Drift { position_rms_m: [0.003, 0.004, 0.002], attitude_rms_rad: [0.002; 3], speed_rms_m_s: 0.05 };
     let (k, mut next) = (6, numbers(2));
     run.nodes[k].pose = Mean { count: 2.0, tau_s: 1.3e-3, tau2_s2: 2e-5 };
     run.nodes[k].t_s = 0.7;
@@ -39,8 +41,14 @@ fn exact_update_of_all_channels_at_once() {
     let root = DMatrix::from_fn(n, states, |i, _| if i < states { 0.03 * next() } else { 0.0 });
     let p = &root * root.transpose();
     let s = DMatrix::from_fn(n, nc, |i, j| if i < states && j < many { next() } else { 0.0 });
+    let drifts: Vec<(usize, usize)> = f
+        .inputs()
+        .filter_map(|(at, input)| if let Entry::RecordedPose(channel) = input.entry { Some((channel, at)) } else { None })
+        .collect();
+    assert_eq!(drifts.len(), POSE);
     let seen_at = |plant: &windfall_model::Plant, z: &[f64]| {
         let mut y = DVector::from_column_slice(&f.shown(plant, z, &rate, k));
+        drifts.iter().for_each(|(channel, at)| y[*channel] += z[*at]);
         // The means of coloured noise, which lie before their last samples at the states' end.
         (y[1], y[4]) = (y[1] + z[states - 4], y[4] + z[states - 2]);
         y
