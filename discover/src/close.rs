@@ -54,6 +54,7 @@ pub use sides::Sides;
 pub use signals::{BodyShape, RunTracks, SignalTracks, TrackSignal};
 pub use smoothing::{SmoothingTracks, smoothing};
 pub use tracks::{coefficient_tracks, flight_tracks, tracks};
+pub use windfall_likelihood::SOMETHING_ELSE;
 
 /// Error rates and effort.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,12 +8,13 @@ use crate::engine::{Engine, Fit};
 use crate::gram::Gram;
 use crate::model::{Id, Member, Model, catalogue};
 use crate::random_range::RandomRange;
-use crate::search::{Unit, is_above, is_behind, is_within, of_any_size};
+use crate::search::{Unit, is_above, is_behind, is_within, log_sum, of_any_size};
 use nalgebra::{DMatrix, DVector};
 use windfall_model::{POSE, Use};
 
 mod across;
 mod contest;
+mod open;
 mod polish;
 mod refit;
 mod rivals;
@@ -24,12 +25,13 @@ mod weigh;
 use across::{across_sets, beside_what_is_missing};
 pub use contest::Contest;
 use contest::{against_alternatives, against_free_accelerations, against_gusts};
+pub use open::beside_something_else;
 use polish::{Scored, alone, climb_down, declared_alone, in_other_forms, names, polish, polished};
 use refit::rivals_fitted;
 pub use rivals::{RivalPair, Rivals, Unseen, log_odds};
 use starts::{LEVELS, Start, ladder, lead_in, sized, struck, with_random};
 use told::told_from_none;
-pub use weigh::FamilySet;
+pub use weigh::{FamilySet, SOMETHING_ELSE};
 use weigh::{SURE, Weighed, named};
 
 /// Starts that are followed to the end.
@@ -82,6 +84,19 @@ pub struct Discovery {
     pub outliers: [usize; POSE],
     /// What was done, for those who look beneath.
     pub log: Vec<String>,
+}
+
+impl Discovery {
+    /// The sets weighed at the end, with something else as a set of its own where generic alternatives were weighed beside them.
+    #[must_use]
+    pub fn sets_and_something_else(&self) -> Vec<FamilySet> {
+        let all = log_sum(&self.sets.iter().map(|s| s.gain).collect::<Vec<_>>());
+        let gain = self.contest.as_ref().map(|c| all + c.odds);
+        let other = gain.map(|gain| FamilySet { families: vec![SOMETHING_ELSE], gain, fit: f64::NEG_INFINITY });
+        let mut sets: Vec<FamilySet> = self.sets.iter().cloned().chain(other).collect();
+        sets.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        sets
+    }
 }
 
 /// Nats by which runs that were not identified on are less likely with effects than without, from which they contradict them: of some 160 campaigns of

@@ -40,7 +40,8 @@ mod wind;
 pub use absolute::{MeanSquare, NOISE_KNOWN, OtherRuns};
 pub use check::Lead;
 pub use discover::{
-    CONTRADICTED, Contest, Discovery, FamilySet, RivalPair, Rivals, UNFLOWN, Unseen, discover, identify, log_odds,
+    CONTRADICTED, Contest, Discovery, FamilySet, RivalPair, Rivals, SOMETHING_ELSE, UNFLOWN, Unseen, beside_something_else,
+    discover, identify, log_odds,
 };
 pub use engine::{Engine, Fit, OfRun};
 pub use gram::{Gram, Posterior};

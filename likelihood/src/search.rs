@@ -163,8 +163,14 @@ pub(crate) fn is_behind(there: f64, here: f64, by: f64) -> bool {
 /// Logarithm of the mean of what these are logarithms of; at least one, finite.
 #[must_use]
 pub fn log_mean(logs: &[f64]) -> f64 {
+    log_sum(logs) - (logs.len() as f64).ln()
+}
+
+/// Logarithm of the sum of what these are logarithms of; of none, minus infinity.
+#[must_use]
+pub(crate) fn log_sum(logs: &[f64]) -> f64 {
     let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    most + (logs.iter().map(|l| (l - most).exp()).sum::<f64>() / logs.len() as f64).ln()
+    if most.is_finite() { most + logs.iter().map(|l| (l - most).exp()).sum::<f64>().ln() } else { most }
 }
 
 /// Units of numbers: strengths of one form together.

@@ -247,6 +247,11 @@ const ENTRIES: &[Entry] = &[
     ),
     Entry(&["simulation"], "The statistic of the flights that the identified model makes.", "resimulate"),
     Entry(&["shown"], "A figure of verify that is printed and has no bound.", "verify"),
+    Entry(
+        &["something-else", "something else"],
+        "What no effect of the catalogue is. In a list of sets: smooth loads or instrument errors that vary with anything known along the runs. Where something is unexplained it is in every set.",
+        "close",
+    ),
     Entry(&["speed swing"], "Amplitude of the tunnel speed's swing, in percent of its mean.", "plan --separate"),
     Entry(&["spin deg/s"], "Roll rate at release, deg/s.", "plan --separate"),
     Entry(&["length s"], "Length of the run, s.", "plan --separate"),

@@ -3,7 +3,7 @@
 use super::chance::p_value;
 use super::checks;
 use super::result::{ConstantLine, Form, FormCheck, NoiseLine, Residuals, RunValue};
-use super::sets::{contradicted, not_named, probability, rivals, sets, unsettled};
+use super::sets::{Told, contradicted, not_named, probability, rivals, sets, unsettled};
 use super::{
     After, CandidateLine, ChannelResidual, CheckLine, CheckedRuns, Closing, EffectBound, EffectLine, Finding, HeldOut, Options,
     ParameterLine, Shift, Sides, Unexplained, Verdict, runs_of,
@@ -43,20 +43,19 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
     }
     unexplained.extend(checks::said(&checks, CheckedRuns::HoldOut));
     unexplained.extend(checks::said_of_all(&checks, worst_channel(&found)));
-    let mut effects: Vec<EffectLine> = after
-        .model
-        .members
-        .iter()
-        .enumerate()
-        .filter(|(_, m)| !m.declared && !found.stand_ins.contains(&m.effect.family) && !contradicted.contains(&m.effect.family))
-        .map(|(k, m)| effect_line(k, m, &found, &engine, &unexplained, held_out_gain))
-        .collect();
+    let told = Told::of(&found, &engine, unexplained.is_empty());
+    let is_named = |m: &Member| {
+        let family = m.effect.family;
+        !m.declared && !found.stand_ins.contains(&family) && !contradicted.contains(&family) && told.stands(family)
+    };
+    let named = after.model.members.iter().enumerate().filter(|(_, m)| is_named(m));
+    let mut effects: Vec<EffectLine> = named.map(|(k, m)| effect_line(k, m, &found, &engine, &told, held_out_gain)).collect();
     for e in &mut effects {
         e.rivals.extend(super::roll_zero::rivals(campaign, &engine, &indices, &found, &e.family));
     }
     let [plant_before, plant_after] = plants;
     let sides = Some(Sides { before: plant_before, after: (!effects.is_empty()).then_some(plant_after) });
-    let sets = sets(&found.sets);
+    let sets = sets(&told.sets);
     Ok(Closing {
         campaign: campaign.name.clone(),
         verdict: Verdict::of(&effects, &unexplained),
@@ -64,7 +63,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         checks,
         declared_departs: found.before_fault.clone().err(),
         noise_is_scatter: false,
-        not_named: not_named(&found, &sets, &effects),
+        not_named: not_named(&found, &told, &effects),
         joined: engine.joined(campaign),
         record: Vec::new(),
         bandwidth: bandwidth_lines(campaign),
@@ -192,14 +191,7 @@ fn worst_channel(found: &Discovery) -> &'static str {
     CHANNEL_NAMES[(0..POSE).max_by(|a, b| channels[*a][2].total_cmp(&channels[*b][2])).unwrap_or(0)]
 }
 
-fn effect_line(
-    k: usize,
-    m: &Member,
-    found: &Discovery,
-    engine: &Engine,
-    unexplained: &[Unexplained],
-    held_out_gain: Option<f64>,
-) -> EffectLine {
+fn effect_line(k: usize, m: &Member, found: &Discovery, engine: &Engine, told: &Told, held_out_gain: Option<f64>) -> EffectLine {
     let fit = &found.after;
     let family = m.effect.family;
     let parameters = m
@@ -214,7 +206,6 @@ fn effect_line(
             ParameterLine { ci95: random.map(|range| range.ci95).or(line.ci95), ..line }
         })
         .collect();
-    let probability = probability(&found.sets, family);
     let gust = m.random && engine.moves_air(m);
     let strongest = found.contest.as_ref().map_or(f64::NEG_INFINITY, |c| c.strongest);
     EffectLine {
@@ -222,10 +213,10 @@ fn effect_line(
         parameters,
         flown: Vec::new(),
         p_value: p_of(k, m, found),
-        probability: Some(probability),
-        rivals: rivals(&found.sets, family),
+        probability: Some(probability(&told.sets, family)),
+        rivals: rivals(&told.sets, family),
         form: Some(Form {
-            ok: unexplained.is_empty(),
+            ok: told.is_explained,
             checks: std::iter::once(("the best of all generic alternatives", -strongest))
                 .chain(held_out_gain.map(|gain| ("the held-out runs, with the effects over without", gain)))
                 .map(|(what, gain)| FormCheck { what: what.to_owned(), p_value: gain.exp().min(1.0) })

@@ -184,7 +184,7 @@ pub struct ConstantLine {
 /// A set of effects with its probability.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SetLine {
-    /// Families; none for the declared model.
+    /// Families; none for the declared model. `something-else` is what no effect of the catalogue is: in every set where something is unexplained.
     pub families: Vec<String>,
     /// Given the data and the catalogue.
     pub probability: f64,

@@ -3,7 +3,33 @@
 use super::judged::NotNamed;
 use super::result::{EffectLine, SetLine};
 use crate::words::listed;
-use windfall_likelihood::{Discovery, FamilySet};
+use windfall_likelihood::{Discovery, Engine, FamilySet, SOMETHING_ELSE, beside_something_else};
+
+/// What is told of sets of effects.
+pub(super) struct Told {
+    /// Sets with something else among them. Where something is unexplained it acts in every set.
+    pub(super) sets: Vec<FamilySet>,
+    /// Whether nothing is unexplained.
+    pub(super) is_explained: bool,
+}
+
+impl Told {
+    pub(super) fn of(found: &Discovery, engine: &Engine, is_explained: bool) -> Self {
+        let open = if is_explained { Vec::new() } else { beside_something_else(engine, &found.after) };
+        let sets = if open.is_empty() { found.sets_and_something_else() } else { open };
+        Self { sets, is_explained }
+    }
+
+    /// Whether an effect of the fit is named. Where something else acts, only what is as probable beside it, itself or a rival in its place: the fit may
+    /// have made the effect stand for what else acts.
+    pub(super) fn stands(&self, family: &str) -> bool {
+        let rivals = rivals(&self.sets, family);
+        let is_it = |f: &str| f == family || rivals.iter().any(|r| r == f);
+        let has = |s: &FamilySet| s.families.iter().any(|f| is_it(f));
+        let acts: f64 = self.sets.iter().zip(weights(&self.sets)).filter(|(s, _)| has(s)).map(|(_, w)| w).sum();
+        self.is_explained || acts * RIVAL > RIVAL - 1.0
+    }
+}
 
 /// Sets with all that is in them and their probabilities, down to a thousandth.
 pub(super) fn sets(sets: &[FamilySet]) -> Vec<SetLine> {
@@ -14,23 +40,39 @@ pub(super) fn sets(sets: &[FamilySet]) -> Vec<SetLine> {
     sets.iter().zip(weights(sets)).filter(|(_, p)| *p > 1e-3).map(line).collect()
 }
 
-/// Families of the most probable set that are not named, each with the reason.
-pub(super) fn not_named(found: &Discovery, sets: &[SetLine], effects: &[EffectLine]) -> Vec<NotNamed> {
+/// Families of the most probable set and effects of the fit that are not named, each with the reason.
+pub(super) fn not_named(found: &Discovery, told: &Told, effects: &[EffectLine]) -> Vec<NotNamed> {
+    let in_fit = found.after.model.members.iter().filter(|m| !m.declared).map(|m| m.effect.family);
+    let unlikely = contradicted(found);
     let reason = |family: &str| {
-        let in_fit = found.after.model.members.iter().any(|m| m.effect.family == family);
         if found.stand_ins.contains(&family) {
             let what: Vec<String> = found.faint.iter().map(|l| format!("{} over {}", l.channel, l.variable)).collect();
             let which = if what.is_empty() { String::new() } else { format!(" ({})", listed(&what)) };
             return format!("gusts weaker than any tunnel's, or of a band as narrow as a tone, stand for something else{which}");
         }
-        if in_fit {
+        if unlikely.contains(&family) {
             return format!("the search ended before any set stayed, and sets with it are less likely than one in {RIVAL}");
+        }
+        if !told.is_explained {
+            return "something is unexplained, and smooth loads or free accelerations in its place explain nearly as much"
+                .to_owned();
         }
         format!(
             "the model that was fitted is without it: a set without it is within {RIVAL} to one as likely, or the search ended before"
         )
     };
-    beside(sets, effects, reason)
+    let best = told.sets.first().into_iter().flat_map(|s| s.families.iter().copied());
+    let mut all: Vec<&str> = best.filter(|f| *f != SOMETHING_ELSE).collect();
+    all.extend(in_fit.filter(|_| !told.is_explained));
+    let line = |family: &&str| NotNamed {
+        family: (*family).to_owned(),
+        probability: probability(&told.sets, family),
+        reason: reason(family),
+    };
+    let is_named = |family: &&&str| effects.iter().any(|e| e.family == **family);
+    all.sort_unstable();
+    all.dedup();
+    all.iter().filter(|f| !is_named(f)).map(line).collect()
 }
 
 /// Families of the most probable set that are not named, by what a reason is given for.
@@ -82,12 +124,13 @@ pub(super) fn unsettled(contradicted: &[&str]) -> String {
 /// Families that take this one's place at odds of less than twenty, or whose best fit is less than that from the best set's: how plausible a
 /// size was beforehand does not say that the runs tell two families apart.
 pub(super) fn rivals(sets: &[FamilySet], family: &str) -> Vec<String> {
+    let sets: Vec<&FamilySet> = sets.iter().filter(|s| s.families != [SOMETHING_ELSE]).collect();
     let Some(best) = sets.first() else { return Vec::new() };
     let rest: Vec<&str> = best.families.iter().copied().filter(|f| *f != family).collect();
-    let in_its_place = |s: &&FamilySet| {
+    let in_its_place = |s: &&&FamilySet| {
         s.families.len() == best.families.len() && !s.families.contains(&family) && rest.iter().all(|r| s.families.contains(r))
     };
-    let near = |s: &&FamilySet| best.gain - s.gain < RIVAL.ln() || best.fit - s.fit < RIVAL.ln();
+    let near = |s: &&&FamilySet| best.gain - s.gain < RIVAL.ln() || best.fit - s.fit < RIVAL.ln();
     let mut all: Vec<String> = Vec::new();
     for other in sets.iter().filter(in_its_place).filter(near).flat_map(|s| &s.families).filter(|f| !rest.contains(f)) {
         if !all.iter().any(|f| f == other) {

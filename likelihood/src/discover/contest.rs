@@ -7,7 +7,7 @@ use super::{describe, less_random, score};
 use crate::check::{Alternative, Lead, alternatives};
 use crate::engine::{Engine, Fit};
 use crate::model::{Id, Member, Model};
-use crate::search::{Set, is_above, is_within};
+use crate::search::{Set, is_above, is_within, log_sum};
 use windfall_model::{CATALOGUE, CHANNEL_NAMES, POSE, Shape};
 
 /// Outcome of a contest between effects and generic alternatives.
@@ -19,6 +19,8 @@ pub struct Contest {
     pub leads: Vec<Lead>,
     /// What the best single alternative brings beside the present members.
     pub strongest: f64,
+    /// Log odds of all sets with a generic alternative over all without.
+    pub odds: f64,
     /// What the best sets say of the numbers that every set has.
     pub(super) said: Vec<(Id, Vec<Said>)>,
 }
@@ -45,7 +47,14 @@ pub(super) fn outcome(w: &Weighed, model: &Model, alternatives: &[Alternative]) 
             Some(crate::search::weigh(&w.gram, &w.units, &with)?.gain - floor?)
         })
         .fold(f64::NEG_INFINITY, f64::max);
-    Some(Contest { families, leads, strongest, said: said_beside(w, model) })
+    Some(Contest { families, leads, strongest, odds: odds_of(w, &is_generic), said: said_beside(w, model) })
+}
+
+/// Log odds of the sets that have such a unit over those that have none.
+fn odds_of(w: &Weighed, is_such: &impl Fn(usize) -> bool) -> f64 {
+    let (with, without): (Vec<&Set>, Vec<&Set>) = w.sets.iter().partition(|s| s.units.iter().any(|&u| is_such(u)));
+    let sum = |sets: &[&Set]| log_sum(&sets.iter().map(|s| s.gain).collect::<Vec<_>>());
+    sum(&with) - sum(&without)
 }
 
 /// Rivals of a lead that are said.
@@ -95,7 +104,8 @@ pub(super) fn against_alternatives(
     let families: Vec<&'static str> = fit.model.members.iter().filter(|m| !m.random).map(|m| m.effect.family).collect();
     if again.leads.is_empty() && families.iter().all(|family| again.families.contains(family)) {
         log.push("  which are preferred again without it".to_owned());
-        return (fit, weighed, Some(Contest { families, leads: Vec::new(), strongest: first.strongest, said: Vec::new() }));
+        let (strongest, odds) = (first.strongest, again.odds);
+        return (fit, weighed, Some(Contest { families, leads: Vec::new(), strongest, odds, said: Vec::new() }));
     }
     (f, w, Some(again))
 }
@@ -271,29 +281,38 @@ struct Freed {
 
 /// The least freedom of the accelerations at which the declared model leaves about as much as noise does; none where it leaves less or far more.
 fn freed(engine: &Engine) -> Option<Freed> {
+    let (mut free, fits) = in_free_accelerations(engine);
+    let (slack, fit) = fits.into_iter().next_back().filter(|(_, fit)| ABOUT.contains(&fit.chi))?;
+    free.slack = slack;
+    let all = alternatives(engine);
+    let w = weigh_beside(&free, &fit.model, &all)?;
+    let gain = w.sets.first()?.gain;
+    Some(Freed { contest: outcome(&w, &fit.model, &all)?, gain, over: over_effects(gain, &w) })
+}
+
+/// Mean squares that are about what noise leaves.
+const ABOUT: std::ops::Range<f64> = 0.9..1.5;
+
+/// Fits of the declared model in accelerations that are left free by less and less, as long as they leave about as much as noise does, each with that
+/// freedom; and the engine that they were made with.
+pub(super) fn in_free_accelerations(engine: &Engine) -> (Engine, Vec<(f64, Fit)>) {
     const FREEDOM: [f64; 8] = [1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];
-    const ABOUT: std::ops::Range<f64> = 0.9..1.5;
     // A parameter that is hardly seen there would walk off step by step, and what is held against alternatives is how it then fits.
     let mut free = engine.coarse();
     free.near_declared = true;
     // From what a check of the records has seen: no straight line leads from one clock to another that is seconds away.
     let mut model = Model::seen(&engine.campaign);
-    let mut last = None;
+    let mut fits = Vec::new();
     for slack in FREEDOM {
         free.slack = slack;
         let Ok(fit) = free.climb(&model, false, 4) else { break };
         if fit.chi > ABOUT.end {
             break;
         }
-        model = fit.model;
-        last = Some((slack, fit.chi));
+        model.clone_from(&fit.model);
+        fits.push((slack, fit));
     }
-    let (slack, _) = last.filter(|(_, chi)| ABOUT.contains(chi))?;
-    free.slack = slack;
-    let all = alternatives(engine);
-    let w = weigh_beside(&free, &model, &all)?;
-    let gain = w.sets.first()?.gain;
-    Some(Freed { contest: outcome(&w, &model, &all)?, gain, over: over_effects(gain, &w) })
+    (free, fits)
 }
 
 /// What a gain is over that of the best set without alternatives.

@@ -10,7 +10,7 @@ use crate::search::{Set, Unit, search, units};
 use windfall_model::{CATALOGUE, Effect};
 
 /// Most effects in a set.
-const MOST: usize = 4;
+pub(super) const MOST: usize = 4;
 
 /// Log odds by which a larger set must beat a smaller one to be chosen: twenty to one.
 pub(super) const SURE: f64 = 3.0;
@@ -48,7 +48,7 @@ impl Weighed {
 }
 
 /// Families of a set's units, without generic alternatives.
-fn families_of(families: &[(usize, Option<usize>)], set: &Set) -> impl Iterator<Item = &'static str> {
+pub(super) fn families_of(families: &[(usize, Option<usize>)], set: &Set) -> impl Iterator<Item = &'static str> {
     set.units.iter().filter_map(|&u| CATALOGUE.get(families[u].0).map(|e| e.family))
 }
 
@@ -202,6 +202,9 @@ pub(super) fn with_set(model: &Model, w: &Weighed, set: &Set, engine: &Engine) -
     next
 }
 
+/// What stands in a set for anything that no effect of the catalogue is.
+pub const SOMETHING_ELSE: &str = "something-else";
+
 /// Families of a set, whatever their forms.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FamilySet {
@@ -213,20 +216,29 @@ pub struct FamilySet {
     pub fit: f64,
 }
 
-/// Families of each set, merged over forms, best first.
+/// Families of each set with those of the random members, merged over forms, best first.
 pub(super) fn named(w: &Weighed, model: &Model) -> Vec<FamilySet> {
-    let random: Vec<&'static str> = model.members.iter().filter(|m| m.random && !m.declared).map(|m| m.effect.family).collect();
+    let random = random_families(model);
+    merged(w.sets.iter().map(|s| (families_of(&w.families, s).chain(random.iter().copied()).collect(), s.gain, s.fit)))
+}
+
+/// Families of a model's random members that were found.
+pub(super) fn random_families(model: &Model) -> Vec<&'static str> {
+    model.members.iter().filter(|m| m.random && !m.declared).map(|m| m.effect.family).collect()
+}
+
+/// Sets of families with gain and fit, each set once, best first.
+pub(super) fn merged(sets: impl Iterator<Item = (Vec<&'static str>, f64, f64)>) -> Vec<FamilySet> {
     let mut all: Vec<FamilySet> = Vec::new();
-    for set in &w.sets {
-        let mut families: Vec<&'static str> = families_of(&w.families, set).chain(random.iter().copied()).collect();
+    for (mut families, gain, fit) in sets {
         families.sort_unstable();
         match all.iter_mut().find(|other| other.families == families) {
             Some(same) => {
-                let (a, b) = (same.gain.max(set.gain), same.gain.min(set.gain));
+                let (a, b) = (same.gain.max(gain), same.gain.min(gain));
                 same.gain = a + (b - a).exp().ln_1p();
-                same.fit = same.fit.max(set.fit);
+                same.fit = same.fit.max(fit);
             }
-            None => all.push(FamilySet { families, gain: set.gain, fit: set.fit }),
+            None => all.push(FamilySet { families, gain, fit }),
         }
     }
     all.sort_by(|a, b| b.gain.total_cmp(&a.gain));

@@ -284,7 +284,7 @@ fn law_a_number_of_a_run_has_the_errors_of_the_fit() {
     let alone = of(&fit);
     let mut largest = 0.0_f64;
     for (i, number) in fit.numbers.clone().iter().enumerate() {
-        let std = 1e-2 * number.prior.min(1.0);
+        let std = number.step;
         let mut there = fit.clone();
         there.model.change(number, std);
         let moved = of(&there).value - alone.value;

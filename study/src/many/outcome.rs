@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use windfall_discover::Identified;
-use windfall_discover::close::{Closing, ParameterLine, Verdict};
+use windfall_discover::close::{Closing, ParameterLine, SOMETHING_ELSE, Verdict};
 use windfall_pid::Estimate;
 
 /// Whether a campaign has a result.
@@ -124,7 +124,10 @@ impl CampaignOutcome {
             f.sort_unstable();
             f
         };
-        let set = c.sets.iter().find(|s| sorted(&s.families) == sorted(&families));
+        // Where something is unexplained, something else is in every set.
+        let mut acting = families.clone();
+        acting.extend((c.verdict == Verdict::Unexplained).then(|| SOMETHING_ELSE.to_owned()));
+        let set = [&acting, &families].into_iter().find_map(|all| c.sets.iter().find(|s| sorted(&s.families) == sorted(all)));
         let channels = c.residual.per_channel.iter().map(|r| (r.channel.as_str(), r.p_value));
         let (worst_channel, p_value) = worst(channels);
         let declared = c.after.parameters.iter().map(|l| OutcomeParameter::of_line(&l.coefficient, false, l));

@@ -1,0 +1,80 @@
+//! likelihood: effects beside something else. In: everything weighed at a model. Out: sets of effects with what they bring where every load and
+//! every instrument may also differ from the model by a smooth function of anything that is known along the runs.
+//!
+//! Such a difference is a normal process in few functions, its size integrated out (Kennedy and O'Hagan, Bayesian calibration of computer models,
+//! J. R. Stat. Soc. B 63, 2001). An effect that is right brings much beside it. One that stands for another form brings little: the process has
+//! that form too, or nearly.
+
+use super::contest::in_free_accelerations;
+use super::less_random;
+use super::weigh::{
+    FamilySet, MOST, SOMETHING_ELSE, Weighed, families_of, merged, quadratic_here, random_families, weigh_beside,
+};
+use crate::check::alternatives;
+use crate::engine::{Engine, Fit};
+use crate::model::{Id, Model};
+use crate::search::{Unit, search};
+use std::collections::BTreeMap;
+
+/// Sizes of what else acts, as multiples of its prior's, each as likely.
+const SIZES: [f64; 4] = [10.0, 1.0, 0.1, 0.01];
+
+/// Sets of effects with their log marginal likelihoods where something else acts as well, best first: smooth loads and errors of the instruments, beside a
+/// fit, and beside the declared model in accelerations that are left free as far as is likeliest. Each set has [`SOMETHING_ELSE`] in it, and those beside the fit have its random inputs.
+#[must_use]
+pub fn beside_something_else(engine: &Engine, fit: &Fit) -> Vec<FamilySet> {
+    let all = alternatives(engine);
+    let ways = [Some((engine.clone(), fit.model.clone())), likeliest_freedom(engine)].into_iter().flatten();
+    let sets = ways.filter_map(|(engine, model)| {
+        let sets = beside_alternatives(&weigh_beside(&engine, &model, &all)?, &random_families(&model))?;
+        let price = less_random(0.0, &model, &engine);
+        Some(sets.into_iter().map(move |(families, gain, fit)| (families, gain + price, fit)))
+    });
+    merged(sets.flatten())
+}
+
+/// The declared model in the free accelerations in which it is likeliest, and the engine that leaves them free.
+fn likeliest_freedom(engine: &Engine) -> Option<(Engine, Model)> {
+    /// Of what is likeliest in longer nodes.
+    const AROUND: [f64; 3] = [0.4, 1.0, 2.5];
+    let (_, fits) = in_free_accelerations(engine);
+    let (slack, fit) = fits.into_iter().max_by(|a, b| a.1.total.total_cmp(&b.1.total))?;
+    let each = AROUND.into_iter().filter_map(|by| {
+        let mut free = engine.clone();
+        (free.slack, free.near_declared) = (by * slack, true);
+        Some((free.sum(&fit.model, &[], &[]).ok()?.log_likelihood, free))
+    });
+    let (_, free) = each.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some((free, fit.model))
+}
+
+/// Sets of effects, with the random inputs that all have, beside all generic alternatives of a weighing together: families, log marginal likelihood,
+/// log-likelihood. `None` where the runs cannot tell their columns apart at all.
+fn beside_alternatives(w: &Weighed, random: &[&'static str]) -> Option<Vec<(Vec<&'static str>, f64, f64)>> {
+    let is_generic = |place: &usize| matches!(w.whole.numbers[*place].id, Id::Generic(_));
+    let (generic, own): (Vec<usize>, Vec<usize>) = w.others.iter().copied().partition(is_generic);
+    let base: Vec<usize> = w.base.iter().chain(&generic).copied().collect();
+    // Places of the effects' columns among what is left.
+    let places: BTreeMap<usize, usize> = own.iter().enumerate().map(|(k, place)| (*place, k)).collect();
+    let column = |c: &usize| places.get(&w.others[*c]).copied();
+    let of_effects = |(u, family): (&Unit, &(usize, Option<usize>))| {
+        let columns = u.columns.iter().map(column).collect::<Option<Vec<_>>>()?;
+        Some((Unit { columns, ..u.clone() }, *family))
+    };
+    let (units, families): (Vec<Unit>, Vec<_>) = w.units.iter().zip(&w.families).filter_map(of_effects).unzip();
+    let nulls = w.whole.log_likelihood - quadratic_here(&w.whole);
+    let mut all = Vec::new();
+    for size in SIZES {
+        let mut whole = w.whole.clone();
+        generic.iter().for_each(|place| whole.numbers[*place].prior *= size);
+        let floor = nulls + whole.posterior(&base)?.gain;
+        for set in search(&whole.given(&base, &own)?, &units, MOST) {
+            all.push((
+                families_of(&families, &set).chain(random.iter().copied()).chain([SOMETHING_ELSE]).collect(),
+                floor + set.gain,
+                floor + set.fit,
+            ));
+        }
+    }
+    Some(all)
+}
