@@ -185,6 +185,29 @@ mod tests {
         assert!((probability(&all, "magnus") - left[0].probability).abs() < 1e-12);
     }
 
+    /// Beside something else an effect is named from nineteen twentieths on, itself or a rival in its place; where nothing is unexplained whatever its sets say.
+    #[test]
+    fn exact_what_stands_beside_something_else() {
+        let with = |families: &[&'static str], p: f64| FamilySet {
+            families: families.iter().copied().chain([SOMETHING_ELSE]).collect(),
+            gain: p.ln(),
+            fit: 0.0,
+        };
+        let told = |sets: Vec<FamilySet>, is_explained: bool| Told { sets, is_explained };
+        let sets = |alone: f64| vec![with(&["magnus"], 0.96 - alone), with(&["mass"], alone), with(&[], 0.04)];
+        assert!(told(sets(0.01), false).stands("magnus") && told(sets(0.3), false).stands("magnus"));
+        assert!(!told(vec![with(&["magnus"], 0.94), with(&[], 0.06)], false).stands("magnus"));
+        assert!(!told(vec![with(&[], 0.6), with(&["magnus"], 0.4)], false).stands("magnus"));
+        assert!(told(vec![with(&[], 0.6), with(&["magnus"], 0.4)], true).stands("magnus"));
+    }
+
+    /// Something else takes no family's place.
+    #[test]
+    fn law_something_else_is_no_rival() {
+        let all = [set(&[SOMETHING_ELSE], 41.0, 80.0), set(&["magnus"], 40.0, 70.0), set(&["mass"], 39.0, 70.0)];
+        assert_eq!(rivals(&all, "magnus"), ["mass"]);
+    }
+
     /// ln 20 is 2.996: a family takes another's place within it by plausibility or by fit alone, and in the best set's company
     /// only.
     #[test]

@@ -78,3 +78,49 @@ fn beside_alternatives(w: &Weighed, random: &[&'static str]) -> Option<Vec<(Vec<
     }
     Some(all)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{number, unit, weighed};
+    use super::*;
+    use crate::gram::Gram;
+    use crate::search::{log_mean, of_any_size};
+    use nalgebra::{DMatrix, DVector};
+
+    /// A constant, an effect's strength and a smooth load whose columns are alike to a part: by the marginal likelihood `½ bᵀS(I + SGS)⁻¹Sb − ½ ln |I + SGS|`
+    /// of all three together at each size of the load, their mean over the sizes, less the effect's cost.
+    #[test]
+    fn exact_an_effect_beside_a_smooth_load() {
+        let g = DMatrix::from_row_slice(3, 3, &[40.0, 3.0, 5.0, 3.0, 90.0, 70.0, 5.0, 70.0, 80.0]);
+        let b = DVector::from_vec(vec![4.0, 55.0, 50.0]);
+        let numbers =
+            vec![number(Id::Constant(0), 0.0, 0.7), number(Id::Strength(0, 0, 0), 0.0, 1.3), number(Id::Generic(0), 0.0, 0.9)];
+        let whole = Gram::new(numbers, g.clone(), b.clone(), 17.0);
+        // Floor and gain, with the posterior of the last of the places.
+        let by_hand = |places: &[usize], size: f64| {
+            let s = |i: usize| [0.7, 1.3, 0.9 * size][places[i]];
+            let n = places.len();
+            let a = DMatrix::from_fn(n, n, |i, k| f64::from(u8::from(i == k)) + s(i) * g[(places[i], places[k])] * s(k));
+            let y = DVector::from_fn(n, |i, _| s(i) * b[places[i]]);
+            let inverse = a.clone().try_inverse().expect("definite");
+            let (mean, variance) = ((&inverse * &y)[n - 1] * s(n - 1), inverse[(n - 1, n - 1)] * s(n - 1).powi(2));
+            (0.5 * y.dot(&(&inverse * &y)) - 0.5 * a.determinant().ln(), mean, variance)
+        };
+        let units = vec![unit(0, &[0], 2.5), unit(1000, &[1], 4.0)];
+        let w = weighed(whole, units, vec![(0, Some(0)), (1000, None)], Vec::new());
+        let sets = merged(beside_alternatives(&w, &["turbulence"]).expect("sets").into_iter());
+        let family = windfall_model::CATALOGUE[0].family;
+        let gain = |of: &[&str]| {
+            sets.iter().find(|s| s.families.len() == of.len() && of.iter().all(|f| s.families.contains(f))).expect("a set").gain
+        };
+        let of_sizes = |f: &dyn Fn(f64) -> f64| log_mean(&SIZES.map(f)) + 4.0_f64.ln();
+        let nulls = of_sizes(&|size| 17.0 + by_hand(&[0, 2], size).0);
+        assert!((gain(&["turbulence", SOMETHING_ELSE]) - nulls).abs() < 1e-9, "{sets:?} {nulls}");
+        let with = of_sizes(&|size| {
+            let (gain, mean, variance) = by_hand(&[0, 2, 1], size);
+            17.0 + gain - 2.5 + of_any_size(std::iter::once((mean, variance, 1.3)))
+        });
+        assert!((gain(&[family, "turbulence", SOMETHING_ELSE]) - with).abs() < 1e-9, "{sets:?} {with}");
+        assert_eq!(sets.len(), 2);
+    }
+}

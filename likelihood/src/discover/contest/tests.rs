@@ -28,6 +28,8 @@ fn exact_leads_and_rivals() {
     assert!((lead.gain - gain(1)).abs() < 1e-9 && (lead.amplitudes[0] - by_hand[1][0]).abs() < 1e-12, "{lead:?}");
     assert!((rival.gain - gain(2)).abs() < 1e-9 && (rival.amplitudes[0] - by_hand[2][0]).abs() < 1e-12, "{rival:?}");
     assert!((found.strongest - gain(1)).abs() < 1e-9, "{}", found.strongest);
+    // One set with an alternative, one without.
+    assert!((found.odds - gain(1)).abs() < 1e-9, "{}", found.odds);
     // Over the member alone the whole brings the same.
     assert!((over_effects(w.sets[0].gain, &w) - gain(1)).abs() < 1e-9);
     w.sets = vec![set(&[1], 9.0)];
