@@ -15,7 +15,7 @@ pub(super) struct Told {
 
 impl Told {
     pub(super) fn of(found: &Discovery, engine: &Engine, is_explained: bool) -> Self {
-        let open = if is_explained { Vec::new() } else { beside_something_else(engine, &found.after) };
+        let open = if is_explained { Vec::new() } else { beside_something_else(engine, found) };
         let sets = if open.is_empty() { found.sets_and_something_else() } else { open };
         Self { sets, is_explained }
     }

@@ -6,12 +6,12 @@
 //! that form too, or nearly.
 
 use super::contest::in_free_accelerations;
-use super::less_random;
 use super::weigh::{
     FamilySet, MOST, SOMETHING_ELSE, Weighed, families_of, merged, quadratic_here, random_families, weigh_beside,
 };
+use super::{Discovery, less_random};
 use crate::check::alternatives;
-use crate::engine::{Engine, Fit};
+use crate::engine::Engine;
 use crate::model::{Id, Model};
 use crate::search::{Unit, search};
 use std::collections::BTreeMap;
@@ -19,13 +19,15 @@ use std::collections::BTreeMap;
 /// Sizes of what else acts, as multiples of its prior's, each as likely.
 const SIZES: [f64; 4] = [10.0, 1.0, 0.1, 0.01];
 
-/// Sets of effects with their log marginal likelihoods where something else acts as well, best first: smooth loads and errors of the instruments, beside a
-/// fit, and beside the declared model in accelerations that are left free as far as is likeliest. Each set has [`SOMETHING_ELSE`] in it, and those beside the fit have its random inputs.
+/// Sets of effects with their log marginal likelihoods where something else acts as well, best first: smooth loads and errors of the instruments, beside
+/// the fit with each choice of its random inputs, without those that stand for something else, and beside the declared model in accelerations that are
+/// left free as far as is likeliest. Each set has [`SOMETHING_ELSE`] in it.
 #[must_use]
-pub fn beside_something_else(engine: &Engine, fit: &Fit) -> Vec<FamilySet> {
-    let all = alternatives(engine);
-    let ways = [Some((engine.clone(), fit.model.clone())), likeliest_freedom(engine)].into_iter().flatten();
-    let sets = ways.filter_map(|(engine, model)| {
+pub fn beside_something_else(engine: &Engine, found: &Discovery) -> Vec<FamilySet> {
+    // All in the nodes of the free accelerations.
+    let (all, engine) = (alternatives(engine), &engine.coarse());
+    let fits = choices_of_random(engine, found).into_iter().map(|model| (engine.clone(), model));
+    let sets = fits.chain(likeliest_freedom(engine)).filter_map(|(engine, model)| {
         let sets = beside_alternatives(&weigh_beside(&engine, &model, &all)?, &random_families(&model))?;
         let price = less_random(0.0, &model, &engine);
         Some(sets.into_iter().map(move |(families, gain, fit)| (families, gain + price, fit)))
@@ -33,18 +35,27 @@ pub fn beside_something_else(engine: &Engine, fit: &Fit) -> Vec<FamilySet> {
     merged(sets.flatten())
 }
 
+/// The model that was found with each choice of its random inputs, fitted again; without those that stand for something else.
+fn choices_of_random(engine: &Engine, found: &Discovery) -> Vec<Model> {
+    /// Most random inputs of which each choice is tried.
+    const MOST_RANDOM: usize = 4;
+    let mut model = found.after.model.clone();
+    model.members.retain(|m| m.declared || !found.stand_ins.contains(&m.effect.family));
+    let random: Vec<usize> =
+        (0..model.members.len()).filter(|&k| model.members[k].random && !model.members[k].declared).collect();
+    let with = |choice: usize| {
+        let is_out = |k: &usize| random.iter().take(MOST_RANDOM).enumerate().any(|(i, other)| other == k && choice >> i & 1 == 1);
+        let members = model.members.iter().enumerate().filter(|(k, _)| !is_out(k)).map(|(_, m)| m.clone()).collect();
+        engine.climb(&Model { members, ..model.clone() }, false, 4).ok().map(|fit| fit.model)
+    };
+    (0..1 << random.len().min(MOST_RANDOM)).filter_map(with).collect()
+}
+
 /// The declared model in the free accelerations in which it is likeliest, and the engine that leaves them free.
 fn likeliest_freedom(engine: &Engine) -> Option<(Engine, Model)> {
-    /// Of what is likeliest in longer nodes.
-    const AROUND: [f64; 3] = [0.4, 1.0, 2.5];
-    let (_, fits) = in_free_accelerations(engine);
+    let (mut free, fits) = in_free_accelerations(engine);
     let (slack, fit) = fits.into_iter().max_by(|a, b| a.1.total.total_cmp(&b.1.total))?;
-    let each = AROUND.into_iter().filter_map(|by| {
-        let mut free = engine.clone();
-        (free.slack, free.near_declared) = (by * slack, true);
-        Some((free.sum(&fit.model, &[], &[]).ok()?.log_likelihood, free))
-    });
-    let (_, free) = each.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    free.slack = slack;
     Some((free, fit.model))
 }
 
