@@ -246,7 +246,7 @@ fn followed_freely(engine: &mut Engine, declared: &Model, log: &mut Vec<String>)
         words += &format!(": {}", departed.words(&engine.campaign));
     }
     for slack in FREEDOM {
-        engine.slack = slack;
+        engine.slack = [slack; 6];
         if let Ok(fit) = engine.climb(declared, false, 12)
             && let Some(weighed) = weigh::weigh(engine, &fit.model)
         {

@@ -29,8 +29,8 @@ pub struct Engine {
     pub noise: PerChannel<ChannelNoise>,
     /// Lines of the instruments that were taken off the records.
     pub hum: Vec<Hum>,
-    /// Freedom of the accelerations at a search's start, zero otherwise.
-    pub(crate) slack: f64,
+    /// Freedom of the accelerations along and about each axis at a search's start, zero otherwise.
+    pub(crate) slack: [f64; 6],
     /// Whether parameters in free accelerations stay within their own size of where they are declared; else each step of a fit stays within it.
     pub(crate) near_declared: bool,
     /// Prior standard deviations of effects' strengths, as a multiple of those with which sets are weighed.
@@ -233,7 +233,7 @@ impl Engine {
             runs,
             noise,
             hum,
-            slack: 0.0,
+            slack: [0.0; 6],
             near_declared: false,
             strength_priors: 1.0,
             exact_gusts: false,
@@ -280,6 +280,11 @@ impl Engine {
     pub fn joined(&self, campaign: &Campaign) -> Vec<String> {
         let pairs = self.campaign.runs.iter().zip(&campaign.runs);
         pairs.filter(|(own, given)| own.name != given.name).map(|(own, _)| own.name.clone()).collect()
+    }
+
+    /// Whether accelerations are left free.
+    pub(crate) fn is_free(&self) -> bool {
+        self.slack.iter().any(|s| *s > 0.0)
     }
 
     /// The same runs in longer nodes, at half the cost.
@@ -488,7 +493,7 @@ impl Engine {
     /// that may not be negative and stands at zero, driven there, is left out by the step's clamp.
     pub(crate) fn free(&self, model: &Model, shapes: bool) -> Vec<Number> {
         let mut all = model.known(&self.campaign);
-        if self.slack > 0.0 {
+        if self.is_free() {
             // Free accelerations leave parameters that are hardly seen free too: each step stays within their own size.
             let begun = &self.campaign.plant.aero.values;
             for n in &mut all {

@@ -97,8 +97,8 @@ pub(crate) struct PassSetting<'a> {
     pub(crate) numbers: &'a [Plant],
     /// Plants that differ in their random inputs alone, of the same kinds: what filters with those see is found beside.
     pub(crate) beside: &'a [Plant],
-    /// Share of [`SLACK`] that the accelerations are left free by from node to node.
-    pub(crate) slack: f64,
+    /// Shares of [`SLACK`] that the accelerations are left free by from node to node, along and about each axis.
+    pub(crate) slack: [f64; 6],
     /// Forms of the gusts' spectra.
     pub(crate) spectra: Spectra,
     /// Mean square of what the filter does not see of the gusts, as a multiple of what their form leaves.
@@ -116,7 +116,7 @@ impl<'a> PassSetting<'a> {
             columns: &[],
             numbers: &[],
             beside: &[],
-            slack: 0.0,
+            slack: [0.0; 6],
             spectra: Spectra::default(),
             unseen: 1.0,
             keep: Keep::Nothing,
@@ -172,7 +172,7 @@ struct Filter<'a> {
     /// Coloured noise of node means, by channel.
     coloured: Vec<(usize, MeanNoise)>,
     white: [f64; POSE],
-    slack: f64,
+    slack: [f64; 6],
     unseen: f64,
     keep: Keep,
     step_s: f64,

@@ -92,12 +92,15 @@ fn lacks(c: &Closing) -> String {
             "The declared model leaves a residual beyond noise in {} that no effect of the {weighed} weighed accounts for.",
             listed(&channels(c).iter().map(|u| plain_key(u).0).collect::<Vec<_>>()),
         ),
-        Verdict::Unexplained => {
+        Verdict::Unexplained if c.is_of_tracks() => {
             let words = match c.effects.len() {
                 1 => "comes nearest to it, but its form does not hold",
                 _ => "come nearest to it, but the form of none of them holds",
             };
             format!("The declared model lacks something: {names} {words}.")
+        }
+        Verdict::Unexplained => {
+            format!("The declared model lacks {names}, and something else that no effect of the {weighed} weighed is.")
         }
     }
 }

@@ -96,7 +96,8 @@ fn weights(sets: &[FamilySet]) -> Vec<f64> {
 
 /// Probability of the sets that have a family; rounding of their sum does not take it above one.
 pub(super) fn probability(sets: &[FamilySet], family: &str) -> f64 {
-    sets.iter().zip(weights(sets)).filter(|(s, _)| s.families.contains(&family)).map(|(_, w)| w).sum::<f64>().min(1.0)
+    // Of none, a sum is minus zero.
+    (0.0 + sets.iter().zip(weights(sets)).filter(|(s, _)| s.families.contains(&family)).map(|(_, w)| w).sum::<f64>()).min(1.0)
 }
 
 /// Families of the last fit that the sets weighed there hold for less likely than one in twenty: the search ended before a set stayed, and they are

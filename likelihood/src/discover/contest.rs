@@ -283,7 +283,7 @@ struct Freed {
 fn freed(engine: &Engine) -> Option<Freed> {
     let (mut free, fits) = in_free_accelerations(engine);
     let (slack, fit) = fits.into_iter().next_back().filter(|(_, fit)| ABOUT.contains(&fit.chi))?;
-    free.slack = slack;
+    free.slack = [slack; 6];
     let all = alternatives(engine);
     let w = weigh_beside(&free, &fit.model, &all)?;
     let gain = w.sets.first()?.gain;
@@ -293,10 +293,12 @@ fn freed(engine: &Engine) -> Option<Freed> {
 /// Mean squares that are about what noise leaves.
 const ABOUT: std::ops::Range<f64> = 0.9..1.5;
 
+/// Shares of the accelerations of free flight that are tried, each about a third of the one before.
+pub(super) const FREEDOM: [f64; 8] = [1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];
+
 /// Fits of the declared model in accelerations that are left free by less and less, as long as they leave about as much as noise does, each with that
 /// freedom; and the engine that they were made with.
 pub(super) fn in_free_accelerations(engine: &Engine) -> (Engine, Vec<(f64, Fit)>) {
-    const FREEDOM: [f64; 8] = [1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];
     // A parameter that is hardly seen there would walk off step by step, and what is held against alternatives is how it then fits.
     let mut free = engine.coarse();
     free.near_declared = true;
@@ -304,7 +306,7 @@ pub(super) fn in_free_accelerations(engine: &Engine) -> (Engine, Vec<(f64, Fit)>
     let mut model = Model::seen(&engine.campaign);
     let mut fits = Vec::new();
     for slack in FREEDOM {
-        free.slack = slack;
+        free.slack = [slack; 6];
         let Ok(fit) = free.climb(&model, false, 4) else { break };
         if fit.chi > ABOUT.end {
             break;

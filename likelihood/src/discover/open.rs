@@ -5,7 +5,7 @@
 //! J. R. Stat. Soc. B 63, 2001). An effect that is right brings much beside it. One that stands for another form brings little: the process has
 //! that form too, or nearly.
 
-use super::contest::in_free_accelerations;
+use super::contest::{FREEDOM, in_free_accelerations};
 use super::weigh::{
     FamilySet, MOST, SOMETHING_ELSE, Weighed, families_of, merged, quadratic_here, random_families, weigh_beside,
 };
@@ -29,7 +29,9 @@ pub fn beside_something_else(engine: &Engine, found: &Discovery) -> Vec<FamilySe
     let fits = choices_of_random(engine, found).into_iter().map(|model| (engine.clone(), model));
     let sets = fits.chain(likeliest_freedom(engine)).filter_map(|(engine, model)| {
         let sets = beside_alternatives(&weigh_beside(&engine, &model, &all)?, &random_families(&model))?;
-        let price = less_random(0.0, &model, &engine);
+        // Each axis by any of the shares, or not free.
+        let freedom = if engine.is_free() { 6.0 * (FREEDOM.len() as f64).ln_1p() } else { 0.0 };
+        let price = less_random(0.0, &model, &engine) - freedom;
         Some(sets.into_iter().map(move |(families, gain, fit)| (families, gain + price, fit)))
     });
     merged(sets.flatten())
@@ -51,12 +53,34 @@ fn choices_of_random(engine: &Engine, found: &Discovery) -> Vec<Model> {
     (0..1 << random.len().min(MOST_RANDOM)).filter_map(with).collect()
 }
 
-/// The declared model in the free accelerations in which it is likeliest, and the engine that leaves them free.
+/// The declared model in the free accelerations in which it is likeliest, and the engine that leaves them free: first by one share of free flight's
+/// for all axes, then of each axis by its own.
 fn likeliest_freedom(engine: &Engine) -> Option<(Engine, Model)> {
+    /// Rounds over the axes, at most.
+    const ROUNDS: usize = 3;
     let (mut free, fits) = in_free_accelerations(engine);
     let (slack, fit) = fits.into_iter().max_by(|a, b| a.1.total.total_cmp(&b.1.total))?;
-    free.slack = slack;
-    Some((free, fit.model))
+    free.slack = [slack; 6];
+    let likelihood = |free: &Engine| free.sum(&fit.model, &[], &[]).map_or(f64::NEG_INFINITY, |s| s.log_likelihood);
+    let mut best = likelihood(&free);
+    for _ in 0..ROUNDS {
+        let before = best;
+        for axis in 0..6 {
+            for there in FREEDOM.into_iter().chain([0.0]) {
+                let mut other = free.clone();
+                other.slack[axis] = there;
+                let value = likelihood(&other);
+                if value > best {
+                    (best, free) = (value, other);
+                }
+            }
+        }
+        if best <= before {
+            break;
+        }
+    }
+    let model = free.climb(&fit.model, false, 4).map_or(fit.model, |fit| fit.model);
+    Some((free, model))
 }
 
 /// Sets of effects, with the random inputs that all have, beside all generic alternatives of a weighing together: families, log marginal likelihood,

@@ -267,7 +267,7 @@ pub(super) fn declared_alone(engine: &Engine, declared: &Model, after: &Fit) -> 
     }
     let mut free = engine.coarse();
     for slack in FREEDOM {
-        free.slack = slack;
+        free.slack = [slack; 6];
         if let Some(fit) = tries.iter().find_map(|m| free.climb(m, false, 10).ok())
             && fit.chi < FAR_MORE
             && let Ok(fit) = engine.climb(&fit.model, false, 0)

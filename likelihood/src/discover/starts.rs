@@ -215,7 +215,7 @@ pub(super) fn lead_in(engine: &Engine, model: &Model) -> Option<Model> {
     let mut free = engine.clone();
     let mut model = model.clone();
     for (slack, steps) in FREEDOM.into_iter().zip([4, 3, 3]) {
-        free.slack = slack;
+        free.slack = [slack; 6];
         model = free.climb(&model, false, steps).ok()?.model;
     }
     Some(model)
@@ -238,7 +238,7 @@ impl Freed {
     fn taken_away(&mut self, engine: &Engine, random: bool, log: &mut Vec<String>) -> Option<Fit> {
         let mut free = engine.clone();
         while let [slack, rest @ ..] = self.levels {
-            free.slack = *slack;
+            free.slack = [*slack; 6];
             // With accelerations free a model that is right leaves less than noise.
             let fit = to_noise(&free, free.climb(&self.model, false, 4).ok()?, random)?;
             let w = weigh(&free, &fit.model)?;

@@ -88,7 +88,7 @@ fn recover_noise_and_sums() {
     let mut moved = model.clone();
     moved.declared.iter_mut().for_each(|v| *v = 1.5 * *v + 0.25);
     for near_declared in [false, true] {
-        let free = Engine { slack: 1.0, near_declared, ..engine.clone() };
+        let free = Engine { slack: [1.0; 6], near_declared, ..engine.clone() };
         for n in free.free(&moved, false) {
             let Id::Declared(i) = n.id else { continue };
             let begun = engine.campaign.plant.aero.values[i];
@@ -146,7 +146,7 @@ fn law_what_free_accelerations_hide_stays() {
         let (mut free, mut model) = (Engine { near_declared, ..engine.coarse() }, declared.clone());
         let mut farthest: f64 = 0.0;
         for slack in [1.0, 1.0, 1.0, 0.3, 0.3, 0.3] {
-            free.slack = slack;
+            free.slack = [slack; 6];
             model = free.climb(&model, false, 4).expect("a fit").model;
             farthest = farthest.max((model.declared[roll] - begun).abs() / begun.abs());
         }

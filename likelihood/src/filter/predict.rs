@@ -198,7 +198,7 @@ impl Filter<'_> {
         }
         self.wind_noise(local, work);
         for (k, a) in SLACK.iter().enumerate() {
-            work.q[(6 + k) * n + 6 + k] += (self.slack * a * h).powi(2);
+            work.q[(6 + k) * n + 6 + k] += (self.slack[k] * a * h).powi(2);
         }
         for (at, _, noise) in self.colours() {
             let [mean, both, last] = noise.added;

@@ -74,6 +74,7 @@ fn law_effects_that_held_out_runs_contradict_are_no_success() {
     c.verdict = Verdict::of(&c.effects, &c.unexplained);
     let found = c.concluded();
     assert_eq!((c.verdict, found.level), (Verdict::Unexplained, Level::Contradicted));
+    // A closing without innovations is of tracks, where effects are not weighed beside something else.
     assert!(found.sentence.contains("swirl comes nearest to it, but its form does not hold"), "{}", found.sentence);
     assert!(of_gain(-9.9).ok && !of_gain(f64::NEG_INFINITY).ok && !of_gain(f64::NAN).ok);
 }
