@@ -125,7 +125,7 @@ fn threads(word: &str) -> Result<u16, String> {
 #[derive(Args, Debug)]
 pub(crate) struct SimulateArgs {
     /// Scenario file (.toml) or bundled scenario: appendix-c, sage-unperturbed, sage-perturbed, sage-combined,
-    /// sage-undeclared, pole-push, drop-test, full-scale-venus-20km, glider-throws, venus-descent, venus-dispersions
+    /// sage-undeclared, sage-thesis, pole-push, drop-test, full-scale-venus-20km, glider-throws, venus-descent, venus-dispersions
     pub(crate) scenario: PathBuf,
     #[command(flatten)]
     pub(crate) request: windfall::Fly,

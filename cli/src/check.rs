@@ -6,7 +6,7 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use windfall::files::{Piece, key_reference};
 use windfall::model::{Aero, Constant, Data, Effect, Knowledge, Plant, Structure, TunnelSpeed};
-use windfall::results::FALSE_ALARM_RATE;
+use windfall::results::{FALSE_ALARM_RATE, TestTable};
 use windfall::{Campaign, Checked, Drawing, Scenario};
 
 /// What is printed with `--json`.
@@ -15,6 +15,9 @@ struct Understood {
     kind: &'static str,
     name: String,
     summary: Vec<String>,
+    /// What the runs of a tunnel campaign reached (thesis Table 5.1).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    test_table: Option<TestTable>,
     warnings: Vec<String>,
 }
 
@@ -33,11 +36,12 @@ pub(crate) fn run(args: &CheckArgs, session: &mut Session<'_>) -> Result<bool, F
         Checked::FreeFlight(file) => (file.name.clone(), crate::free::summary(file)),
         Checked::Planet(file) => (file.scenario.name.clone(), crate::planet::summary(&file.scenario)),
     };
-    let summary = [summary, windfall::looked_at(file, &checked)?].concat();
+    let (table, reached) = windfall::reached(&checked)?;
+    let summary = [summary, reached, windfall::looked_at(file, &checked)?].concat();
     // The columns are in the summary.
     let said = |w: &String| ["columns not used: ", "columns that hold no plain numbers: "].iter().any(|s| w.contains(s));
     let warnings = checked.warnings().into_iter().filter(|w| !said(w)).collect();
-    let understood = Understood { kind: checked.kind(), name, summary, warnings };
+    let understood = Understood { kind: checked.kind(), name, summary, test_table: table, warnings };
     session.warn_all(&understood.warnings);
     session.show(&understood, || {
         let mut text = format!("{} {}\n", understood.kind, understood.name);

@@ -6,7 +6,7 @@ use crate::session::{Failure, Session};
 use std::fmt::Write as _;
 use windfall::files::series_text;
 use windfall::report;
-use windfall::results::{Bootstrap, DataSet, Estimate, FoundNumber, Identification, Identified, SignalTracks, SmoothingTracks};
+use windfall::results::{Bootstrap, DataSet, Estimate, FoundNumber, Identification, Identified, SignalTracks, SmoothingTracks, TestTable};
 
 /// Names of the result files.
 const FILES: [&str; 3] = ["identification.json", "coefficients.json", "records.json"];
@@ -76,7 +76,7 @@ fn table(campaign: &str, found: &Identification) -> String {
     }
     let agreement = found.compatibility.iter().flat_map(report::agreement);
     let told = found.identifiability.iter().flat_map(report::identifiable);
-    for line in agreement.chain(told) {
+    for line in agreement.chain(told).chain(report::test_table(&TestTable::of(found))) {
         let _ = writeln!(text, "{line}");
     }
     found.data_sets.iter().for_each(|d| data_set(&mut text, d));
@@ -92,6 +92,9 @@ fn data_set(text: &mut String, d: &DataSet) {
         d.runs.join(", "),
         d.condition_number
     );
+    if let Some(e) = &d.envelope {
+        let _ = writeln!(text, "{}", report::validity(e));
+    }
     let _ = writeln!(
         text,
         "{:<11}{:<16}{:>14}{:>12}{:>10}   {:<28}{:>12}",

@@ -17,5 +17,6 @@ pub use wind_tunnel::{WindTunnelLine, WindTunnelModel};
 // What `Identified` is made of.
 pub use windfall_pid::compatibility::{Agreement, Compatibility, InstrumentError, Instruments, NotExamined, Pressure};
 pub use windfall_pid::{
-    Correlation, DataSet, Estimate, FoundEffect, FoundNumber, Identifiability, Identification, NORMAL_95, Refused, ci95,
+    Correlation, DataSet, Envelope, Estimate, FoundEffect, FoundNumber, Identifiability, Identification, NORMAL_95, Refused,
+    RunEnvelope, SetEnvelope, TestTable, ci95,
 };

@@ -35,7 +35,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// The run that a flight's record makes.
+    /// The run that a flight's record makes: of a flight with a window that part of it.
     #[must_use]
     pub fn of_flight(flight: &Flight, record: Record) -> Self {
         Self {
@@ -43,7 +43,7 @@ impl Run {
             kind: flight.kind.clone(),
             used: flight.used,
             inputs: Vec::new(),
-            data: Data::Tunnel(record),
+            data: Data::Tunnel(flight.used_part(record)),
             notes: Vec::new(),
         }
     }

@@ -108,6 +108,8 @@ impl FroudeScale {
             }),
             numerics: f.numerics,
             sensor_noise: f.sensor_noise,
+            pushes: f.pushes.iter().map(|c| self.pushed(c)).collect(),
+            window_s: f.window_s.map(|w| w.map(|s| s * t)),
         }
     }
 
@@ -122,6 +124,12 @@ impl FroudeScale {
                 }
             }
         }
+    }
+
+    fn pushed(&self, c: &Contact) -> Contact {
+        let mut scaled = *c;
+        self.contact(&mut scaled);
+        scaled
     }
 
     fn contact(&self, c: &mut Contact) {

@@ -34,7 +34,7 @@ mod wind_tunnel;
 
 pub use aero::{Aero, Coefficient, Contribution, Factor, Structure, Term, Wrench, wrench_at_cm};
 pub use aero_program::AeroProgram;
-pub use air::{Environment, dynamic_pressure_pa};
+pub use air::{Environment, air_viscosity_pa_s, dynamic_pressure_pa};
 pub use bandwidth::{Bandwidth, ChannelGroup, ExportCause};
 pub use campaign::{Campaign, Data, Run};
 pub use channel::{CHANNEL_NAMES, CHANNELS, POSE, PerChannel, RunChannel};

@@ -1,6 +1,7 @@
 //! model: what to fly. In: checked numbers of a scenario file. Out: the order that the simulator carries out.
 
-use crate::plant::Plant;
+use crate::plant::{Contact, Plant};
+use crate::record::Record;
 use crate::run_use::Use;
 
 /// How the tunnel speed comes about.
@@ -124,6 +125,23 @@ pub struct Flight {
     pub numerics: Numerics,
     /// Whether sensor noise is added to the record.
     pub sensor_noise: bool,
+    /// Pushes of a pole; the number of the run in each is not looked at.
+    pub pushes: Vec<Contact>,
+    /// The part of the record that a campaign made of the flight uses, s from the first sample, first and last included; none: all.
+    pub window_s: Option<[f64; 2]>,
+}
+
+impl Flight {
+    /// The part of this flight's record that its campaign uses: a window, which still knows its recording, where the flight has one that
+    /// leaves two samples.
+    #[must_use]
+    pub fn used_part(&self, record: Record) -> Record {
+        let Some([from, to]) = self.window_s else { return record };
+        let near = 1e-6 * record.interval_s();
+        let first = record.t_s.partition_point(|t| *t < from - near);
+        let end = record.t_s.partition_point(|t| *t <= to + near);
+        if end < first + 2 { record } else { record.window(first..end) }
+    }
 }
 
 /// A scenario: a true plant, what a campaign made of it declares, and flights.
@@ -139,4 +157,50 @@ pub struct Scenario {
     pub flights: Vec<Flight>,
     /// Seed of all chance.
     pub seed: u64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flight(window_s: Option<[f64; 2]>) -> Flight {
+        Flight {
+            name: "run".to_owned(),
+            kind: "perturbed".to_owned(),
+            used: Use::Identify,
+            duration_s: 1.0,
+            rate_hz: 10.0,
+            release: Release { position_m: [0.0; 3], velocity_m_s: [0.0; 3], attitude_rad: [0.0; 3], rates_rad_s: [0.0; 3] },
+            speed: TunnelSpeed::Constant(7.0),
+            ps_pa: 1e5,
+            ts_k: 300.0,
+            section: None,
+            numerics: Numerics::default(),
+            sensor_noise: false,
+            pushes: Vec::new(),
+            window_s,
+        }
+    }
+
+    /// First and last sample of a window are in it, also where tenths are no binary numbers; the recording is still known.
+    #[test]
+    fn exact_window_of_a_record() {
+        let series = || (0..=10).map(|i| 0.1 * f64::from(i)).collect::<Vec<f64>>();
+        let three = || std::array::from_fn(|_| series());
+        let whole = Record {
+            t_s: series(),
+            position_m: three(),
+            attitude_rad: three(),
+            vw_m_s: series(),
+            ps_pa: series(),
+            ts_k: series(),
+            ..Record::default()
+        };
+        assert_eq!(flight(None).used_part(whole.clone()), whole);
+        let part = flight(Some([0.3, 0.7])).used_part(whole.clone());
+        assert_eq!(part.t_s, whole.t_s[3..=7]);
+        assert_eq!(part.recording.map(|r| (r.rows, r.whole.len())), Some((3..8, 11)));
+        // A flight that ended early has all of it.
+        assert_eq!(flight(Some([2.0, 3.0])).used_part(whole.clone()), whole);
+    }
 }

@@ -214,8 +214,20 @@ fn exact_a_flight_scales_by_hand() {
         section: Some(TestSection { radius_m: 1.5, top_x_m: -2.0, bottom_x_m: 3.0 }),
         numerics: Numerics::default(),
         sensor_noise: true,
+        pushes: vec![Contact {
+            run: 0,
+            start_s: 3.0,
+            duration_s: 0.5,
+            impulse: Vec3::new(1.0, 0.0, 0.0),
+            angular_impulse: Vec3::new(0.0, 1.0, 0.0),
+        }],
+        window_s: Some([3.5, 9.0]),
     };
     let large = scale.flight(&order(TunnelSpeed::Constant(7.0)));
+    // Force ρL³g = 3072, impulse twice that, angular impulse eight times that again.
+    let push = large.pushes[0];
+    assert_eq!((push.start_s, push.duration_s, large.window_s), (6.0, 1.0, Some([7.0, 18.0])));
+    assert_eq!((push.impulse.to_array()[0], push.angular_impulse.to_array()[1]), (6144.0, 49152.0));
     assert_eq!((large.duration_s, large.rate_hz, large.ps_pa, large.ts_k), (20.0, 50.0, 300.0, 300.0));
     assert_eq!((large.release.position_m, large.release.velocity_m_s), ([8.0, 16.0, 24.0], [16.0, 20.0, 24.0]));
     assert_eq!((large.release.attitude_rad, large.release.rates_rad_s), ([0.1, 0.2, 0.3], [1.0, 2.0, 3.0]));

@@ -7,8 +7,7 @@
 use crate::PidError;
 use crate::identification::{Curve, DataSet, Identification};
 use crate::interval::NORMAL_95;
-use crate::smooth::{Smoother, smooth};
-use crate::states::states;
+use crate::test_table::{add_envelopes, run_envelope};
 use windfall_model::{Aero, Campaign, Coefficient, Data, FlowState, Structure, Term, VARIABLES, Variable};
 
 /// Points of a curve.
@@ -45,20 +44,14 @@ const SORTS: [Sort; 5] = [
     },
 ];
 
-/// Gives every data set its curves.
+/// Gives every data set its curves, up to the largest angle that its runs reached, and the rows of Table 5.1 ([`add_envelopes`]).
 ///
 /// # Errors
 /// A record that cannot be smoothed.
 pub fn add_curves(campaign: &Campaign, found: &mut Identification) -> Result<(), PidError> {
-    let mut reached = Vec::new();
-    for (i, run) in campaign.runs.iter().enumerate() {
-        if found.data_sets.iter().any(|d| d.runs.contains(&run.name)) {
-            reached.push((run.name.clone(), largest_angle_rad(campaign, i)?));
-        }
-    }
+    add_envelopes(campaign, found)?;
     for set in &mut found.data_sets {
-        let own = reached.iter().filter(|(name, _)| set.runs.contains(name));
-        let largest_rad = own.map(|r| r.1).fold(0.0, f64::max);
+        let largest_rad = set.envelope.as_ref().map_or(0.0, |e| e.max_alpha_t_deg.to_radians());
         set.curves = curves(&set.plant_in(campaign)?.aero, mean_speed_m_s(campaign), set, largest_rad);
     }
     Ok(())
@@ -77,9 +70,7 @@ pub fn mean_speed_m_s(campaign: &Campaign) -> f64 {
 /// # Errors
 /// A record that cannot be smoothed.
 pub fn largest_angle_rad(campaign: &Campaign, run: usize) -> Result<f64, PidError> {
-    let Data::Tunnel(record) = &campaign.runs[run].data else { return Ok(0.0) };
-    let all = states(&smooth(record, &Smoother::Auto)?, &campaign.plant_for(&campaign.declared_plant(), run))?;
-    Ok(all.iter().map(|s| s.alpha_t).fold(0.0, f64::max))
+    Ok(run_envelope(campaign, run)?.map_or(0.0, |e| e.max_alpha_t_deg.to_radians()))
 }
 
 /// Curves of a data set up to an angle, rad, at a tunnel speed, m/s; those on which no estimate acts are left out. Parameters without
@@ -258,6 +249,7 @@ mod tests {
             constants: Vec::new(),
             effects: Vec::new(),
             refused: Vec::new(),
+            envelope: None,
         };
         let aero = Aero::new(Structure::axisymmetric(), vec![0.0; Structure::axisymmetric().parameters.len()]);
         let all = curves(&aero, 7.0, &set, 0.4);

@@ -105,6 +105,7 @@ impl EquationError {
             })
             .collect::<Result<_, _>>()?;
         Ok(Identification {
+            envelopes: Vec::new(),
             method: self.name.to_owned(),
             data_sets,
             warnings,
@@ -243,6 +244,7 @@ impl<'a> DataSetWork<'a> {
             constants: Vec::new(),
             effects: Vec::new(),
             refused: Vec::new(),
+            envelope: None,
         };
         let mut fits = Vec::new();
         for group in groups {

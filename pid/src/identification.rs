@@ -1,6 +1,7 @@
 //! pid: the result of an identification. In: fits. Out: the contract's `identification.json` as data.
 
 use crate::compatibility::Compatibility;
+use crate::envelope::{Envelope, RunEnvelope};
 use crate::information::Identifiability;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -28,6 +29,9 @@ pub struct Identification {
     pub compatibility: Option<Compatibility>,
     /// One result per kind of run, and `combined`.
     pub data_sets: Vec<DataSet>,
+    /// What every run reached, those held out too (thesis Table 5.1); empty until it is asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub envelopes: Vec<RunEnvelope>,
     /// What a user should know: a cause and a next step each.
     #[serde(default)]
     pub warnings: Vec<String>,
@@ -48,6 +52,9 @@ pub struct DataSet {
     pub condition_number: f64,
     /// Samples in the set.
     pub n_samples: usize,
+    /// What its runs reached together: the range in which its parameters are valid. None until it is asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub envelope: Option<Envelope>,
     /// Covariance of the estimates, rows and columns in the order of `parameters`. Regression knows none between coefficients: zeros.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub covariance: Vec<Vec<f64>>,

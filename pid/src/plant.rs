@@ -174,6 +174,7 @@ mod tests {
             constants: Vec::new(),
             effects: Vec::new(),
             refused: Vec::new(),
+            envelope: None,
         }
     }
 

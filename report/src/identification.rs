@@ -3,6 +3,7 @@
 
 use crate::chart::Range;
 use crate::draw::Look;
+use crate::envelope::{envelopes, validity};
 use crate::examined::{agreement_section, told};
 use crate::html::{Cell, escape, section, table};
 use crate::legend::key;
@@ -12,7 +13,7 @@ use crate::wind_tunnel::{differences, points};
 use crate::words::{number, p_value, with_interval};
 use serde_json::Value;
 use windfall_discover::close::{Figure, Role, Series, Topic};
-use windfall_discover::{DataSet, FoundNumber, Identification, Identified, NORMAL_95, WindTunnelLine};
+use windfall_discover::{DataSet, FoundNumber, Identification, Identified, NORMAL_95, TestTable, WindTunnelLine};
 use windfall_replay::{Bootstrap, Resimulation, RunComparison};
 
 /// The body of an identification; none for what is none.
@@ -28,13 +29,16 @@ pub(crate) fn identification(value: &Value, plots: &mut Plots) -> Option<String>
         combined.runs.len(),
         combined.runs.join(", ")
     );
+    let mut out = format!("<p class=\"lead\">{}</p>\n", escape(&lead));
+    let note = "Look whether runs held out go beyond those identified on: there the model is extrapolated. Layout of the thesis' Table 5.1; \
+                records smoothed by splines, Reynolds number of the reference diameter.";
+    out += &section("What the runs reached", note, &envelopes(&TestTable::of(all)));
     let mut figures = String::new();
     let mut coefficients: Vec<&str> = combined.parameters.iter().map(|p| p.coefficient.as_str()).collect();
     coefficients.dedup();
     for c in coefficients {
         figures += &estimates(all, c, plots);
     }
-    let mut out = format!("<p class=\"lead\">{}</p>\n", escape(&lead));
     let look = "Look for short bars and for kinds of run that agree: blue are all runs together, grey each kind alone; the dashed line is \
                 the estimate of all.";
     out += &section("Parameters", look, &(figures + &parameters(combined) + &beside(combined)));
@@ -198,7 +202,15 @@ fn parameters(set: &DataSet) -> String {
     let held = if held.is_empty() { String::new() } else { format!("<ul>{held}</ul>\n") };
     let heads = ["coefficient", "parameter", "estimate", "± 95 %", "95 % interval", "RSE", "std error if white"];
     let condition = format!("<p class=\"note\">Condition number {}.</p>\n", number(set.condition_number));
-    if rows.is_empty() { held } else { table(&heads, &rows) + &held + &condition }
+    let valid = |e| format!("<p class=\"note\">{}.</p>\n", escape(&capital(&validity(e))));
+    let valid = set.envelope.as_ref().map_or_else(String::new, valid);
+    if rows.is_empty() { held } else { table(&heads, &rows) + &valid + &held + &condition }
+}
+
+/// A line as a sentence.
+fn capital(line: &str) -> String {
+    let mut letters = line.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The body of a re-simulation; none for what is none.

@@ -9,6 +9,7 @@ mod cut;
 mod data;
 mod descent;
 mod draw;
+mod envelope;
 mod examined;
 mod fitted;
 mod folder;
@@ -37,6 +38,7 @@ mod wind_tunnel;
 mod words;
 
 pub use closing::closing_page;
+pub use envelope::{test_table, validity};
 pub use examined::{agreement, identifiable, pressure_agreement};
 pub use folder::{FolderResults, campaign_page, folder_figures, folder_page};
 pub use many::many_page;

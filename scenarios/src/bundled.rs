@@ -1,12 +1,13 @@
 //! scenarios: the bundled scenario files. In: a name. Out: its text, and that of tables that it names.
 
 /// Names of the bundled scenarios.
-pub const NAMES: [&str; 8] = [
+pub const NAMES: [&str; 9] = [
     "appendix-c",
     "sage-unperturbed",
     "sage-perturbed",
     "sage-combined",
     "sage-undeclared",
+    "sage-thesis",
     "drop-test",
     "full-scale-venus-20km",
     "pole-push",
@@ -25,6 +26,7 @@ pub fn bundled(name: &str) -> Option<&'static str> {
         include_str!("../bundled/sage-perturbed.toml"),
         include_str!("../bundled/sage-combined.toml"),
         include_str!("../bundled/sage-undeclared.toml"),
+        include_str!("../bundled/sage-thesis.toml"),
         include_str!("../bundled/drop-test.toml"),
         include_str!("../bundled/full-scale-venus-20km.toml"),
         include_str!("../bundled/pole-push.toml"),

@@ -476,6 +476,15 @@ pub(crate) static FLIGHT: TableSpec = TableSpec {
         num("duration_s", "s", 0.01, 1e4, "duration; with rate_hz at most a million samples"),
         num("rate_hz", "Hz", 0.1, 1e5, "sample rate"),
         other("sensor_noise", Kind::Bool, "whether the record carries sensor noise"),
+        optional(Key {
+            name: "window_s",
+            kind: Kind::Numbers(2),
+            unit: "s",
+            range: [0.0, 1e4],
+            needed: false,
+            meaning: "part of the record that the campaign uses, [from, to] from the first sample; absent: all",
+        }),
+        optional(other("push", Kind::Tables, "pushes of a pole, [[flight.push]]")),
         other("release", Kind::Table, "state at the first sample"),
         other("speed", Kind::Table, "tunnel speed"),
     ],
@@ -488,6 +497,16 @@ pub(crate) static RELEASE: TableSpec = TableSpec {
         vec3("velocity_m_s", "m/s", 1e5, "velocity, tunnel axes"),
         vec3("attitude_deg", "deg", 360.0, "R_x, R_y, R_z; T = Rx Ry Rz maps body to tunnel"),
         vec3("rates_deg_s", "deg/s", 1e5, "p, q, r"),
+    ],
+};
+pub(crate) static PUSH: TableSpec = TableSpec {
+    path: "flight.push",
+    meaning: "A push of a pole: a pulse that goes as sin² in time. What identifies never sees it; a window that starts at its end leaves it out.",
+    keys: &[
+        num("start_s", "s", -2.0, 1e4, "when it begins, from the first sample"),
+        num("duration_s", "s", 0.01, 10.0, "how long it lasts"),
+        vec3("impulse_n_s", "N s", 5.0, "linear impulse, body axes"),
+        vec3("angular_impulse_n_m_s", "N m s", 1.0, "angular impulse about the c.m., body axes"),
     ],
 };
 pub(crate) static SPEED: TableSpec = TableSpec {
@@ -779,6 +798,7 @@ pub(crate) static ALL: [(&str, &[&TableSpec]); 6] = [
             &SECTION,
             &NUMERICS,
             &FLIGHT,
+            &PUSH,
             &RELEASE,
             &SPEED,
             &OPERATOR,

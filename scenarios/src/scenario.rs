@@ -12,8 +12,9 @@ use crate::table::{Source, Table, allowed_range, nearest, number};
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 use windfall_model::effects::{self, Acts, Role};
+use windfall_model::frames::Vec3;
 use windfall_model::{
-    CATALOGUE, Effect, Flight, Knowledge, Numerics, Operator, Plant, Release, Scenario, TestSection, TunnelSpeed, Use,
+    CATALOGUE, Contact, Effect, Flight, Knowledge, Numerics, Operator, Plant, Release, Scenario, TestSection, TunnelSpeed, Use,
 };
 
 /// Seed of a scenario that gives none.
@@ -290,6 +291,8 @@ fn flight(t: &Table<'_>, common: &Common) -> Option<Flight> {
         duration_s,
         rate_hz,
         sensor_noise: t.bool("sensor_noise"),
+        pushes: pushes(t),
+        window_s: window(t, duration_s, rate_hz),
         release: release?,
         speed: speed?,
         ps_pa: common.air[0],
@@ -297,6 +300,39 @@ fn flight(t: &Table<'_>, common: &Common) -> Option<Flight> {
         section: common.section,
         numerics: common.numerics,
     })
+}
+
+/// Pushes of a flight; the number of their run is that of the first, and is not looked at.
+fn pushes(t: &Table<'_>) -> Vec<Contact> {
+    if !t.has("push") {
+        return Vec::new();
+    }
+    let vector = |p: &Table<'_>, key: &str| {
+        let [x, y, z] = p.numbers::<3>(key);
+        Vec3::new(x, y, z)
+    };
+    let one = |p: &Table<'_>| Contact {
+        run: 0,
+        start_s: p.number("start_s"),
+        duration_s: p.number("duration_s"),
+        impulse: vector(p, "impulse_n_s"),
+        angular_impulse: vector(p, "angular_impulse_n_m_s"),
+    };
+    t.tables(&keys::PUSH).iter().map(one).collect()
+}
+
+/// Part of a flight that its campaign uses: inside the flight, and at least two samples.
+fn window(t: &Table<'_>, duration_s: f64, rate_hz: f64) -> Option<[f64; 2]> {
+    if !t.has("window_s") {
+        return None;
+    }
+    let window = t.numbers::<2>("window_s");
+    let [from, to] = window;
+    if to > duration_s || to - from < 2.0 / rate_hz {
+        let what = format!("must run from an earlier to a later time, two samples at least, within the {duration_s} s of the flight");
+        t.source.fault(t.at("window_s"), t.full("window_s"), format!("{window:?}"), what, "[from, to] in s");
+    }
+    Some(window)
 }
 
 fn speed(t: &Table<'_>, duration_s: f64) -> Option<TunnelSpeed> {

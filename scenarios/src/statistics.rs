@@ -194,6 +194,8 @@ fn flight(t: &Table<'_>, section: Option<TestSection>, [ps_pa, ts_k]: [f64; 2]) 
         duration_s,
         rate_hz,
         sensor_noise: true,
+        pushes: Vec::new(),
+        window_s: None,
         release: release?,
         speed: TunnelSpeed::Operator(operator?),
         ps_pa,

@@ -74,6 +74,8 @@ fn stand_in(run: &windfall_model::Run) -> Flight {
         section: None,
         numerics: Numerics::default(),
         sensor_noise: true,
+        pushes: Vec::new(),
+        window_s: None,
     }
 }
 

@@ -20,6 +20,8 @@ pub struct RunLine {
     pub kind: String,
     /// What it is for.
     pub used: Use,
+    /// Part of the file that is used, s; none: all.
+    pub window_s: Option<[f64; 2]>,
 }
 
 /// Text under construction.
@@ -208,6 +210,16 @@ fn flight_table(t: &mut Toml, f: &Flight) {
     t.number("duration_s", f.duration_s);
     t.number("rate_hz", f.rate_hz);
     t.raw("sensor_noise", if f.sensor_noise { "true" } else { "false" });
+    if let Some(window) = f.window_s {
+        t.numbers("window_s", &window);
+    }
+    for push in &f.pushes {
+        let _ = write!(t.0, "\n[[flight.push]]\n");
+        t.number("start_s", push.start_s);
+        t.number("duration_s", push.duration_s);
+        t.vector("impulse_n_s", push.impulse);
+        t.vector("angular_impulse_n_m_s", push.angular_impulse);
+    }
     t.table("flight.release");
     t.numbers("position_m", &f.release.position_m);
     t.numbers("velocity_m_s", &f.release.velocity_m_s);
@@ -290,6 +302,9 @@ pub fn write_campaign_toml(path: &Path, file: &ScenarioFile, runs: &[RunLine]) -
         t.text("file", &run.file);
         t.text("kind", &run.kind);
         t.text("use", run.used.name());
+        if let Some(window) = run.window_s {
+            t.numbers("window_s", &window);
+        }
     }
     write_own_structure(path, file)?;
     text_atomically(path, &t.0)

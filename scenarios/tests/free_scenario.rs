@@ -91,7 +91,7 @@ fn law_scenarios_and_their_campaigns_read_back_the_same() {
         let lines: Vec<RunLine> = file
             .flights
             .iter()
-            .map(|f| RunLine { file: format!("{}.csv", f.name), kind: f.kind.clone(), used: f.used })
+            .map(|f| RunLine { file: format!("{}.csv", f.name), kind: f.kind.clone(), used: f.used, window_s: None })
             .collect();
         let (t, zero, one): (Vec<f64>, _, _) = ((0..20).map(|i| 0.02 * f64::from(i)).collect(), vec![0.0; 20], vec![1.0; 20]);
         for line in &lines {

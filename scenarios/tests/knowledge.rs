@@ -48,7 +48,7 @@ fn campaign(tables: &str, change: impl Fn(String) -> String) -> Result<Campaign,
     let record = common::waves();
     write_record_csv(&folder.path().join("a.csv"), &record).expect("writable");
     let path = folder.path().join("campaign.toml");
-    let line = RunLine { file: "a.csv".to_owned(), kind: "perturbed".to_owned(), used: Use::Identify };
+    let line = RunLine { file: "a.csv".to_owned(), kind: "perturbed".to_owned(), used: Use::Identify, window_s: None };
     write_campaign_toml(&path, &file, &[line]).expect("writable");
     let text = std::fs::read_to_string(&path).expect("just written");
     std::fs::write(&path, change(text)).expect("writable");

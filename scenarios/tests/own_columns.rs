@@ -109,7 +109,7 @@ fn read(table: &Table, columns: &str, of_run: &str) -> Result<(Campaign, Vec<Str
 fn campaign_file(folder: &Path, columns: &str, of_run: &str) {
     let file = read_scenario_file(&folder.join("scenario.toml")).expect("bundled");
     let path = folder.join("campaign.toml");
-    let line = RunLine { file: "a.csv".to_owned(), kind: "perturbed".to_owned(), used: Use::Identify };
+    let line = RunLine { file: "a.csv".to_owned(), kind: "perturbed".to_owned(), used: Use::Identify, window_s: None };
     write_campaign_toml(&path, &file, &[line]).expect("writable");
     let text = std::fs::read_to_string(&path).expect("just written").replacen("[[run]]", &format!("{columns}\n[[run]]"), 1);
     std::fs::write(&path, format!("{text}\n{of_run}\n")).expect("writable");

@@ -71,7 +71,7 @@ proptest! {
         write_resolved_scenario(&two, &again).expect("writable");
         prop_assert_eq!(bytes(&one), bytes(&two));
         write_record_csv(&dir.path().join("run.csv"), &common::waves()).expect("writable");
-        let runs = [RunLine { file: "run.csv".to_owned(), kind: "perturbed".to_owned(), used: Use::HoldOut }];
+        let runs = [RunLine { file: "run.csv".to_owned(), kind: "perturbed".to_owned(), used: Use::HoldOut, window_s: None }];
         write_campaign_toml(&one, &file, &runs).expect("writable");
         write_campaign_toml(&two, &again, &runs).expect("writable");
         prop_assert_eq!(bytes(&one), bytes(&two));

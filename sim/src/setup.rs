@@ -52,7 +52,7 @@ impl<'a> Setup<'a> {
     /// As [`Setup::new`], but a given history of the tunnel speed is left to the caller.
     pub(crate) fn without_history(plant: &'a Plant, flight: &Flight, seed: Seed) -> Result<Self, SimError> {
         check(plant, flight)?;
-        let own = of_run(plant, seed);
+        let own = of_run(plant, flight, seed);
         let plant: &Plant = &own;
         let density_kg_m3 = plant.environment.density_kg_m3(flight.ps_pa, flight.ts_k);
         let inertia = plant.vehicle.inertia.matrix();
@@ -135,9 +135,12 @@ impl<'a> Setup<'a> {
     }
 }
 
-/// The plant of one run: numbers that differ from run to run drawn.
-fn of_run(plant: &Plant, seed: Seed) -> Cow<'_, Plant> {
+/// The plant of one run: the flight's pushes among its contacts, numbers that differ from run to run drawn.
+fn of_run<'a>(plant: &'a Plant, flight: &Flight, seed: Seed) -> Cow<'a, Plant> {
     let mut own = Cow::Borrowed(plant);
+    if !flight.pushes.is_empty() {
+        own.to_mut().contacts.extend(&flight.pushes);
+    }
     for (place, (number, std)) in (0_u8..).zip(plant.scatter.numbers()) {
         let drawn = std * seed.normals(Channel::Number(place)).next().unwrap_or(0.0);
         own.to_mut().change(number, drawn);

@@ -36,6 +36,8 @@ fn counted(plant: &Plant, method: Integrator, relative_tolerance: f64) -> (usize
         section: None,
         numerics: Numerics { method, relative_tolerance, absolute_tolerance: relative_tolerance },
         sensor_noise: false,
+        pushes: Vec::new(),
+        window_s: None,
     };
     // The test harness' own thread may allocate meanwhile, which only adds: the least of several counts is the flight's.
     let once = || {

@@ -31,6 +31,8 @@ fn flight(method: Integrator, tolerance: f64) -> Flight {
         section: None,
         numerics: Numerics { method, relative_tolerance: tolerance, absolute_tolerance: tolerance },
         sensor_noise: false,
+        pushes: Vec::new(),
+        window_s: None,
     }
 }
 

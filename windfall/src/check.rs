@@ -8,6 +8,7 @@ use serde::Serialize;
 use std::path::Path;
 use windfall_pid::bandwidth::recognised;
 use windfall_pid::plausible::{closure, looked};
+use windfall_pid::{Envelope, PidError, TestTable, test_table};
 use windfall_scenarios::{
     FileKind, Piece, columns_of_campaign, columns_of_run, kind_of, read_bundled, read_free, read_record_pieces, read_structure,
     sensors_of_table_a3,
@@ -96,6 +97,45 @@ pub fn check(word: &Path) -> Result<Checked> {
         FileKind::FreeFlight => Checked::FreeFlight(Box::new(read_free(word)?)),
         FileKind::Planet => Checked::Planet(Box::new(read_planet(word)?)),
     })
+}
+
+/// What the runs of a tunnel campaign reached, as in the thesis' Table 5.1, and the same in lines; of a run file lines alone, since it has
+/// no vehicle: its c.m. is taken at the tracked origin, its gas as dry air. Nothing of other files.
+///
+/// # Errors
+/// The bundled vehicle cannot be read.
+pub fn reached(checked: &Checked) -> Result<(Option<TestTable>, Vec<String>)> {
+    match checked {
+        Checked::Campaign(campaign) => {
+            let table = test_table(&campaign.data);
+            let lines = windfall_report::test_table(&table);
+            Ok(((!table.runs.is_empty()).then_some(table), lines))
+        }
+        Checked::Run(pieces) => {
+            let mut plant = read_bundled("appendix-c")?.declared_plant;
+            plant.vehicle.diameter_m = 1.0;
+            let one = |p: &Piece| piece_line(Envelope::of_record(&p.record, &plant));
+            Ok((None, pieces.iter().map(one).collect()))
+        }
+        _ => Ok((None, Vec::new())),
+    }
+}
+
+/// What a run file reached; its Reynolds number is that of a metre.
+fn piece_line(reached: std::result::Result<Envelope, PidError>) -> String {
+    match reached {
+        Ok(e) => format!(
+            "reached: α_T {:.1} deg, |p| {:.1}, |q| {:.1}, |r| {:.1} deg/s, V_∞ {:.2} to {:.2} m/s{} (c.m. taken at the tracked origin)",
+            e.max_alpha_t_deg,
+            e.max_p_deg_s,
+            e.max_q_deg_s,
+            e.max_r_deg_s,
+            e.speed_m_s[0],
+            e.speed_m_s[1],
+            e.reynolds_number.map_or_else(String::new, |r| format!(", Reynolds number {r:.2e} per metre")),
+        ),
+        Err(e) => format!("angles and rates: not said: {e}"),
+    }
 }
 
 /// What was done to every column of a run file or of a campaign's runs, and how well the equations of motion close on them.

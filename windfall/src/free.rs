@@ -72,7 +72,7 @@ pub fn write(folder: &Path, file: &FreeFile, flown: &[FreeFlown]) -> Result<()> 
         let [record, truth] = names(file, f);
         write_record(&set.stage().join(&record), &flown.record)?;
         write_truth(&set.stage().join(truth), flown)?;
-        lines.push(RunLine { file: record, kind: f.kind.clone(), used: f.used });
+        lines.push(RunLine { file: record, kind: f.kind.clone(), used: f.used, window_s: None });
     }
     write_free_campaign(&set.stage().join(CAMPAIGN), file, &lines)?;
     write_resolved_free(&set.stage().join(RESOLVED), file)?;

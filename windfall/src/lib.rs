@@ -38,7 +38,7 @@ mod study;
 mod words;
 
 pub use campaign::{Campaign, CampaignSource};
-pub use check::{Checked, Verification, check, looked_at, verify};
+pub use check::{Checked, Verification, check, looked_at, reached, verify};
 pub use descend::{DescentScenario, put_descents, write_descents};
 pub use error::{Error, ErrorKind, Result};
 pub use explain::{Explain, Init, explain, init};
@@ -74,7 +74,8 @@ pub mod results {
     pub use windfall_pid::plan::{TargetPlan, TestPlan};
     pub use windfall_pid::structure::{Choice, CoefficientChoice, Symmetry};
     pub use windfall_pid::{
-        DataSet, Estimate, FoundEffect, FoundNumber, Identifiability, Identification, NORMAL_95, relative_percent,
+        DataSet, Envelope, Estimate, FoundEffect, FoundNumber, Identifiability, Identification, NORMAL_95, RunEnvelope,
+        SetEnvelope, TestTable, relative_percent,
     };
     pub use windfall_replay::descent::{Descended, DescentSummary, HeightLine, ParameterShare, SteadyFall, TouchDownLine};
     pub use windfall_replay::{Bootstrap, Resimulation, RunComparison, Statistic};

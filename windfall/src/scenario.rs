@@ -262,7 +262,7 @@ impl Flights {
             let (record, truth) = names(flight, flights.len());
             write_record_csv(&folder.join(&record), &flown.record)?;
             write_truth(&folder.join(truth), &flown.truth)?;
-            lines.push(RunLine { file: record, kind: flight.kind.clone(), used: flight.used });
+            lines.push(RunLine { file: record, kind: flight.kind.clone(), used: flight.used, window_s: flight.window_s });
         }
         write_campaign_toml(&folder.join(CAMPAIGN), file, &lines)?;
         write_resolved_scenario(&folder.join(RESOLVED), file)?;

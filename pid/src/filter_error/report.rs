@@ -70,6 +70,7 @@ pub(super) fn data_set(
     parameters.extend(random_estimates(point, covariance));
     DataSet {
         refused: Vec::new(),
+        envelope: None,
         name: name.to_owned(),
         runs: filters.iter().map(|f| f.run.name.to_owned()).collect(),
         covariance: aligned(campaign, &point.unknowns, covariance, &parameters),

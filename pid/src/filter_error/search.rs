@@ -78,6 +78,7 @@ pub fn identify(campaign: &Campaign, options: &EstimateOptions) -> Result<Identi
     warnings.extend(left_out);
     data_sets.push(combined);
     Ok(Identification {
+        envelopes: Vec::new(),
         method: Method::FilterError.name().to_owned(),
         data_sets,
         warnings,

@@ -28,6 +28,7 @@ fn set(parameters: Vec<Estimate>, covariance: Vec<Vec<f64>>) -> DataSet {
         constants: Vec::new(),
         effects: Vec::new(),
         refused: Vec::new(),
+        envelope: None,
     }
 }
 

@@ -53,6 +53,7 @@ pub fn identify(campaign: &Campaign, options: &EstimateOptions) -> Result<Identi
     }
     data_sets.push(combined.0);
     Ok(Identification {
+        envelopes: Vec::new(),
         method: Method::OutputError.name().to_owned(),
         data_sets,
         warnings,
@@ -164,6 +165,7 @@ impl SetWork<'_, '_> {
         let parameters = estimates(self.campaign, &solved.unknowns, &covariance, &solved.solution.covariance);
         DataSet {
             refused: Vec::new(),
+            envelope: None,
             name: name.to_owned(),
             runs: runs.iter().map(|r| r.name.to_owned()).collect(),
             covariance: aligned(self.campaign, &solved.unknowns, &covariance, &parameters),

@@ -14,6 +14,7 @@ fn set(estimate: f64, ci95: [f64; 2]) -> DataSet {
     };
     DataSet {
         refused: Vec::new(),
+        envelope: None,
         name: "combined".to_owned(),
         runs: Vec::new(),
         parameters: vec![one],

@@ -144,6 +144,8 @@ fn order(record: &Record, states: &[State], release: Release, ticks: f64) -> Fli
         section: None,
         numerics: Numerics::default(),
         sensor_noise: false,
+        pushes: Vec::new(),
+        window_s: None,
     }
 }
 

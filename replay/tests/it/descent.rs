@@ -31,6 +31,7 @@ fn found(parameters: &[(&str, &str, f64, f64)]) -> Identification {
     let covariance = (0..n).map(|i| (0..n).map(|j| if i == j { parameters[i].3.powi(2) } else { 0.0 }).collect()).collect();
     let set = DataSet {
         refused: Vec::new(),
+        envelope: None,
         name: "combined".to_owned(),
         runs: Vec::new(),
         parameters: parameters.iter().map(estimate).collect(),
@@ -50,6 +51,7 @@ fn found(parameters: &[(&str, &str, f64, f64)]) -> Identification {
         identifiability: None,
         compatibility: None,
         data_sets: vec![set],
+        envelopes: Vec::new(),
         warnings: Vec::new(),
     }
 }

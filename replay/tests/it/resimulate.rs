@@ -198,6 +198,7 @@ fn estimate(coefficient: &str, name: &str, estimate: f64, std_error: f64) -> Est
 fn set(parameters: Vec<Estimate>) -> DataSet {
     DataSet {
         refused: Vec::new(),
+        envelope: None,
         name: "combined".into(),
         runs: vec![],
         parameters,
@@ -232,6 +233,7 @@ fn law_nothing_to_fly_is_an_error() {
     let mut empty = windfall_pid::Identification {
         method: "x".into(),
         data_sets: vec![],
+        envelopes: vec![],
         warnings: vec![],
         reason: None,
         smoothing: None,

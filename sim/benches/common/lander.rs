@@ -36,6 +36,8 @@ pub(crate) fn flight(duration_s: f64, rate_hz: f64, method: Integrator, relative
         section: None,
         numerics: Numerics { method, relative_tolerance, absolute_tolerance: 0.01 * relative_tolerance },
         sensor_noise: false,
+        pushes: Vec::new(),
+        window_s: None,
     }
 }
 

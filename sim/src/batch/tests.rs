@@ -27,6 +27,8 @@ fn flight(speed: TunnelSpeed, method: Integrator) -> Flight {
         section: None,
         numerics: Numerics { method, ..Numerics::default() },
         sensor_noise: false,
+        pushes: Vec::new(),
+        window_s: None,
     }
 }
 

@@ -79,6 +79,8 @@ fn flight(speed: TunnelSpeed) -> Flight {
         section: None,
         numerics: Numerics::default(),
         sensor_noise: false,
+        pushes: Vec::new(),
+        window_s: None,
     }
 }
 

@@ -37,6 +37,8 @@ pub(crate) fn flight(duration_s: f64, rate_hz: f64, vw_m_s: f64, release: Releas
         section: None,
         numerics: Numerics::default(),
         sensor_noise: false,
+        pushes: Vec::new(),
+        window_s: None,
     }
 }
 

@@ -148,20 +148,22 @@ fn exact_swivel_stops_a_roll() {
 }
 
 /// A pulse gives its impulses exactly, `Δv = J/m`, `Δω = I⁻¹ A`, however long the steps could be. Time enters only through the
-/// state that carries it: without that the eighth-order method gives nonsense.
+/// state that carries it: without that the eighth-order method gives nonsense. The pulse is an effect of the plant, or a push of the flight.
 #[test]
 fn exact_contact_pulse() {
-    let mut plant = torque_free(Inertia { xx: 0.02, yy: 0.02, zz: 0.02, ..Inertia::default() });
-    plant.contacts = vec![Contact {
+    let still = torque_free(Inertia { xx: 0.02, yy: 0.02, zz: 0.02, ..Inertia::default() });
+    let pulse = Contact {
         run: 0,
         start_s: 5.003,
         duration_s: 0.02,
         impulse: Vec3::new(0.1, -0.2, 0.3),
         angular_impulse: Vec3::new(0.001, 0.0, 0.0),
-    }];
-    for method in [Integrator::Dop853, Integrator::Dopri5] {
+    };
+    for (method, by_flight) in [(Integrator::Dop853, false), (Integrator::Dopri5, false), (Integrator::Dop853, true)] {
         let mut order = flight(10.0, 10.0, 0.0, REST);
         order.numerics.method = method;
+        let mut plant = still.clone();
+        if by_flight { order.pushes.push(Contact { run: 7, ..pulse }) } else { plant.contacts.push(pulse) }
         let truth = flown(&plant, &order);
         let last = truth.len() - 1;
         assert!(worst(&truth.v_tunnel_cm[50], &[0.0; 3]) < 1e-12);

@@ -17,6 +17,7 @@ fn set(intervals: &[(&str, [f64; 2])]) -> DataSet {
     };
     DataSet {
         refused: Vec::new(),
+        envelope: None,
         name: "combined".to_owned(),
         runs: Vec::new(),
         parameters: intervals.iter().map(one).collect(),
