@@ -282,6 +282,11 @@ const ENTRIES: &[Entry] = &[
         "What a closing comes to: consistent, effect or unexplained; of checks: pass or fail.",
         "close, many, verify",
     ),
+    Entry(
+        &["valid for", "envelope", "max α_T"],
+        "How far the runs of a data set went: largest angle and rates, airspeed, Reynolds number (thesis Table 5.1). Beyond it parameters are extrapolated.",
+        "identify, check",
+    ),
     Entry(&["what"], "The term in words.", "structure"),
     Entry(
         &["when flown"],

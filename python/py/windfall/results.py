@@ -14,16 +14,17 @@ __all__ = [
     "CandidateReport", "ChannelResidual", "Check", "CheckLine", "Closing", "ClosingSummary", "CoefficientChoice",
     "CoefficientFit", "Compatibility", "ConfusionLine", "ConstantLine", "Correlation", "Count", "CriterionChoice", "Curve",
     "DataSet", "Deciding", "DependenceLine", "Descent", "DescentEnds", "DescentModel", "DescentReason", "DrawnParameter",
-    "EffectBound", "EffectLine", "Estimate", "Estimated", "Explanation", "FailureKind", "FigureOver", "FigureSeparation",
-    "Finding", "FittedInstead", "FlownCoefficient", "FlownParameter", "FlownValue", "Form", "FormCheck", "FoundEffect",
-    "FoundNumber", "HeightLine", "Held", "HeldOut", "HeldOutTrajectory", "Identifiability", "Identification", "InnovationLine",
-    "InnovationShape", "Instead", "InstrumentError", "Instruments", "LandingScatter", "Many", "NextRun", "NoiseLine", "NotNamed",
-    "NumberLine", "OutcomeParameter", "ParameterLine", "ParameterShare", "ParameterSummary", "Plan", "PlanOption",
-    "PooledParameter", "Pressure", "Quantile", "Rate", "Record", "RecoveredDraw", "RecoveryLine", "Refused", "ReliabilityPoint",
-    "Residuals", "Resimulation", "Result", "RunComparison", "RunValue", "Screened", "Separated", "Separation", "SetLine",
-    "ShapeReport", "Sharpened", "Shift", "SimulatedHistory", "Statistic", "StatisticsClosing", "StatisticsOptions", "SteadyFall",
-    "Structure", "Study", "Tally", "TargetPlan", "TermEstimate", "TouchDownLine", "TrajectoryError", "Unexplained", "VariedLine",
-    "Verification", "WindTunnelLine", "WindTunnelModel", "WordLine",
+    "EffectBound", "EffectLine", "Envelope", "Estimate", "Estimated", "Explanation", "FailureKind", "FigureOver",
+    "FigureSeparation", "Finding", "FittedInstead", "FlownCoefficient", "FlownParameter", "FlownValue", "Form", "FormCheck",
+    "FoundEffect", "FoundNumber", "HeightLine", "Held", "HeldOut", "HeldOutTrajectory", "Identifiability", "Identification",
+    "InnovationLine", "InnovationShape", "Instead", "InstrumentError", "Instruments", "LandingScatter", "Many", "NextRun",
+    "NoiseLine", "NotNamed", "NumberLine", "OutcomeParameter", "ParameterLine", "ParameterShare", "ParameterSummary", "Plan",
+    "PlanOption", "PooledParameter", "Pressure", "Quantile", "Rate", "Record", "RecoveredDraw", "RecoveryLine", "Refused",
+    "ReliabilityPoint", "Residuals", "Resimulation", "Result", "RunComparison", "RunEnvelope", "RunValue", "Screened",
+    "Separated", "Separation", "SetLine", "ShapeReport", "Sharpened", "Shift", "SimulatedHistory", "Statistic",
+    "StatisticsClosing", "StatisticsOptions", "SteadyFall", "Structure", "Study", "Tally", "TargetPlan", "TermEstimate",
+    "TouchDownLine", "TrajectoryError", "Unexplained", "VariedLine", "Verification", "WindTunnelLine", "WindTunnelModel",
+    "WordLine",
 ]
 
 
@@ -114,6 +115,18 @@ class CoefficientFit(Record):
     residual_whiteness_p: float
 
 
+class Envelope(Record):
+    """What a run, or a set of runs, reached: the row of the thesis' Table 5.1, and the range in which what is identified on it is valid."""
+
+    duration_s: float
+    max_alpha_t_deg: float
+    max_p_deg_s: float
+    max_q_deg_s: float
+    max_r_deg_s: float
+    speed_m_s: list[float]
+    reynolds_number: float | None
+
+
 class Curve(Record):
     """One coefficient, or its damping, over an angle."""
 
@@ -165,12 +178,28 @@ class DataSet(Record):
     fits: list[CoefficientFit]
     condition_number: float
     n_samples: int
+    envelope: Envelope | None
     covariance: list[list[float]]
     curves: list[Curve]
     held: list[Held]
     constants: list[FoundNumber]
     effects: list[FoundEffect]
     refused: list[Refused]
+
+
+class RunEnvelope(Record):
+    """A run's row."""
+
+    name: str
+    kind: str
+    used: str
+    duration_s: float
+    max_alpha_t_deg: float
+    max_p_deg_s: float
+    max_q_deg_s: float
+    max_r_deg_s: float
+    speed_m_s: list[float]
+    reynolds_number: float | None
 
 
 class BootstrapLine(Record):
@@ -240,6 +269,7 @@ class Identification(Result):
     identifiability: Identifiability | None
     compatibility: Compatibility | None
     data_sets: list[DataSet]
+    envelopes: list[RunEnvelope]
     warnings: list[str]
     bootstrap: Bootstrap | None
     wind_tunnel: list[WindTunnelLine]
