@@ -66,3 +66,23 @@ fn exact_runs_together() {
     assert_eq!(Envelope::joined([&a, &of(1.0, 1.0, [7.0, 7.0], None)]).expect("two").reynolds_number, None);
     assert_eq!(Envelope::joined([]), None);
 }
+
+/// The first sample of a recording may jump, and no rate is made of it. Of a window in the middle of a recording its own first samples count,
+/// since what is before them is known: the roll rate is 0.2 + 0.1 sin(π t) rad/s up to 4 s, largest at 2.5 s, and none later.
+#[test]
+fn law_ends_of_the_recording_are_left_out() {
+    let mut record = steady(0.5, 0.2, 8);
+    for i in 0..400 {
+        let t = 0.01 * i as f64;
+        record.attitude_rad[0][i] = 0.2 * t + 0.2 * (0.5 * std::f64::consts::PI * t).sin().powi(2) / std::f64::consts::PI;
+    }
+    (400..=800).for_each(|i| record.attitude_rad[0][i] = 0.8);
+    let of = |r: &Record| Envelope::of_record(r, &even()).expect("a stream").max_p_deg_s;
+    let all = of(&record);
+    let (early, late) = (of(&record.window(100..301)), of(&record.window(500..701)));
+    assert!((early / all - 1.0).abs() < 0.05, "{early} {all}");
+    assert!(late < 0.1 * all, "after the roll has stopped: {late}");
+    let mut jerked = steady(0.5, 0.2, 8);
+    jerked.attitude_rad[0][0] = 0.02;
+    assert!((of(&jerked) / (0.2 * 0.1_f64.cos()).to_degrees() - 1.0).abs() < 0.05, "{}", of(&jerked));
+}
