@@ -30,8 +30,8 @@ pub(crate) fn identification(value: &Value, plots: &mut Plots) -> Option<String>
         combined.runs.join(", ")
     );
     let mut out = format!("<p class=\"lead\">{}</p>\n", escape(&lead));
-    let note = "Look whether runs held out go beyond those identified on: there the model is extrapolated. Layout of the thesis' Table 5.1; \
-                records smoothed by splines, Reynolds number of the reference diameter.";
+    let note = "Look whether runs held out go beyond those identified on: there the model is extrapolated. Largest angle of attack and rates, as in the \
+                thesis' Table 5.1; records smoothed by splines, Reynolds number of the reference diameter.";
     out += &section("What the runs reached", note, &envelopes(&TestTable::of(all)));
     let mut figures = String::new();
     let mut coefficients: Vec<&str> = combined.parameters.iter().map(|p| p.coefficient.as_str()).collect();

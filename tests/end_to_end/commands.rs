@@ -122,7 +122,20 @@ fn law_check_prints_what_it_understood() {
     assert_eq!(json["kind"], "scenario");
     let dir = folder();
     done(&["simulate", "appendix-c", "--out", &text(dir.path())]);
-    assert!(done(&["check", &text(&dir.path().join("run.csv"))]).out.contains("2251 samples"));
+    // Released at 25 deg (thesis Appendix C), without noise; a run file says nothing of its vehicle.
+    let run = done(&["check", &text(&dir.path().join("run.csv"))]).out;
+    assert!(run.contains("2251 samples") && run.contains("reached: α_T 25.0 deg") && run.contains("per metre"), "{run}");
+    let campaign = text(&dir.path().join("campaign.toml"));
+    let said = done(&["check", &campaign]).out;
+    assert!(said.contains("largest angle of attack and rates") && said.contains("all of combined"), "{said}");
+    let json: Value = serde_json::from_str(&done(&["check", &campaign, "--json"]).out).expect("JSON");
+    let reached = &json["test_table"]["data_sets"][1];
+    assert!(reached["name"] == "combined" && (reached["max_alpha_t_deg"].as_f64().expect("a number") - 25.0).abs() < 0.01, "{reached}");
+    let found = done(&["identify", &campaign, "--method", "equation-error", "--json"]).out;
+    let found: Value = serde_json::from_str(&found).expect("JSON");
+    let set = &found["data_sets"][0]["envelope"];
+    assert!((set["max_alpha_t_deg"].as_f64().expect("a number") - 25.0).abs() < 0.01, "{set}");
+    assert_eq!(found["envelopes"][0]["name"], "run");
 }
 
 /// A flight as a laboratory would write it becomes a campaign; the last of the files is held out, and nothing is dropped in silence.

@@ -283,7 +283,7 @@ const ENTRIES: &[Entry] = &[
         "close, many, verify",
     ),
     Entry(
-        &["valid for", "envelope", "max α_T"],
+        &["valid for", "envelope", "α_T deg", "|p| deg/s", "|q| deg/s", "|r| deg/s", "V_∞ m/s", "Reynolds", "time s", "kind, use"],
         "How far the runs of a data set went: largest angle and rates, airspeed, Reynolds number (thesis Table 5.1). Beyond it parameters are extrapolated.",
         "identify, check",
     ),
