@@ -6,7 +6,9 @@ use crate::session::{Failure, Session};
 use std::fmt::Write as _;
 use windfall::files::series_text;
 use windfall::report;
-use windfall::results::{Bootstrap, DataSet, Estimate, FoundNumber, Identification, Identified, SignalTracks, SmoothingTracks, TestTable};
+use windfall::results::{
+    Bootstrap, DataSet, Estimate, FoundNumber, Identification, Identified, SignalTracks, SmoothingTracks, TestTable,
+};
 
 /// Names of the result files.
 const FILES: [&str; 3] = ["identification.json", "coefficients.json", "records.json"];

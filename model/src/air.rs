@@ -67,7 +67,9 @@ mod tests {
     #[test]
     fn law_viscosity_is_of_air_alone() {
         let of = |gas_constant_j_kg_k| Environment { gravity_m_s2: 9.81, gas_constant_j_kg_k }.viscosity_pa_s(300.0);
-        for (gas, is_air) in [(287.05287, true), (290.0, true), (296.8, false), (188.9, false), (2077.0, false), (f64::NAN, false)] {
+        for (gas, is_air) in
+            [(287.05287, true), (290.0, true), (296.8, false), (188.9, false), (2077.0, false), (f64::NAN, false)]
+        {
             assert_eq!(of(gas).is_some(), is_air, "{gas}");
         }
     }

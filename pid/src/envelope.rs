@@ -129,7 +129,11 @@ fn reynolds(all: &[State], ts_k: &[f64], plant: &Plant) -> Option<f64> {
 /// Those of `rows` at which the smoother does not hang on one side, counted from the first of them; none where there are none.
 fn interior(smoothed: &Smoothed, rows: &Range<usize>) -> Option<Range<usize>> {
     let fastest_hz = smoothed.bandwidth_hz.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive; saturates, and is then beyond every row")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "positive; saturates, and is then beyond every row"
+    )]
     let end = (END_PERIODS / (fastest_hz * smoothed.interval_s)).ceil() as usize;
     let last = smoothed.t_s.len().saturating_sub(end).min(rows.end);
     let first = end.max(rows.start);

@@ -19,9 +19,7 @@ impl TestTable {
     /// That of an identification; empty of one without envelopes.
     #[must_use]
     pub fn of(found: &Identification) -> Self {
-        let row = |d: &DataSet| {
-            Some(SetEnvelope { name: d.name.clone(), runs: d.runs.clone(), envelope: d.envelope.clone()? })
-        };
+        let row = |d: &DataSet| Some(SetEnvelope { name: d.name.clone(), runs: d.runs.clone(), envelope: d.envelope.clone()? });
         Self { runs: found.envelopes.clone(), data_sets: found.data_sets.iter().filter_map(row).collect() }
     }
 }

@@ -101,8 +101,11 @@ mod tests {
             speed_m_s: [7.0, 8.0],
             reynolds_number: None,
         };
-        let run = |name: &str, kind: &str, envelope| {
-            RunEnvelope { name: name.to_owned(), kind: kind.to_owned(), used: "identify".to_owned(), envelope }
+        let run = |name: &str, kind: &str, envelope| RunEnvelope {
+            name: name.to_owned(),
+            kind: kind.to_owned(),
+            used: "identify".to_owned(),
+            envelope,
         };
         let all = SetEnvelope {
             name: "combined".to_owned(),
@@ -110,7 +113,10 @@ mod tests {
             envelope: envelope(73.3, 38.8, 46.9, 98.3),
         };
         TestTable {
-            runs: vec![run("a", "unperturbed", envelope(55.0, 8.6, 26.8, 54.4)), run("b", "perturbed", envelope(18.3, 38.8, 46.9, 98.3))],
+            runs: vec![
+                run("a", "unperturbed", envelope(55.0, 8.6, 26.8, 54.4)),
+                run("b", "perturbed", envelope(18.3, 38.8, 46.9, 98.3)),
+            ],
             data_sets: vec![all],
         }
     }
@@ -120,7 +126,9 @@ mod tests {
     fn pub_table_5_1_is_laid_out() {
         let lines = test_table(&thesis());
         assert_eq!(lines.len(), 5);
-        for (line, words) in lines.iter().skip(2).zip(["55.0 8.6 9.0 26.8 54.4", "18.3 38.8 9.0 46.9 98.3", "73.3 38.8 9.0 46.9 98.3"]) {
+        for (line, words) in
+            lines.iter().skip(2).zip(["55.0 8.6 9.0 26.8 54.4", "18.3 38.8 9.0 46.9 98.3", "73.3 38.8 9.0 46.9 98.3"])
+        {
             let numbers: Vec<&str> = line.split_whitespace().collect();
             assert!(numbers.join(" ").contains(words), "{line}");
         }

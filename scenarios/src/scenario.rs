@@ -329,7 +329,8 @@ fn window(t: &Table<'_>, duration_s: f64, rate_hz: f64) -> Option<[f64; 2]> {
     let window = t.numbers::<2>("window_s");
     let [from, to] = window;
     if to > duration_s || to - from < 2.0 / rate_hz {
-        let what = format!("must run from an earlier to a later time, two samples at least, within the {duration_s} s of the flight");
+        let what =
+            format!("must run from an earlier to a later time, two samples at least, within the {duration_s} s of the flight");
         t.source.fault(t.at("window_s"), t.full("window_s"), format!("{window:?}"), what, "[from, to] in s");
     }
     Some(window)

@@ -50,7 +50,9 @@ fn law_windows_and_pushes() {
     let path = folder.path().join("s.toml");
     let text = windfall_scenarios::bundled("sage-perturbed").expect("bundled");
     let with = |window: &str, push: &str| {
-        let push = format!("window_s = {window}\n\n[[flight.push]]\n{push}\nimpulse_n_s = [0.0, 0.1, 0.0]\nangular_impulse_n_m_s = [0.0, 0.0, 0.05]\n\n[flight.release]");
+        let push = format!(
+            "window_s = {window}\n\n[[flight.push]]\n{push}\nimpulse_n_s = [0.0, 0.1, 0.0]\nangular_impulse_n_m_s = [0.0, 0.0, 0.05]\n\n[flight.release]"
+        );
         std::fs::write(&path, text.replacen("[flight.release]", &push, 1)).expect("writable");
         read_scenario_file(&path)
     };

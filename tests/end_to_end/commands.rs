@@ -130,7 +130,10 @@ fn law_check_prints_what_it_understood() {
     assert!(said.contains("largest angle of attack and rates") && said.contains("all of combined"), "{said}");
     let json: Value = serde_json::from_str(&done(&["check", &campaign, "--json"]).out).expect("JSON");
     let reached = &json["test_table"]["data_sets"][1];
-    assert!(reached["name"] == "combined" && (reached["max_alpha_t_deg"].as_f64().expect("a number") - 25.0).abs() < 0.01, "{reached}");
+    assert!(
+        reached["name"] == "combined" && (reached["max_alpha_t_deg"].as_f64().expect("a number") - 25.0).abs() < 0.01,
+        "{reached}"
+    );
     let found = done(&["identify", &campaign, "--method", "equation-error", "--json"]).out;
     let found: Value = serde_json::from_str(&found).expect("JSON");
     let set = &found["data_sets"][0]["envelope"];

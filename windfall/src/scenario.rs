@@ -313,17 +313,17 @@ mod tests {
     fn pub_table_5_1() {
         let campaign = Scenario::bundled("sage-thesis").and_then(|s| s.fly(&Fly::default())).expect("flown").campaign();
         let table = windfall_pid::test_table(&campaign.data);
-        let printed = [
-            ("unperturbed", 55.0, 8.6, 26.8, 54.4),
-            ("perturbed", 18.3, 38.8, 46.9, 98.3),
-            ("combined", 73.3, 38.8, 46.9, 98.3),
-        ];
+        let printed =
+            [("unperturbed", 55.0, 8.6, 26.8, 54.4), ("perturbed", 18.3, 38.8, 46.9, 98.3), ("combined", 73.3, 38.8, 46.9, 98.3)];
         for (name, time_s, alpha_t_deg, q_deg_s, r_deg_s) in printed {
             let e = &table.data_sets.iter().find(|s| s.name == name).expect("a data set").envelope;
             assert!((e.duration_s - time_s).abs() < 0.05, "{name}: {e:?}");
             assert!((e.max_alpha_t_deg / alpha_t_deg - 1.0).abs() < 0.15, "{name}: {e:?}");
             assert!((e.max_q_deg_s / q_deg_s - 1.0).abs() < 0.25, "{name}: {e:?}");
-            assert!((e.max_r_deg_s / r_deg_s - 1.0).abs() < 0.25 || name == "unperturbed" && e.max_r_deg_s < r_deg_s, "{name}: {e:?}");
+            assert!(
+                (e.max_r_deg_s / r_deg_s - 1.0).abs() < 0.25 || name == "unperturbed" && e.max_r_deg_s < r_deg_s,
+                "{name}: {e:?}"
+            );
         }
         let held_out = table.runs.iter().find(|r| r.used == "hold-out").expect("a run held out");
         // "Approximately 18 deg", section 5.3.2.

@@ -163,7 +163,11 @@ fn exact_contact_pulse() {
         let mut order = flight(10.0, 10.0, 0.0, REST);
         order.numerics.method = method;
         let mut plant = still.clone();
-        if by_flight { order.pushes.push(Contact { run: 7, ..pulse }) } else { plant.contacts.push(pulse) }
+        if by_flight {
+            order.pushes.push(Contact { run: 7, ..pulse })
+        } else {
+            plant.contacts.push(pulse)
+        }
         let truth = flown(&plant, &order);
         let last = truth.len() - 1;
         assert!(worst(&truth.v_tunnel_cm[50], &[0.0; 3]) < 1e-12);
