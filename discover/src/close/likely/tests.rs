@@ -130,7 +130,8 @@ fn exact_checks_of_a_form() {
     let c = sage(1.5);
     let (engine, found) = searched(&c);
     let mass = Member::null(CATALOGUE[place("mass")], engine.campaign());
-    let form = effect_line(0, &mass, &found, &engine, &[], Some(-0.7)).form.expect("a form");
+    let told = Told { sets: Vec::new(), is_explained: true };
+    let form = effect_line(0, &mass, &found, &engine, &told, Some(-0.7)).form.expect("a form");
     let p: Vec<f64> = form.checks.iter().map(|c| c.p_value).collect();
     assert!(form.ok && (p[0] - 1.0).abs() < 1e-15 && (p[1] - (-0.7_f64).exp()).abs() < 1e-15, "{p:?}");
     let side = |log_likelihood| After {
