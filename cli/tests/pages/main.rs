@@ -109,6 +109,7 @@ const LEFT_OUT: &[(&str, &str)] = &[
     ("docs/studies/elsewhere.md", "not run: hours of processor time"),
     ("docs/studies/elsewhere.md", "not run: hours of processor time"),
     ("docs/studies/elsewhere.md", "not run: hours of processor time"),
+    ("docs/studies/elsewhere.md", "not run: hours of processor time"),
     ("docs/studies/fuzz.md", "not run: an hour each"),
     ("docs/studies/structure.md", "not run: hours of processor time"),
 ];
