@@ -60,9 +60,7 @@ impl Closing {
         let departs = |words: &String| {
             format!("the declared model alone departs ({words}): what stands for before is the model with the effects")
         };
-        let not_named = |n: &NotNamed| {
-            format!("{} is in the most probable set and is not named (probability {:.3}): {}", n.family, n.probability, n.reason)
-        };
+        let not_named = |n: &NotNamed| format!("{} is not named (probability {:.3}): {}", n.family, n.probability, n.reason);
         let carry = "something is unexplained: the errors of the parameters carry how far it may have moved them".to_owned();
         let carry = self.errors_carry_unexplained.then_some(carry);
         let departs = self.declared_departs.iter().map(departs);

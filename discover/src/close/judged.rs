@@ -30,7 +30,7 @@ pub struct CheckLine {
     pub ok: bool,
 }
 
-/// A family of the likeliest set that the verdict does not name.
+/// A family of the likeliest set, or of the fit, that the verdict does not name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NotNamed {
     /// Family.

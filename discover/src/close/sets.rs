@@ -53,7 +53,7 @@ pub(super) fn not_named(found: &Discovery, told: &Told, effects: &[EffectLine]) 
         if unlikely.contains(&family) {
             return format!("the search ended before any set stayed, and sets with it are less likely than one in {RIVAL}");
         }
-        if !told.is_explained {
+        if !told.is_explained && found.after.model.members.iter().any(|m| m.effect.family == family) {
             return "something is unexplained, and smooth loads or free accelerations in its place explain nearly as much"
                 .to_owned();
         }

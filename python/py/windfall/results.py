@@ -429,7 +429,7 @@ class SetLine(Record):
 
 
 class NotNamed(Record):
-    """A family of the likeliest set that the verdict does not name."""
+    """A family of the likeliest set, or of the fit, that the verdict does not name."""
 
     family: str
     probability: float
