@@ -90,13 +90,17 @@ impl Discovery {
     /// The sets weighed at the end, with something else as a set of its own where generic alternatives were weighed beside them.
     #[must_use]
     pub fn sets_and_something_else(&self) -> Vec<FamilySet> {
-        let all = log_sum(&self.sets.iter().map(|s| s.gain).collect::<Vec<_>>());
-        let gain = self.contest.as_ref().map(|c| all + c.odds);
-        let other = gain.map(|gain| FamilySet { families: vec![SOMETHING_ELSE], gain, fit: f64::NEG_INFINITY });
-        let mut sets: Vec<FamilySet> = self.sets.iter().cloned().chain(other).collect();
-        sets.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        sets
+        and_something_else(&self.sets, self.contest.as_ref().map(|c| c.odds))
     }
+}
+
+/// Sets, best first, with something else among them at those log odds over all of them.
+fn and_something_else(sets: &[FamilySet], odds: Option<f64>) -> Vec<FamilySet> {
+    let all = log_sum(&sets.iter().map(|s| s.gain).collect::<Vec<_>>());
+    let other = odds.map(|odds| FamilySet { families: vec![SOMETHING_ELSE], gain: all + odds, fit: f64::NEG_INFINITY });
+    let mut sets: Vec<FamilySet> = sets.iter().cloned().chain(other).collect();
+    sets.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    sets
 }
 
 /// Nats by which runs that were not identified on are less likely with effects than without, from which they contradict them: of some 160 campaigns of

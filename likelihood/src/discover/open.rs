@@ -28,13 +28,15 @@ pub fn beside_something_else(engine: &Engine, found: &Discovery) -> Vec<FamilySe
     let (all, engine) = (alternatives(engine), &engine.coarse());
     let fits = choices_of_random(engine, found).into_iter().map(|model| (engine.clone(), model));
     let sets = fits.chain(likeliest_freedom(engine)).filter_map(|(engine, model)| {
-        let sets = beside_alternatives(&weigh_beside(&engine, &model, &all)?, &random_families(&model))?;
-        // Each axis by any of the shares, or not free.
-        let freedom = if engine.is_free() { 6.0 * (FREEDOM.len() as f64).ln_1p() } else { 0.0 };
-        let price = less_random(0.0, &model, &engine) - freedom;
-        Some(sets.into_iter().map(move |(families, gain, fit)| (families, gain + price, fit)))
+        beside_alternatives(&weigh_beside(&engine, &model, &all)?, &random_families(&model), price(&engine, &model))
     });
     merged(sets.flatten())
+}
+
+/// What a model's random inputs cost beforehand, and accelerations that are left free: along and about each axis by any of the shares, or not.
+fn price(engine: &Engine, model: &Model) -> f64 {
+    let freedom = if engine.is_free() { 6.0 * (FREEDOM.len() as f64).ln_1p() } else { 0.0 };
+    freedom - less_random(0.0, model, engine)
 }
 
 /// The model that was found with each choice of its random inputs, fitted again; without those that stand for something else.
@@ -83,9 +85,9 @@ fn likeliest_freedom(engine: &Engine) -> Option<(Engine, Model)> {
     Some((free, model))
 }
 
-/// Sets of effects, with the random inputs that all have, beside all generic alternatives of a weighing together: families, log marginal likelihood,
-/// log-likelihood. `None` where the runs cannot tell their columns apart at all.
-fn beside_alternatives(w: &Weighed, random: &[&'static str]) -> Option<Vec<(Vec<&'static str>, f64, f64)>> {
+/// Sets of effects, with the random inputs that all have, beside all generic alternatives of a weighing together: families, log marginal likelihood less
+/// a price, log-likelihood less it. `None` where the runs cannot tell their columns apart at all.
+fn beside_alternatives(w: &Weighed, random: &[&'static str], price: f64) -> Option<Vec<(Vec<&'static str>, f64, f64)>> {
     let is_generic = |place: &usize| matches!(w.whole.numbers[*place].id, Id::Generic(_));
     let (generic, own): (Vec<usize>, Vec<usize>) = w.others.iter().copied().partition(is_generic);
     let base: Vec<usize> = w.base.iter().chain(&generic).copied().collect();
@@ -97,7 +99,7 @@ fn beside_alternatives(w: &Weighed, random: &[&'static str]) -> Option<Vec<(Vec<
         Some((Unit { columns, ..u.clone() }, *family))
     };
     let (units, families): (Vec<Unit>, Vec<_>) = w.units.iter().zip(&w.families).filter_map(of_effects).unzip();
-    let nulls = w.whole.log_likelihood - quadratic_here(&w.whole);
+    let nulls = w.whole.log_likelihood - quadratic_here(&w.whole) - price;
     let mut all = Vec::new();
     for size in SIZES {
         let mut whole = w.whole.clone();
@@ -116,22 +118,26 @@ fn beside_alternatives(w: &Weighed, random: &[&'static str]) -> Option<Vec<(Vec<
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{number, unit, weighed};
+    use super::super::tests::{in_gusts, number, unit, weighed};
     use super::*;
     use crate::gram::Gram;
     use crate::search::{log_mean, of_any_size};
     use nalgebra::{DMatrix, DVector};
 
-    /// A constant, an effect's strength and a smooth load whose columns are alike to a part: by the marginal likelihood `½ bᵀS(I + SGS)⁻¹Sb − ½ ln |I + SGS|`
-    /// of all three together at each size of the load, their mean over the sizes, less the effect's cost.
+    /// A constant, an effect's strength and a smooth load whose columns are alike to a part: by the marginal likelihood
+    /// `½ bᵀS(I + SGS)⁻¹Sb − ½ ln |I + SGS|` of all three together at each size of the load, summed over the sizes, less the effect's cost and the price.
+    /// The likelihood is that of the size at which it is largest.
     #[test]
     fn exact_an_effect_beside_a_smooth_load() {
         let g = DMatrix::from_row_slice(3, 3, &[40.0, 3.0, 5.0, 3.0, 90.0, 70.0, 5.0, 70.0, 80.0]);
-        let b = DVector::from_vec(vec![4.0, 55.0, 50.0]);
+        let b_here = DVector::from_vec(vec![-3.0, 54.4, 49.0]);
+        let b = &b_here + &g * DVector::from_vec(vec![0.2, 0.0, 0.0]);
         let numbers =
-            vec![number(Id::Constant(0), 0.0, 0.7), number(Id::Strength(0, 0, 0), 0.0, 1.3), number(Id::Generic(0), 0.0, 0.9)];
-        let whole = Gram::new(numbers, g.clone(), b.clone(), 17.0);
-        // Floor and gain, with the posterior of the last of the places.
+            vec![number(Id::Constant(0), 0.2, 0.7), number(Id::Strength(0, 0, 0), 0.0, 1.3), number(Id::Generic(0), 0.0, 0.9)];
+        let whole = Gram::new(numbers, g.clone(), b_here, 17.0);
+        // At the constant's null: 17 + 3 · 0.2 − 40 · 0.2²/2, less the price.
+        let nulls = 17.0 + 0.6 - 0.8 - 1.5;
+        // Gain, and mean and variance of the last of the places.
         let by_hand = |places: &[usize], size: f64| {
             let s = |i: usize| [0.7, 1.3, 0.9 * size][places[i]];
             let n = places.len();
@@ -143,19 +149,39 @@ mod tests {
         };
         let units = vec![unit(0, &[0], 2.5), unit(1000, &[1], 4.0)];
         let w = weighed(whole, units, vec![(0, Some(0)), (1000, None)], Vec::new());
-        let sets = merged(beside_alternatives(&w, &["turbulence"]).expect("sets").into_iter());
-        let family = windfall_model::CATALOGUE[0].family;
-        let gain = |of: &[&str]| {
-            sets.iter().find(|s| s.families.len() == of.len() && of.iter().all(|f| s.families.contains(f))).expect("a set").gain
+        let sets = merged(beside_alternatives(&w, &["turbulence"], 1.5).expect("sets").into_iter());
+        let of = |families: &[&str]| {
+            let is_it = |s: &&FamilySet| s.families.len() == families.len() && families.iter().all(|f| s.families.contains(f));
+            sets.iter().find(is_it).expect("a set")
         };
         let of_sizes = |f: &dyn Fn(f64) -> f64| log_mean(&SIZES.map(f)) + 4.0_f64.ln();
-        let nulls = of_sizes(&|size| 17.0 + by_hand(&[0, 2], size).0);
-        assert!((gain(&["turbulence", SOMETHING_ELSE]) - nulls).abs() < 1e-9, "{sets:?} {nulls}");
+        let alone = of_sizes(&|size| nulls + by_hand(&[0, 2], size).0);
+        assert!((of(&["turbulence", SOMETHING_ELSE]).gain - alone).abs() < 1e-9, "{sets:?} {alone}");
         let with = of_sizes(&|size| {
             let (gain, mean, variance) = by_hand(&[0, 2, 1], size);
-            17.0 + gain - 2.5 + of_any_size(std::iter::once((mean, variance, 1.3)))
+            nulls + gain - 2.5 + of_any_size(std::iter::once((mean, variance, 1.3)))
         });
-        assert!((gain(&[family, "turbulence", SOMETHING_ELSE]) - with).abs() < 1e-9, "{sets:?} {with}");
+        let found = of(&[windfall_model::CATALOGUE[0].family, "turbulence", SOMETHING_ELSE]);
+        assert!((found.gain - with).abs() < 1e-9, "{sets:?} {with}");
+        // Of the strength alone the runs say exp(mean x/variance − x² (1/variance − 1/1.3²)/2).
+        let fit = SIZES.map(|size| {
+            let (_, mean, variance) = by_hand(&[0, 2, 1], size);
+            nulls + by_hand(&[0, 2], size).0 + mean * mean / variance - 0.5 * mean * mean * (1.0 / variance - 1.0 / 1.69)
+        });
+        let most = fit.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        assert!((found.fit - most).abs() < 1e-9, "{found:?} {most}");
         assert_eq!(sets.len(), 2);
+    }
+
+    /// Six axes by eight shares or none: 6 ln 9 beside what gusts cost.
+    #[test]
+    fn exact_price_of_freedom() {
+        let (engine, model) = in_gusts();
+        let mut free = engine.clone();
+        free.slack[4] = 0.01;
+        let held = price(&engine, &model);
+        assert!((held + less_random(0.0, &model, &engine)).abs() < 1e-12 && held > 4.0, "{held}");
+        let more = price(&free, &model) + less_random(0.0, &model, &free);
+        assert!((more - 6.0 * 9.0_f64.ln()).abs() < 1e-12, "{more}");
     }
 }

@@ -186,3 +186,14 @@ fn law_what_nothing_follows_is_followed_freely() {
     assert!(engine.slack[0] > 0.0 && fit.model.members.is_empty() && fit.chi.is_finite());
     assert_eq!(words, "no set of effects keeps the model near its runs");
 }
+
+/// At odds of three to one something else has three quarters, and stands before sets that share the rest; without a contest it is not among them.
+#[test]
+fn exact_something_else_among_sets() {
+    let set = |families: &[&'static str], gain: f64| FamilySet { families: families.to_vec(), gain, fit: 0.0 };
+    let sets = [set(&["magnus"], 7.0 + 0.6_f64.ln()), set(&[], 7.0 + 0.4_f64.ln())];
+    let all = and_something_else(&sets, Some(3.0_f64.ln()));
+    assert_eq!(all[0].families, [SOMETHING_ELSE]);
+    assert!((all[0].gain - (7.0 + 3.0_f64.ln())).abs() < 1e-12 && all[1..] == sets, "{all:?}");
+    assert_eq!(and_something_else(&sets, None), sets);
+}

@@ -212,3 +212,18 @@ fn law_trace_ends_at_the_last_node() {
     assert_eq!(others.len(), 29);
     assert!(last.phi.is_empty() && others.iter().all(|node| node.phi.len() == seen.states * seen.states));
 }
+
+/// What the tunnel speed's record lacks by its drift is air along the stream, as its transition has it.
+#[test]
+fn exact_a_drift_of_the_speed_is_air_along_the_stream() {
+    let (mut plant, noise, run) = (plant(), noise(), run());
+    plant.drift.speed_rms_m_s = 0.05;
+    let f = Filter::new(&run, &PassSetting::plain(&plant, &noise)).expect("a whole model");
+    let mut z = f.start();
+    let added = |z: &[f64]| f.air(z, 4, Stage::Now, [0.0; 3]).1;
+    let still = added(&z);
+    let (at, _) = f.inputs().find(|(_, input)| input.entry == Entry::RecordedSpeed).expect("a drift");
+    z[at] += 0.3;
+    let moved = added(&z);
+    assert!((moved[0] - still[0] - 0.3).abs() < 1e-15 && moved[1..] == still[1..], "{moved:?} {still:?}");
+}
