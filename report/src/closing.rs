@@ -165,7 +165,7 @@ fn effect(e: &EffectLine, held_out: bool) -> String {
         escape(&p_value(e.p_value))
     );
     if let Some(p) = e.probability {
-        let _ = writeln!(out, "<p>Probability that it is part of the set, given the data and the catalogue: {}.</p>", share(p));
+        let _ = writeln!(out, "<p>Probability that it acts, given the data: {}.</p>", share(p));
     }
     if let Some([calm, strong]) = e.bursts {
         let _ = writeln!(

@@ -68,7 +68,7 @@ fn residual(c: &Closing) -> String {
 fn effect(c: &Closing) -> String {
     let one = |e: &EffectLine| e.probability.map(|p| format!("{} {}", e.family, share(p)));
     let all: Vec<String> = c.effects.iter().filter_map(one).collect();
-    let odds = if all.is_empty() { String::new() } else { format!(" Probability given the catalogue: {}.", all.join(", ")) };
+    let odds = if all.is_empty() { String::new() } else { format!(" Probability: {}.", all.join(", ")) };
     c.lacks() + &odds
 }
 
