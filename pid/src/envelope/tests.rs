@@ -67,6 +67,19 @@ fn exact_runs_together() {
     assert_eq!(Envelope::joined([]), None);
 }
 
+/// Three periods of 2.6 Hz are 116 samples of 10 ms: they are left out at both ends of 801 samples, of a window only those that it has of them.
+/// Where nothing else is left, there is no interior.
+#[test]
+fn exact_interior() {
+    let mut smoothed = smooth(&steady(0.5, 0.2, 8), &Smoother::Auto).expect("a sound record");
+    smoothed.bandwidth_hz.fill(1.0);
+    smoothed.bandwidth_hz[4] = 2.6;
+    assert_eq!(interior(&smoothed, &(0..801)), Some(116..685));
+    assert_eq!(interior(&smoothed, &(100..301)), Some(16..201));
+    assert_eq!(interior(&smoothed, &(600..801)), Some(0..85));
+    assert_eq!(interior(&smoothed, &(20..110)), None);
+}
+
 /// The first sample of a recording may jump, and no rate is made of it. Of a window in the middle of a recording its own first samples count,
 /// since what is before them is known: the roll rate is 0.2 + 0.1 sin(π t) rad/s up to 4 s, largest at 2.5 s, and none later.
 #[test]
