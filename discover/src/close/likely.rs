@@ -63,7 +63,7 @@ pub(super) fn close(campaign: &Campaign, options: &Options) -> Result<Closing, D
         checks,
         declared_departs: found.before_fault.clone().err(),
         noise_is_scatter: false,
-        not_named: not_named(&found, &told, &effects),
+        not_named: not_named(&found, &told, &contradicted, &effects),
         joined: engine.joined(campaign),
         record: Vec::new(),
         bandwidth: bandwidth_lines(campaign),

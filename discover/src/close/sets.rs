@@ -25,8 +25,7 @@ impl Told {
     pub(super) fn stands(&self, family: &str) -> bool {
         let rivals = rivals(&self.sets, family);
         let is_it = |f: &str| f == family || rivals.iter().any(|r| r == f);
-        let has = |s: &FamilySet| s.families.iter().any(|f| is_it(f));
-        let acts: f64 = self.sets.iter().zip(weights(&self.sets)).filter(|(s, _)| has(s)).map(|(_, w)| w).sum();
+        let acts = probability_of(&self.sets, |s| s.families.iter().any(|f| is_it(f)));
         self.is_explained || acts * RIVAL > RIVAL - 1.0
     }
 }
@@ -41,19 +40,19 @@ pub(super) fn sets(sets: &[FamilySet]) -> Vec<SetLine> {
 }
 
 /// Families of the most probable set and effects of the fit that are not named, each with the reason.
-pub(super) fn not_named(found: &Discovery, told: &Told, effects: &[EffectLine]) -> Vec<NotNamed> {
-    let in_fit = found.after.model.members.iter().filter(|m| !m.declared).map(|m| m.effect.family);
-    let unlikely = contradicted(found);
+pub(super) fn not_named(found: &Discovery, told: &Told, contradicted: &[&str], effects: &[EffectLine]) -> Vec<NotNamed> {
+    let of_fit = found.after.model.members.iter().filter(|m| !m.declared).map(|m| m.effect.family);
+    let of_fit: Vec<&str> = of_fit.collect();
     let reason = |family: &str| {
         if found.stand_ins.contains(&family) {
             let what: Vec<String> = found.faint.iter().map(|l| format!("{} over {}", l.channel, l.variable)).collect();
             let which = if what.is_empty() { String::new() } else { format!(" ({})", listed(&what)) };
             return format!("gusts weaker than any tunnel's, or of a band as narrow as a tone, stand for something else{which}");
         }
-        if unlikely.contains(&family) {
+        if contradicted.contains(&family) {
             return format!("the search ended before any set stayed, and sets with it are less likely than one in {RIVAL}");
         }
-        if !told.is_explained && found.after.model.members.iter().any(|m| m.effect.family == family) {
+        if !told.is_explained && of_fit.contains(&family) {
             return "something is unexplained, and smooth loads or free accelerations in its place explain nearly as much"
                 .to_owned();
         }
@@ -63,7 +62,9 @@ pub(super) fn not_named(found: &Discovery, told: &Told, effects: &[EffectLine]) 
     };
     let best = told.sets.first().into_iter().flat_map(|s| s.families.iter().copied());
     let mut all: Vec<&str> = best.filter(|f| *f != SOMETHING_ELSE).collect();
-    all.extend(in_fit.filter(|_| !told.is_explained));
+    if !told.is_explained {
+        all.extend(&of_fit);
+    }
     let line = |family: &&str| NotNamed {
         family: (*family).to_owned(),
         probability: probability(&told.sets, family),
@@ -94,10 +95,14 @@ fn weights(sets: &[FamilySet]) -> Vec<f64> {
     all.iter().map(|w| w / sum).collect()
 }
 
-/// Probability of the sets that have a family; rounding of their sum does not take it above one.
+/// Probability of the sets that have a family.
 pub(super) fn probability(sets: &[FamilySet], family: &str) -> f64 {
-    // Of none, a sum is minus zero.
-    (0.0 + sets.iter().zip(weights(sets)).filter(|(s, _)| s.families.contains(&family)).map(|(_, w)| w).sum::<f64>()).min(1.0)
+    probability_of(sets, |s| s.families.contains(&family))
+}
+
+/// Probability of such sets; rounding of their sum does not take it above one, nor the sum of none below zero.
+fn probability_of(sets: &[FamilySet], is_such: impl Fn(&FamilySet) -> bool) -> f64 {
+    sets.iter().zip(weights(sets)).filter(|(s, _)| is_such(s)).map(|(_, w)| w).sum::<f64>().abs().min(1.0)
 }
 
 /// Families of the last fit that the sets weighed there hold for less likely than one in twenty: the search ended before a set stayed, and they are

@@ -68,14 +68,16 @@ fn likeliest_freedom(engine: &Engine) -> Option<(Engine, Model)> {
     for _ in 0..ROUNDS {
         let before = best;
         for axis in 0..6 {
-            for there in FREEDOM.into_iter().chain([0.0]) {
-                let mut other = free.clone();
-                other.slack[axis] = there;
-                let value = likelihood(&other);
+            let here = free.slack[axis];
+            let mut share = here;
+            for there in FREEDOM.into_iter().chain([0.0]).filter(|there| there.to_bits() != here.to_bits()) {
+                free.slack[axis] = there;
+                let value = likelihood(&free);
                 if value > best {
-                    (best, free) = (value, other);
+                    (best, share) = (value, there);
                 }
             }
+            free.slack[axis] = share;
         }
         if best <= before {
             break;
